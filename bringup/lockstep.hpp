@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a scenario. Out: its drive, by the same cores as over DDS, with no DDS and no clock.
+#pragma once
+
+#include <functional>
+
+#include "bringup/drive_log.hpp"
+
+namespace tandem {
+
+/// Constructs everything that a drive needs, in lockstep or over DDS, and throws
+/// std::invalid_argument, one line that names the file, if anything is wrong: a parameter, the map,
+/// a start in an obstacle.
+void check_drive(const Scenario& scenario, const DriveOptions& options);
+
+/// Runs the components' cores in one loop on simulated time. Deterministic: the same scenario,
+/// options and machine give the same drive, bit for bit (but for the solver's measured times).
+/// Throws what the components' constructors throw.
+[[nodiscard]] DriveLog drive_in_lockstep(const Scenario& scenario, const DriveOptions& options,
+                                         const std::function<void(const Progress&)>& progress = {});
+
+}  // namespace tandem

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `tandem`.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "bringup/describe_command.hpp"
+#include "bringup/map_command.hpp"
+#include "bringup/run_command.hpp"
+#include "bringup/scenario_command.hpp"
+
+namespace {
+
+// The word that stands where a command should; empty if none does.
+std::string unknown_command(const CLI::App& app) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+  const auto words = at->remaining();
+  return at->get_require_subcommand_min() == 0 || words.empty() ? "" : words.front();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Tandem: shared control for differential-drive robots"};
+  app.require_subcommand(1);
+  int status = 0;
+  tandem::add_run_command(app, status);
+  tandem::add_scenario_command(app, status);
+  tandem::add_describe_command(app);
+  tandem::add_map_command(app);
+  try {
+    app.parse(argc, argv);
+    return status;
+  } catch (const CLI::RequiredError& error) {
+    const std::string unknown = unknown_command(app);
+    if (unknown.empty()) return app.exit(error), 1;
+    std::fprintf(stderr, "tandem: no command '%s'; --help lists them\n", unknown.c_str());
+    return 1;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;  // 0: --help
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "tandem: %s\n", error.what());
+    return 1;
+  }
+}

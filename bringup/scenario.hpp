@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a scenario file. Out: the drive it describes, as the system of components that runs it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bringup/metrics.hpp"
+#include "bringup/system.hpp"
+
+namespace tandem {
+
+/// What must hold after a drive, by every method but those in `except`.
+struct Expectation {
+  bool reached = true;
+  int max_collisions = 0;
+  double max_fallback_share = 1.0;        ///< of the planner's cycles
+  double max_final_position_error = 1e9;  ///< [m]
+  std::vector<std::string> except;
+};
+
+/// A drive through a map: where, with which robot, whereto, by whom, and what must hold.
+struct Scenario {
+  std::string name, path;
+  std::string map;       ///< OctoMap file
+  std::string robot;     ///< parameter file
+  std::string fixtures;  ///< file of forbidden regions; empty: none
+  Pose2 start;
+  Goal goal;
+  std::string method;                ///< unless the command line names another
+  std::vector<std::string> methods;  ///< those the scenario makes sense for
+  double duration = 120.0;           ///< [s] simulated, then it is over
+  unsigned seed = 1;
+  std::map<std::string, rt::ParameterValue> slice;  ///< of the map: z_min, z_max, floor
+  std::map<std::string, std::map<std::string, rt::ParameterValue>> parameters;  ///< per component
+  Expectation expect;
+};
+
+/// What the command line may change.
+struct DriveOptions {
+  std::string method;   ///< empty: the scenario's
+  unsigned seed = 0;    ///< 0: the scenario's
+  std::string map;      ///< empty: the scenario's
+  bool enforce = true;  ///< false: the filter only watches, to see what the planner does alone
+  bool lockstep = false;
+  double speed = 1.0;  ///< simulated per real time, over DDS
+};
+
+/// Names of all methods.
+[[nodiscard]] const std::vector<std::string>& all_methods();
+
+/// Throws std::invalid_argument naming file, line and key for whatever is not of a scenario's form.
+[[nodiscard]] Scenario load_scenario(const std::string& path);
+
+/// The scenario with the options applied. Throws std::invalid_argument for an unknown method.
+[[nodiscard]] Scenario with_options(Scenario scenario, const DriveOptions& options);
+
+/// The components of a drive with all their parameters. In lockstep the solver has no wall-clock
+/// budget, so that the same seed gives the same drive.
+[[nodiscard]] System system_of(const Scenario& scenario, const DriveOptions& options);
+
+/// One line for each thing that should have held and did not.
+[[nodiscard]] std::vector<std::string> failures(const Scenario& scenario,
+                                                const DriveResult& result);
+
+/// A component's parameters as its node would read them.
+template <class P>
+[[nodiscard]] P parameters_of(const System& system, const std::string& component) {
+  P params;
+  for (const SystemNode& node : system.nodes) {
+    if (node.component != component) continue;
+    rt::ParameterStore store{"/" + node.options.name, node.options.parameters};
+    params.visit(store);
+    bool use_sim_time = false;
+    store("use_sim_time", use_sim_time, "");
+    store.check_unknown();
+    check(params);
+  }
+  return params;
+}
+
+}  // namespace tandem

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/scenario_command.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bringup/lockstep.hpp"
+#include "bringup/over_dds.hpp"
+#include "bringup/report.hpp"
+#include "runtime/log.hpp"
+#include "runtime/parameters.hpp"
+#include "runtime/shutdown.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned kMostSeeds = 100000;
+
+struct Request {
+  std::vector<std::string> files;
+  std::string method, map, json, picture, seeds;
+  unsigned seed = 0;
+  bool lockstep = false, dds = false, no_filter = false, quiet = false;
+  double speed = 1.0;
+  unsigned jobs = 1;
+};
+
+struct Job {
+  Scenario scenario;
+  DriveOptions options;
+};
+
+std::pair<unsigned, unsigned> seed_range(const Request& request) {
+  if (request.seeds.empty()) return {request.seed, request.seed};
+  unsigned first = 0, last = 0;
+  char rest = '\0';
+  if (std::sscanf(request.seeds.c_str(), "%u-%u%c", &first, &last, &rest) != 2 || first == 0 ||
+      last < first || last - first >= kMostSeeds)
+    throw std::invalid_argument("--seeds " + request.seeds + ": expected A-B with 1 <= A <= B, " +
+                                std::to_string(kMostSeeds) + " at most");
+  return {first, last};
+}
+
+// Every drive, checked before the first begins.
+std::vector<Job> jobs_of(const Request& request) {
+  const auto [first, last] = seed_range(request);
+  std::vector<Job> jobs;
+  for (const auto& file : request.files) {
+    const Scenario scenario = load_scenario(file);
+    const auto methods =
+        request.method == "all" ? scenario.methods : std::vector<std::string>{request.method};
+    for (const auto& method : methods) {
+      DriveOptions options{method,           last,         request.map, !request.no_filter,
+                           request.lockstep, request.speed};
+      check_drive(scenario, options);
+      for (options.seed = first; options.seed <= last; ++options.seed)
+        jobs.push_back({with_options(scenario, options), options});
+    }
+  }
+  for (const auto& key : rt::unused_wildcard_keys())
+    rt::Logger{"tandem"}.warn("{} is no parameter of any component", key);
+  return jobs;
+}
+
+// What is written after the last drive had better be writable before the first.
+void check_outputs(const Request& request) {
+  const fs::path json = request.json;
+  const fs::path folder = json.has_parent_path() ? json.parent_path() : fs::path{"."};
+  if (!json.empty() && (fs::is_directory(json) || access(folder.c_str(), W_OK) != 0))
+    throw std::invalid_argument("--json " + request.json +
+                                ": cannot be written; name a file in a folder that exists");
+  if (request.picture.empty()) return;
+  std::error_code error;
+  fs::create_directories(request.picture, error);
+  if (error)
+    throw std::invalid_argument("--picture " + request.picture + ": " + error.message() +
+                                "; name a folder that exists or can be made");
+}
+
+// On a terminal one line that is written over; else a line now and then, fit for a log.
+class Display {
+ public:
+  explicit Display(bool quiet) : quiet_{quiet}, terminal_{isatty(STDERR_FILENO) == 1} {}
+
+  void show(const Progress& progress) {
+    if (quiet_) return;
+    if (terminal_) {
+      std::fprintf(stderr, "\r%s ", progress_line(progress).c_str());
+    } else if (progress.t >= next_) {
+      std::fprintf(stderr, "%s\n", progress_line(progress).c_str());
+      next_ = progress.t + 5.0;
+    }
+  }
+  void end() const {
+    if (!quiet_ && terminal_) std::fprintf(stderr, "\n");
+  }
+
+ private:
+  bool quiet_, terminal_;
+  double next_ = 0.0;
+};
+
+DriveResult drive(const Job& job, const Request& request) {
+  Display display{request.quiet};
+  const auto show = [&](const Progress& progress) { display.show(progress); };
+  DriveLog log = job.options.lockstep ? drive_in_lockstep(job.scenario, job.options, show)
+                                      : drive_over_dds(job.scenario, job.options, show);
+  display.end();
+  if (request.picture.empty()) return log.result;
+  const auto png = fs::path(request.picture) / (job.scenario.name + "_" + job.scenario.method +
+                                                "_" + std::to_string(job.scenario.seed) + ".png");
+  draw_drive(job.scenario, system_of(job.scenario, job.options), log, png.string());
+  if (!request.quiet) std::printf("picture: %s\n", png.c_str());
+  return log.result;
+}
+
+// The solver serves one thread per process, so drives run side by side in processes. Worker w takes
+// every jobs-th drive and leaves its results, a line of JSON each, in its file.
+[[noreturn]] void work(const std::vector<Job>& all, const Request& request, unsigned w,
+                       std::FILE* out) {
+  try {
+    for (std::size_t i = w; i < all.size(); i += request.jobs) {
+      const nlohmann::json result = drive(all[i], request);
+      std::fprintf(out, "%zu %s\n", i, result.dump().c_str());
+    }
+    std::fflush(nullptr);
+    std::_Exit(0);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "tandem: %s\n", error.what());
+    std::_Exit(1);
+  }
+}
+
+void collect(std::FILE* file, std::vector<DriveResult>& results) {
+  std::rewind(file);
+  std::string line;
+  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
+    if (c != '\n') {
+      line.push_back(static_cast<char>(c));
+      continue;
+    }
+    const auto space = line.find(' ');
+    results.at(std::stoul(line.substr(0, space))) = nlohmann::json::parse(line.substr(space + 1));
+    line.clear();
+  }
+  std::fclose(file);
+}
+
+std::vector<DriveResult> drive_in_workers(const std::vector<Job>& all, const Request& request) {
+  std::vector<std::pair<pid_t, std::FILE*>> workers;
+  std::fflush(nullptr);
+  for (unsigned w = 0; w < request.jobs; ++w) {
+    std::FILE* file = std::tmpfile();
+    if (file == nullptr) throw std::runtime_error("cannot make a temporary file");
+    const pid_t child = fork();
+    if (child == 0) work(all, request, w, file);
+    if (child < 0) throw std::runtime_error("cannot start a worker process");
+    workers.emplace_back(child, file);
+  }
+  bool failed = false;
+  std::vector<DriveResult> results(all.size());
+  for (const auto& [child, file] : workers) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    failed = failed || !WIFEXITED(status) || WEXITSTATUS(status) != 0;
+    collect(file, results);
+  }
+  if (failed) throw std::runtime_error("a worker did not finish its drives");
+  return results;
+}
+
+std::vector<DriveResult> drive_all(const std::vector<Job>& all, const Request& request) {
+  if (request.lockstep && request.jobs > 1) return drive_in_workers(all, request);
+  if (!request.lockstep) rt::install_signal_handlers();
+  std::vector<DriveResult> results;
+  for (const Job& job : all) {
+    results.push_back(drive(job, request));
+    if (!request.lockstep && rt::shutting_down()) break;
+  }
+  return results;
+}
+
+int run(const Request& request) {
+  if (request.lockstep && request.dds)
+    throw std::invalid_argument("--lockstep and --dds exclude each other");
+  if (request.jobs > 1 && !request.lockstep)
+    throw std::invalid_argument("--jobs needs --lockstep: over DDS one system runs at a time");
+  check_outputs(request);
+  const auto results = drive_all(jobs_of(request), request);
+  if (!request.json.empty()) {
+    std::ofstream out{request.json};
+    out << nlohmann::json(results).dump(2) << '\n';
+    if (!out) throw std::runtime_error(request.json + ": cannot be written");
+  }
+  std::printf("%s", summary_table(results).c_str());
+  const bool held = std::all_of(results.begin(), results.end(),
+                                [](const auto& result) { return result.failures.empty(); });
+  return held ? 0 : 1;
+}
+
+}  // namespace
+
+void add_scenario_command(CLI::App& app, int& status) {
+  auto* command = app.add_subcommand("scenario", "Drive scenario files and check what must hold");
+  auto request = std::make_shared<Request>();
+  command->add_option("files", request->files, "scenario files")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("--method", request->method,
+                      "manual, safety_filter, leader, intention, blend, goal; all: every method "
+                      "the scenario lists");
+  command->add_option("--seed", request->seed, "seed of the simulated person");
+  command->add_option("--seeds", request->seeds, "a range of seeds, A-B");
+  command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);
+  command->add_option("--json", request->json, "write all results to this file");
+  command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")
+      ->take_last();  // after the one that bringup/demo names
+  command->add_flag("--dds", request->dds, "the real nodes over DDS (default)");
+  command->add_flag("--lockstep", request->lockstep,
+                    "the same cores without DDS, deterministic and faster than real time");
+  command->add_option("--speed", request->speed, "over DDS: simulated per real time");
+  command->add_flag("--no-filter", request->no_filter,
+                    "the safety filter only watches: what does the method do alone?");
+  command->add_option("--jobs", request->jobs, "in lockstep: processes side by side")
+      ->check(CLI::Range(1, 256));
+  command->add_flag("--quiet", request->quiet, "no progress line");
+  command->callback([request, &status] { status = run(*request); });
+}
+
+}  // namespace tandem

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a system file. Out: its components, running in this process or one process each.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/component.hpp"
+
+namespace tandem {
+
+/// One component of a system, as the system file says.
+struct SystemNode {
+  std::string component;
+  rt::NodeOptions options;
+};
+
+/// Which components run, under which names, with which parameters and remappings.
+struct System {
+  std::string path;
+  std::vector<SystemNode> nodes;
+};
+
+/// Throws std::invalid_argument naming file and line for whatever is not of a system file's form.
+[[nodiscard]] System load_system(const std::string& path);
+
+/// The components of a system, each on its own thread. Destruction stops them.
+class RunningSystem {
+ public:
+  /// Runs the nodes named in `only` (all if empty). Throws std::invalid_argument for a name that
+  /// the system does not have, and what a component's constructor throws; then nothing runs.
+  explicit RunningSystem(const System& system, const std::vector<std::string>& only = {});
+
+  void stop();  ///< returns at once
+  void wait();  ///< until every component has stopped
+
+ private:
+  std::vector<rt::RunningComponent> components_;
+};
+
+/// Runs a system until SIGINT or SIGTERM; the result is the program's exit status.
+/// `separate_processes`: one process per component, started as `<this program> run FILE --only
+/// NAME`.
+int run_system(const std::string& path, const std::vector<std::string>& only,
+               bool separate_processes, const std::vector<std::string>& ros_args);
+
+}  // namespace tandem

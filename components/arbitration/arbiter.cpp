@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arbitration/arbiter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
+  return {a.v + share_of_b * (b.v - a.v), a.w + share_of_b * (b.w - a.w)};
+}
+
+Decision stop(ArbitrationReason reason) { return {{}, Source::kNone, reason, 0.0}; }
+
+}  // namespace
+
+const char* name(Policy policy) {
+  switch (policy) {
+    case Policy::kManual:
+      return "manual";
+    case Policy::kShared:
+      return "shared";
+    case Policy::kBlend:
+      return "blend";
+    case Policy::kAutonomous:
+      return "autonomous";
+  }
+  return "?";
+}
+
+const char* name(Source source) {
+  switch (source) {
+    case Source::kNone:
+      return "none";
+    case Source::kUser:
+      return "user";
+    case Source::kShared:
+      return "shared";
+    case Source::kBlend:
+      return "blend";
+    case Source::kNav:
+      return "nav";
+  }
+  return "?";
+}
+
+const char* name(ArbitrationReason reason) {
+  switch (reason) {
+    case ArbitrationReason::kFollowsSource:
+      return "follows the source";
+    case ArbitrationReason::kHandover:
+      return "handover";
+    case ArbitrationReason::kUserTakesOver:
+      return "the person takes over";
+    case ArbitrationReason::kEmergencyStop:
+      return "emergency stop";
+    case ArbitrationReason::kUserSilent:
+      return "cmd_vel_user is silent";
+    case ArbitrationReason::kSharedSilent:
+      return "cmd_vel_shared is silent";
+    case ArbitrationReason::kAllSilent:
+      return "no command";
+  }
+  return "?";
+}
+
+Policy policy_from(const std::string& text) {
+  for (const Policy policy :
+       {Policy::kManual, Policy::kShared, Policy::kBlend, Policy::kAutonomous})
+    if (text == name(policy)) return policy;
+  throw std::invalid_argument("policy '" + text +
+                              "' is none of {manual, shared, blend, autonomous}");
+}
+
+void Arbiter::Input::receive(const Twist2& value, double time) {
+  if (!is_finite(value)) return;
+  twist = value;
+  t = time;
+  heard = true;
+}
+
+Arbiter::Arbiter(const ArbiterParams& params)
+    : params_{params}, policy_{policy_from(params.policy)} {
+  check(params_);
+}
+
+void Arbiter::on_user(const Twist2& twist, double t) { user_.receive(twist, t); }
+void Arbiter::on_shared(const Twist2& twist, double t) { shared_.receive(twist, t); }
+void Arbiter::on_nav(const Twist2& twist, double t) { nav_.receive(twist, t); }
+
+void Arbiter::on_clearance(double clearance, double t) {
+  if (std::isnan(clearance)) return;
+  clearance_ = clearance;
+  clearance_time_ = t;
+  clearance_heard_ = true;
+}
+
+void Arbiter::on_emergency_stop(bool pressed) {
+  stop_pressed_ = pressed;
+  stop_latched_ = stop_latched_ || pressed;
+}
+
+bool Arbiter::release_emergency_stop() {
+  if (!stop_pressed_) stop_latched_ = false;
+  return !stop_latched_;
+}
+
+Decision Arbiter::decide(double now) {
+  Decision decision = stop_latched_ ? stop(ArbitrationReason::kEmergencyStop) : choose(now);
+  decision = ramp(decision, now);
+  last_ = decision;
+  last_time_ = now;
+  return decision;
+}
+
+Decision Arbiter::choose(double now) {
+  if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
+  if (!user_.fresh(now, params_.user_timeout)) return stop(ArbitrationReason::kUserSilent);
+  if (policy_ == Policy::kManual)
+    return {user_.twist, Source::kUser, ArbitrationReason::kFollowsSource, 0.0};
+  if (!shared_.fresh(now, params_.shared_timeout)) return stop(ArbitrationReason::kSharedSilent);
+  if (policy_ == Policy::kShared)
+    return {shared_.twist, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
+  return blend(now);
+}
+
+Decision Arbiter::choose_autonomous(double now) const {
+  const bool steers = std::abs(user_.twist.v) > params_.takeover_threshold ||
+                      std::abs(user_.twist.w) > params_.takeover_threshold;
+  if (user_.fresh(now, params_.user_timeout) && steers)
+    return {user_.twist, Source::kUser, ArbitrationReason::kUserTakesOver, 0.0};
+  if (nav_.fresh(now, params_.nav_timeout))
+    return {nav_.twist, Source::kNav, ArbitrationReason::kFollowsSource, 0.0};
+  if (shared_.fresh(now, params_.shared_timeout))
+    return {shared_.twist, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
+  return stop(ArbitrationReason::kAllSilent);
+}
+
+// The planner's share grows with danger (little clearance) and with disagreement: where the planner
+// departs from the person it has seen what the person has not.
+Decision Arbiter::blend(double now) {
+  const bool known = clearance_heard_ && now - clearance_time_ <= params_.shared_timeout;
+  const double danger = known ? 1.0 - clearance_ / params_.blend_clearance : 1.0;
+  const double disagreement =
+      std::hypot(user_.twist.v - shared_.twist.v, user_.twist.w - shared_.twist.w) /
+      params_.blend_disagreement;
+  const double target = std::clamp(std::max(danger, disagreement), params_.blend_min, 1.0);
+  const double step = params_.blend_rate * std::max(0.0, now - last_time_);
+  alpha_ = std::clamp(target, alpha_ - step, alpha_ + step);
+  return {mix(user_.twist, shared_.twist, alpha_), Source::kBlend,
+          ArbitrationReason::kFollowsSource, alpha_};
+}
+
+// A change of the source ramps from the command in force; a stop never waits.
+Decision Arbiter::ramp(Decision decision, double now) {
+  if (decision.source == Source::kNone) return decision;
+  if (decision.source != last_.source) {
+    ramp_from_ = last_.command;
+    ramp_start_ = now;
+  }
+  const double age = now - ramp_start_;
+  if (age >= params_.handover_time || last_.source == Source::kNone) {
+    if (last_.source == Source::kNone) ramp_start_ = now - params_.handover_time;
+    return decision;
+  }
+  decision.command = mix(ramp_from_, decision.command, age / params_.handover_time);
+  if (decision.reason == ArbitrationReason::kFollowsSource)
+    decision.reason = ArbitrationReason::kHandover;
+  return decision;
+}
+
+std::vector<std::string> Arbiter::silent_sources(double now) const {
+  std::vector<std::string> silent;
+  if (user_.heard && !user_.fresh(now, params_.user_timeout)) silent.emplace_back("cmd_vel_user");
+  if (shared_.heard && !shared_.fresh(now, params_.shared_timeout))
+    silent.emplace_back("cmd_vel_shared");
+  if (nav_.heard && !nav_.fresh(now, params_.nav_timeout)) silent.emplace_back("cmd_vel_nav");
+  return silent;
+}
+
+}  // namespace tandem

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the person's, the planner's and an outside autonomy's commands with the time each arrived.
+// Out: one command, and why.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/se2.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// Who may drive. kShared: the planner for the person. kBlend: a mixture of both. kAutonomous: the
+/// outside autonomy, else the planner's own goal; the person takes over by steering.
+enum class Policy { kManual, kShared, kBlend, kAutonomous };
+
+/// Whose command goes on.
+enum class Source { kNone, kUser, kShared, kBlend, kNav };
+
+/// Why the decision is what it is.
+enum class ArbitrationReason {
+  kFollowsSource,
+  kHandover,       ///< authority just changed: ramping from the old command to the new
+  kUserTakesOver,  ///< autonomous, but the person steers
+  kEmergencyStop,
+  kUserSilent,
+  kSharedSilent,
+  kAllSilent,
+};
+
+[[nodiscard]] const char* name(Policy policy);
+[[nodiscard]] const char* name(Source source);
+[[nodiscard]] const char* name(ArbitrationReason reason);
+
+/// Throws std::invalid_argument that lists the policies if `text` is none of them.
+[[nodiscard]] Policy policy_from(const std::string& text);
+
+struct ArbiterParams {
+  std::string policy = "shared";
+  double user_timeout = 0.11;
+  double shared_timeout = 0.12;
+  double nav_timeout = 0.5;
+  double handover_time = 0.3;
+  double takeover_threshold = 0.05;
+  double blend_clearance = 0.8;
+  double blend_disagreement = 0.5;
+  double blend_min = 0.1;
+  double blend_rate = 4.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("policy", policy, OneOf{{"manual", "shared", "blend", "autonomous"}},
+          "who may drive at start; the service ~/set_policy changes it");
+    field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence that stops the person");
+    field("shared_timeout", shared_timeout, Range{0.02, 5.0}, "[s] silence that stops the planner");
+    field("nav_timeout", nav_timeout, Range{0.02, 5.0}, "[s] silence that frees from autonomy");
+    field("handover_time", handover_time, Range{0.0, 5.0}, "[s] ramp when authority changes");
+    field("takeover_threshold", takeover_threshold, Range{0.0, 1.0},
+          "[m/s, rad/s] a person's command above it takes over from autonomy");
+    field("blend_clearance", blend_clearance, Range{0.01, 10.0},
+          "[m] clearance below which danger begins to shift authority to the planner");
+    field("blend_disagreement", blend_disagreement, Range{0.01, 10.0},
+          "[m/s, rad/s] difference of the two commands that gives the planner full authority");
+    field("blend_min", blend_min, Range{0.0, 1.0}, "[1] authority the planner always has");
+    field("blend_rate", blend_rate, Range{0.1, 100.0}, "[1/s] fastest change of authority");
+  }
+};
+
+struct Decision {
+  Twist2 command;
+  Source source = Source::kNone;
+  ArbitrationReason reason = ArbitrationReason::kAllSilent;
+  double alpha = 0.0;  ///< the planner's share of the command, 0 … 1
+};
+
+/// Decides whose command goes on. Times are seconds on one monotonic clock; a command counts from
+/// the moment it arrived. Never throws after construction; a non-finite command is as good as none.
+class Arbiter {
+ public:
+  /// Throws std::invalid_argument on parameters out of range.
+  explicit Arbiter(const ArbiterParams& params);
+
+  void on_user(const Twist2& twist, double t);
+  void on_shared(const Twist2& twist, double t);
+  void on_nav(const Twist2& twist, double t);
+  /// Distance of the robot to the nearest obstacle [m], which drives `blend`.
+  void on_clearance(double clearance, double t);
+
+  /// Latches: only release_emergency_stop() frees, and only after the last word was `false`.
+  void on_emergency_stop(bool pressed);
+  /// Whether the stop is released now.
+  [[nodiscard]] bool release_emergency_stop();
+  [[nodiscard]] bool emergency_stopped() const { return stop_latched_; }
+
+  void set_policy(Policy policy) { policy_ = policy; }
+  [[nodiscard]] Policy policy() const { return policy_; }
+
+  [[nodiscard]] Decision decide(double now);
+  /// Names of the inputs that were heard once and are silent now.
+  [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
+
+ private:
+  struct Input {
+    Twist2 twist;
+    double t = 0.0;
+    bool heard = false;
+
+    void receive(const Twist2& value, double time);
+    [[nodiscard]] bool fresh(double now, double timeout) const {
+      return heard && now - t <= timeout;
+    }
+  };
+
+  [[nodiscard]] Decision choose(double now);
+  [[nodiscard]] Decision choose_autonomous(double now) const;
+  [[nodiscard]] Decision blend(double now);
+  [[nodiscard]] Decision ramp(Decision decision, double now);
+
+  ArbiterParams params_;
+  Policy policy_;
+  Input user_, shared_, nav_;
+  double clearance_ = 0.0, clearance_time_ = 0.0;
+  bool clearance_heard_ = false;
+  bool stop_pressed_ = false, stop_latched_ = false;
+
+  Decision last_;
+  double last_time_ = 0.0;
+  Twist2 ramp_from_;
+  double ramp_start_ = -1e9;
+  double alpha_ = 0.0;
+};
+
+}  // namespace tandem

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "arbitration/arbiter.hpp"
+#include "convert.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+/// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop → cmd_vel_arbitrated, arbitration/status.
+///
+/// Passes a command on when it arrives; in between it repeats the command in force, and says zero
+/// as soon as the source in charge is silent. Services: ~/set_policy, ~/release_emergency_stop.
+class ArbitrationNode {
+ public:
+  static constexpr double kWatchdog = 0.0125;    // [s]
+  static constexpr double kRepeat = 0.025;       // [s] silence that is broken by a repetition
+  static constexpr double kStatusPeriod = 0.05;  // [s]
+  static constexpr double kClockSilence = 0.5;   // [s] of steady time
+
+  explicit ArbitrationNode(rt::Node& node);
+
+ private:
+  void subscribe_commands();
+  void subscribe_emergency_stop();
+  void offer_services();
+  void decide(Source arrived);
+  void watch();
+  void publish_status();
+
+  rt::Node& node_;
+  rt::Parameters<ArbiterParams> params_;
+  Arbiter arbiter_;
+  Decision decision_;
+  double published_ = -1.0;  ///< steady time of the last command [s]
+
+  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
+  rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;
+  rt::Subscription user_, shared_, nav_, planner_, stop_latched_, stop_any_;
+  rt::Service set_policy_, release_;
+  rt::Timer watchdog_, status_timer_;
+};
+
+}  // namespace tandem

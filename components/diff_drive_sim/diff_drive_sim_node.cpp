@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "diff_drive_sim/diff_drive_sim_node.hpp"
+
+#include <cmath>
+
+#include "map/octomap_file.hpp"
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+namespace {
+
+Pose2 start_of(const DiffDriveSimNodeParams& params) {
+  if (params.start.size() != 3)
+    throw std::invalid_argument("start: needs three numbers, x, y and heading");
+  return {params.start[0], params.start[1], params.start[2]};
+}
+
+DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
+  if (params.map.empty()) throw std::invalid_argument("map: name an OctoMap file");
+  auto map = std::make_shared<const StaticMap>(slice(*load_octomap(params.map), params.slice),
+                                               params.unknown_is_obstacle);
+  DiffDriveSim sim{params.sim, params.robot, std::move(map), static_cast<unsigned>(params.seed)};
+  sim.reset(start_of(params), static_cast<unsigned>(params.seed));
+  return sim;
+}
+
+}  // namespace
+
+DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<DiffDriveSimNodeParams>()},
+      sim_{simulation(*params_)},
+      clock_{node.create_publisher(topics::clock)},
+      odom_{node.create_publisher(topics::odom)},
+      ground_truth_{node.create_publisher(topics::ground_truth)},
+      tf_{node.create_publisher(topics::tf)},
+      scan_{node.create_publisher(topics::scan)},
+      collision_{node.create_publisher(topics::collision)} {
+  subscribe();
+  timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
+}
+
+void DiffDriveSimNode::subscribe() {
+  cmd_vel_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
+    if (const auto twist = from_msg(msg))
+      sim_.command(*twist, sim_.state().t);
+    else
+      node_.log().warn_every(1.0, "cmd_vel is not finite: dropped");
+  });
+  initial_pose_ = node_.create_subscription(topics::initial_pose, [this](const auto& msg) {
+    if (const auto X_MB = from_msg(msg.pose().pose()))
+      reset(*X_MB);
+    else
+      node_.log().warn_every(1.0, "initialpose is not finite: dropped");
+  });
+  reset_ = node_.create_service(services::reset, [this](const auto&, auto& response) {
+    reset(start_of(*params_));
+    response.success(true);
+    response.message("at the start");
+  });
+}
+
+void DiffDriveSimNode::reset(const Pose2& X_MB) {
+  sim_.reset(X_MB, static_cast<unsigned>(params_->seed));
+  node_.log().info("reset to ({:.2f}, {:.2f}, {:.2f})", X_MB.x, X_MB.y, X_MB.theta);
+}
+
+void DiffDriveSimNode::tick() {
+  ++ticks_;
+  sim_.advance_to(static_cast<double>(ticks_) * params_->step);
+  publish_clock();
+  if (due(params_->odom_rate)) {
+    publish_odometry();
+    publish_collision();
+  }
+  if (due(params_->scan_rate)) publish_scan();
+}
+
+// Whether a beat of `rate` falls into the tick that just passed.
+bool DiffDriveSimNode::due(double rate) const {
+  const double beats_per_tick = rate * params_->step;
+  const auto t = static_cast<double>(ticks_);
+  return std::floor(t * beats_per_tick + 1e-9) > std::floor((t - 1.0) * beats_per_tick + 1e-9);
+}
+
+Stamp DiffDriveSimNode::stamp_at(double t) const { return rt::to_stamp(std::llround(t * 1e9)); }
+
+void DiffDriveSimNode::publish_clock() {
+  rosgraph_msgs::msg::Clock msg;
+  msg.clock(stamp_at(sim_.state().t));
+  clock_.publish(msg);
+}
+
+void DiffDriveSimNode::publish_odometry() {
+  const auto& frames = params_->frames;
+  const OdometryReport report = sim_.odometry();
+  const auto odom_header = header(stamp_at(report.t), frames.odom);
+  const auto map_header = header(stamp_at(report.t), frames.map);
+
+  tf2_msgs::msg::TFMessage tf;
+  tf.transforms().push_back(to_transform(report.X_MW, map_header, frames.odom));
+  tf.transforms().push_back(to_transform(report.X_WB, odom_header, frames.base));
+  tf_.publish(tf);
+  odom_.publish(to_msg(Odometry{report.X_WB, report.twist}, odom_header, frames.base));
+
+  const SimState& truth = sim_.state();
+  ground_truth_.publish(to_msg(Odometry{truth.X_MB, truth.twist},
+                               header(stamp_at(truth.t), frames.map), frames.base));
+}
+
+void DiffDriveSimNode::publish_scan() {
+  sensor_msgs::msg::LaserScan msg;
+  msg.header(header(stamp_at(sim_.state().t), params_->frames.base));
+  const double increment = 2.0 * std::numbers::pi / params_->scan_beams;
+  msg.angle_min(static_cast<float>(-std::numbers::pi));
+  msg.angle_max(static_cast<float>(std::numbers::pi - increment));
+  msg.angle_increment(static_cast<float>(increment));
+  msg.scan_time(static_cast<float>(1.0 / params_->scan_rate));
+  msg.range_max(static_cast<float>(params_->scan_range));
+  for (const double range : sim_.scan(params_->scan_beams, params_->scan_range))
+    msg.ranges().push_back(static_cast<float>(range));
+  scan_.publish(msg);
+}
+
+void DiffDriveSimNode::publish_collision() {
+  const ContactReport& contacts = sim_.contacts();
+  tandem_msgs::msg::Collision msg;
+  msg.header(header(stamp_at(sim_.state().t), params_->frames.map));
+  msg.in_contact(contacts.in_contact);
+  msg.count(contacts.count);
+  msg.point().x(contacts.p_MQ.x());
+  msg.point().y(contacts.p_MQ.y());
+  msg.pose(to_msg(sim_.state().X_MB));
+  collision_.publish(msg);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::DiffDriveSimNode, "diff_drive_sim")

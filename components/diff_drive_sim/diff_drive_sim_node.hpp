@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <random>
+
+#include "convert.hpp"
+#include "diff_drive_sim/diff_drive_sim.hpp"
+#include "map/slice.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+struct DiffDriveSimNodeParams {
+  RobotParams robot;
+  DiffDriveSimParams sim;
+  SliceParams slice;
+  Frames frames;
+  std::string map;
+  bool unknown_is_obstacle = false;
+  std::vector<double> start = {0.0, 0.0, 0.0};
+  int seed = 1;
+  double step = 0.01;
+  double speed_factor = 1.0;
+  double odom_rate = 50.0;
+  double scan_rate = 10.0;
+  int scan_beams = 360;
+  double scan_range = 10.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    robot.visit(field);
+    sim.visit(field);
+    slice.visit(field);
+    frames.visit(field);
+    field("map", map, "OctoMap file, .bt or .ot");
+    field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen stop the robot");
+    field("start", start, Range{-1e5, 1e5}, "[m, m, rad] x, y, heading in the map");
+    field("seed", seed, Range{0, 2147483647}, "of slip and odometry noise");
+    field("step", step, Range{0.001, 0.1}, "[s] of simulated time between two /clock");
+    field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated per real time");
+    field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] of odom, tf and ground truth");
+    field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz]");
+    field("scan_beams", scan_beams, Range{1, 10000}, "rays of a scan, all around");
+    field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] farthest echo");
+  }
+};
+
+/// cmd_vel, initialpose → odom, tf, ground_truth/odom, scan, collision, /clock.
+///
+/// Runs by steady time at `speed_factor`; a late beat is made up for by simulated time running
+/// slower, never by a jump. Service: ~/reset (back to the start).
+class DiffDriveSimNode {
+ public:
+  explicit DiffDriveSimNode(rt::Node& node);
+
+ private:
+  void subscribe();
+  void reset(const Pose2& X_MB);
+  void tick();
+  [[nodiscard]] bool due(double rate) const;
+  void publish_clock();
+  void publish_odometry();
+  void publish_scan();
+  void publish_collision();
+  [[nodiscard]] Stamp stamp_at(double t) const;
+
+  rt::Node& node_;
+  rt::Parameters<DiffDriveSimNodeParams> params_;
+  DiffDriveSim sim_;
+  long ticks_ = 0;
+
+  rt::Publisher<rosgraph_msgs::msg::Clock> clock_;
+  rt::Publisher<nav_msgs::msg::Odometry> odom_, ground_truth_;
+  rt::Publisher<tf2_msgs::msg::TFMessage> tf_;
+  rt::Publisher<sensor_msgs::msg::LaserScan> scan_;
+  rt::Publisher<tandem_msgs::msg::Collision> collision_;
+  rt::Subscription cmd_vel_, initial_pose_;
+  rt::Service reset_;
+  rt::Timer timer_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: twist commands with the time they were sent. Out: the wheels of a differential drive in time.
+#pragma once
+
+#include <deque>
+#include <random>
+
+#include "model/diff_drive.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// What the simulated base does within the bounds that RobotParams declares. A fraction of 1 is the
+/// worst the robot admits.
+struct DriveParams {
+  double a_drive = 1.5;
+  double alpha_drive = 3.0;
+  double brake_factor = 1.0;
+  double turn_brake_factor = 1.0;
+  double lag_fraction = 1.0;
+  double command_delay_fraction = 1.0;
+  double slip = 0.0;
+  double slip_time = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("a_drive", a_drive, Range{0.05, 50.0}, "[m/s²] the drive speeds up no faster");
+    field("alpha_drive", alpha_drive, Range{0.05, 200.0}, "[rad/s²] the drive turns up no faster");
+    field("brake_factor", brake_factor, Range{1.0, 10.0},
+          "[1] real braking per the robot's a_brake");
+    field("turn_brake_factor", turn_brake_factor, Range{1.0, 10.0},
+          "[1] real braking of the turn per the robot's alpha_brake");
+    field("lag_fraction", lag_fraction, Range{0.0, 1.0}, "[1] of the robot's motor_lag");
+    field("command_delay_fraction", command_delay_fraction, Range{0.0, 1.0},
+          "[1] of the robot's command_delay");
+    field("slip", slip, Range{0.0, 0.5}, "[1] each wheel's travel is off by up to this fraction");
+    field("slip_time", slip_time, Range{0.01, 60.0}, "[s] how long one slip lasts");
+  }
+};
+
+/// Wheel level of the base: delay, command time-out, first-order motors with limits, slip.
+///
+///   dv/dt = clamp((u_v − v) / τ, ±a),   a = a_brake when slowing, a_drive when speeding up  (1)
+///
+/// and the same for the turn rate. (1) is linear in the wheel speeds but for the clamp.
+class Drive {
+ public:
+  Drive(const DriveParams& params, const RobotParams& robot, unsigned seed);
+
+  /// A command sent at time t ≥ all earlier ones. A non-finite one is ignored.
+  void command(const Twist2& twist, double t);
+  /// Moves the wheels from t to t + dt, dt short against the motor lag.
+  void step(double t, double dt);
+  /// The wheels stand at once, as against a wall.
+  void stall() { speeds_ = {}; }
+
+  /// Rim speeds, what encoders see.
+  [[nodiscard]] const WheelSpeeds& speeds() const { return speeds_; }
+  /// Twist of the body over the ground: rim speeds after slip.
+  [[nodiscard]] Twist2 twist_over_ground() const;
+  /// Command that the motors follow now.
+  [[nodiscard]] const Twist2& command_in_force() const { return in_force_; }
+
+ private:
+  struct Sent {
+    double t;
+    Twist2 twist;
+  };
+
+  void take_commands(double t);
+  void draw_slip(double t);
+
+  DriveParams params_;
+  RobotParams robot_;
+  std::mt19937 random_;
+  std::deque<Sent> queue_;
+  Twist2 in_force_;
+  double in_force_since_ = 0.0;
+  WheelSpeeds speeds_;
+  WheelSpeeds slip_{1.0, 1.0};  // factors on the travel, 1 ± slip
+  double slip_until_ = -1e9;    // so that the first step draws
+};
+
+}  // namespace tandem

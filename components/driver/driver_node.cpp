@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "driver/driver_node.hpp"
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kLeaderAge = 0.5;  // [s]
+
+}  // namespace
+
+DriverNode::DriverNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<DriverNodeParams>()},
+      driver_{params_->driver, static_cast<unsigned>(params_->seed)},
+      robot_{node, params_->input},
+      joy_{node.create_publisher(topics::joy)} {
+  leader_ =
+      node.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
+        X_ML_ = from_msg(msg.pose());
+        leader_time_ = node_.now();
+      });
+  timer_ = node.create_timer(1.0 / params_->driver.rate, [this] { tick(); });
+}
+
+void DriverNode::tick() {
+  const auto robot = robot_.state();
+  if (!robot) return publish({}, false);
+  const bool leads = params_->steers_leader && X_ML_ && node_.now() - leader_time_ < kLeaderAge;
+  const Hand hand = driver_.steer(robot->X_MB, leads ? *X_ML_ : robot->X_MB, node_.now());
+  publish(hand, !driver_.arrived());
+}
+
+void DriverNode::publish(const Hand& hand, bool deadman) {
+  sensor_msgs::msg::Joy msg;
+  msg.header(header(node_.stamp(), "joy"));
+  msg.axes({static_cast<float>(hand.angular), static_cast<float>(hand.linear)});
+  msg.buttons({deadman ? 1 : 0, 0});
+  joy_.publish(msg);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::DriverNode, "driver")

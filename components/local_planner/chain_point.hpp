@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: variables of an Ocp. Out: everything that an iteration needs of them, each stage seen once.
+#pragma once
+
+#include <vector>
+
+#include "local_planner/filter.hpp"
+#include "local_planner/stage_terms.hpp"
+
+namespace tandem {
+
+/// Bounds of the variables, all of them: where there is none, kFar stands for it, so far away that
+/// its barrier has no effect. Fixed variables get a little room.
+struct Box {
+  static constexpr double kFar = 1e10;
+  std::vector<double> lower, upper;
+
+  void resize(std::size_t stages);
+  /// False if a bound is not a number or lies on the wrong side.
+  [[nodiscard]] bool set(const Ocp& ocp);
+};
+
+/// A stage at a point.
+struct StageTerms {
+  CostTerms cost;
+  Displacement motion;
+  Eigen::Vector2d change;  ///< residuals of rows (2)
+  Eigen::Vector3d gap;     ///< f(X, u) − X⁺: the residuals of rows (3), with the other sign
+  Eigen::Vector2d growth;  ///< gradient of growth() with respect to u
+};
+
+/// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0; and what follows.
+struct ChainPoint {
+  std::vector<double> z, t;
+  std::vector<StageTerms> stages;
+  std::vector<PairTerms> pairs;   ///< in the order of rows (4)
+  std::vector<double> residuals;  ///< of rows (4)
+  double cost = 0.0;
+  double infeasibility = 0.0;  ///< Σ |residuals|
+  double violation = 0.0;      ///< max |residuals|
+  double logs = 0.0;           ///< Σ log(distance) over all bounds and t
+
+  [[nodiscard]] Merit merit(double mu) const { return {infeasibility, cost - mu * logs}; }
+  void resize(std::size_t stage_count, std::size_t pair_count);
+  /// Fills the rest from z and t.
+  void evaluate(const Ocp& ocp, const Box& box);
+  /// t = φ − gap − growth + s, but at least `least`.
+  void set_slacks(const Ocp& ocp, double least);
+
+ private:
+  // Of stage k, whose first row (4) is `first`; returns the next stage's.
+  std::size_t evaluate_pairs(const Ocp& ocp, std::size_t k, std::size_t first);
+};
+
+}  // namespace tandem

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows (4) of a stage share Δs, and the gradient of their growth γ. With Σᵢ = yᵢ / tᵢ, rᵢ the
+// residual, pᵢ the gradient of the clearance, the pair adds to the model
+//
+//   ½ Σᵢ (pᵢ·ΔX⁺ − γ·Δu + Δs + rᵢ)² − μ/tᵢ (pᵢ·ΔX⁺ − γ·Δu + Δs)                              (3)
+//
+// and minimising over Δs subtracts v vᵀ / (Σ_s + S), where S = Σ Σᵢ and v = (Σ Σᵢ pᵢ, −S γ).
+#include "local_planner/chain_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kLeast = 1e-10, kMost = 1e10;  // of a multiplier, times μ / distance
+constexpr double kTau = 0.99;                   // of a distance that a step may use up
+constexpr int kAttempts = 40;                   // at a convex system
+constexpr double kDropsCurvature = 10.0;
+
+// Largest fraction of a step that a ratio −Δ / distance allows.
+double allowed(double worst, double tau) { return worst > tau ? tau / worst : 1.0; }
+
+}  // namespace
+
+void Multipliers::resize(std::size_t stage_count, std::size_t pair_count) {
+  lower.resize(kBlock * stage_count);
+  upper.resize(kBlock * stage_count);
+  y.resize(pair_count);
+  pi.resize(stage_count);
+  lambda.resize(stage_count);
+}
+
+void Step::resize(std::size_t stage_count, std::size_t pair_count) {
+  for (auto* values : {&z, &lower, &upper}) values->resize(kBlock * stage_count);
+  for (auto* values : {&t, &y}) values->resize(pair_count);
+  chain.resize(stage_count);
+}
+
+void ChainSystem::resize(std::size_t stage_count, std::size_t pair_count) {
+  stages_.resize(stage_count);
+  gains_.resize(stage_count);
+  slacks_.resize(stage_count);
+  for (auto* values : {&per_lower_, &per_upper_, &sigma_, &barrier_})
+    values->resize(kBlock * stage_count);
+  per_t_.resize(pair_count);
+}
+
+void ChainSystem::condense(const Ocp& ocp, const Box& box, const ChainPoint& point, double mu,
+                           Multipliers& multipliers) {
+  dual_ = multipliers_ = largest_product_ = 0.0;
+  least_product_ = Box::kFar;
+  violation_ = point.violation;
+  condense_bounds(box, point, mu, multipliers);
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    const std::size_t end = row + ocp.stages[k].pairs.size();
+    const PairSums pairs = condense_pairs({row, end}, point, mu, multipliers);
+    condense_stage(ocp, k, point.stages[k], pairs, multipliers.pi[k]);
+    look_at_dual(ocp, k, point, pairs, multipliers);
+    row = end;
+  }
+}
+
+void ChainSystem::condense_bounds(const Box& box, const ChainPoint& point, double mu,
+                                  Multipliers& multipliers) {
+  for (std::size_t i = 0; i < point.z.size(); ++i) {
+    double &lower = multipliers.lower[i], &upper = multipliers.upper[i];
+    const double below = point.z[i] - box.lower[i], above = box.upper[i] - point.z[i];
+    const double per_below = 1.0 / below, per_above = 1.0 / above;
+    lower = std::clamp(lower, kLeast * mu * per_below, kMost * mu * per_below);
+    upper = std::clamp(upper, kLeast * mu * per_above, kMost * mu * per_above);
+    per_lower_[i] = per_below;
+    per_upper_[i] = per_above;
+    sigma_[i] = lower * per_below + upper * per_above;
+    barrier_[i] = mu * (per_above - per_below);
+    least_product_ = std::min({least_product_, lower * below, upper * above});
+    largest_product_ = std::max({largest_product_, lower * below, upper * above});
+    multipliers_ += lower + upper;
+  }
+}
+
+ChainSystem::PairSums ChainSystem::condense_pairs(Rows rows, const ChainPoint& point, double mu,
+                                                  Multipliers& multipliers) {
+  // Sums of this function, not of an object that the stores below could change: in registers.
+  double sigma_sum = 0.0, y_sum = 0.0, gradient_sum = 0.0;
+  double least = least_product_, largest = largest_product_;
+  Vector3d sigma_n = Vector3d::Zero(), y_n = Vector3d::Zero(), gradient_n = Vector3d::Zero();
+  OuterSum H, C;
+  for (std::size_t i = rows.first; i < rows.end; ++i) {
+    const PairTerms& pair = point.pairs[i];
+    const double t = point.t[i], per = 1.0 / t, centred = mu * per;
+    const double y = std::clamp(multipliers.y[i], kLeast * centred, kMost * centred);
+    multipliers.y[i] = y;
+    per_t_[i] = per;
+    least = std::min(least, y * t);
+    largest = std::max(largest, y * t);
+
+    const double sigma = y * per, gradient = centred - sigma * point.residuals[i];
+    const Vector3d n = pair.gradient();
+    sigma_sum += sigma;
+    y_sum += y;
+    gradient_sum += gradient;
+    sigma_n += sigma * n;
+    y_n += y * n;
+    gradient_n += gradient * n;
+    H.add(sigma, n);
+    C.add(-y * pair.curvature, pair.along());
+    C.tt += y * pair.lean;
+  }
+  least_product_ = least;
+  largest_product_ = largest;
+  return {sigma_sum, y_sum, gradient_sum, sigma_n, y_n, gradient_n, H, C};
+}
+
+void ChainSystem::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms& stage,
+                                 const PairSums& pairs, const Vector3d& pi) {
+  const double *sigma = &sigma_[kBlock * k], *barrier = &barrier_[kBlock * k];
+  const double per = 1.0 / (sigma[kSlack] + pairs.sigma);
+  const double gradient = ocp.slack_weight + barrier[kSlack] - pairs.gradient;
+  const double stiffness = sigma[kSlack] * per;  // of the rows, their slack being free: a share
+  slacks_[k] = {per, gradient, pairs.sigma, pairs.sigma_n};
+
+  ChainStage& out = stages_[k];
+  out.H_xx = pairs.H.matrix() - per * pairs.sigma_n * pairs.sigma_n.transpose();
+  out.H_xx.diagonal() += stage.cost.X2 + Vector3d{sigma[kX], sigma[kY], sigma[kTheta]};
+  out.H_xu = -stiffness * pairs.sigma_n * stage.growth.transpose();
+  out.H_uu = stiffness * pairs.sigma * stage.growth * stage.growth.transpose();
+  out.H_uu(0, 0) += stage.cost.vv + sigma[kV] + 2.0 * ocp.gap_v * pairs.y;
+  out.H_uu(1, 1) += stage.cost.ww + sigma[kW] + 2.0 * ocp.gap_w * pairs.y;
+  out.H_uu(0, 1) += stage.cost.vw;
+  out.H_uu(1, 0) += stage.cost.vw;
+  out.h_x = stage.cost.X + Vector3d{barrier[kX], barrier[kY], barrier[kTheta]} - pairs.gradient_n -
+            per * gradient * pairs.sigma_n;
+  out.h_u = stage.cost.u + Vector2d{barrier[kV], barrier[kW]} +
+            (pairs.gradient + per * gradient * pairs.sigma) * stage.growth;
+
+  out.C_xx = pairs.C.matrix();
+  out.D = stage.cost.change2 + Vector2d{sigma[kDv], sigma[kDw]};
+  out.g = stage.cost.change + Vector2d{barrier[kDv], barrier[kDw]};
+  out.e = stage.change;
+  condense_motion(ocp, stage, pi, out);
+}
+
+void ChainSystem::condense_motion(const Ocp& ocp, const StageTerms& stage, const Vector3d& pi,
+                                  ChainStage& out) {
+  const Displacement& motion = stage.motion;
+  const Vector2d l = pi.head<2>();
+  const double vw = l.dot(motion.d_v_w);
+  out.C_uu << 0.0, vw, vw, l.dot(motion.d_w_w);
+  out.t = l.dot(motion.d_theta_theta);
+  out.t_u = {l.dot(motion.d_theta_v), l.dot(motion.d_theta_w)};
+  out.a = motion.d_theta;
+  out.B << motion.d_v.x(), motion.d_w.x(), motion.d_v.y(), motion.d_w.y(), 0.0, ocp.dt;
+  out.c = stage.gap;
+}
+
+void ChainSystem::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint& point,
+                               const PairSums& pairs, const Multipliers& multipliers) {
+  const StageTerms& stage = point.stages[k];
+  const Vector3d& pi = multipliers.pi[k];
+  const Vector2d& lambda = multipliers.lambda[k];
+  const auto bound = [&](int place) {
+    const std::size_t i = kBlock * k + static_cast<std::size_t>(place);
+    return multipliers.upper[i] - multipliers.lower[i];
+  };
+  Vector2d u = stage.cost.u + Vector2d{bound(kV), bound(kW)} + lambda + pairs.y * stage.growth +
+               stages_[k].B.transpose() * pi;
+  Vector3d X = stage.cost.X + Vector3d{bound(kX), bound(kY), bound(kTheta)} - pi - pairs.y_n;
+  if (k + 1 < point.stages.size()) {
+    const Vector3d& pi_after = multipliers.pi[k + 1];
+    u -= multipliers.lambda[k + 1];
+    X += pi_after;
+    X.z() += point.stages[k + 1].motion.d_theta.dot(pi_after.head<2>());
+  }
+  const Vector2d d = stage.cost.change + Vector2d{bound(kDv), bound(kDw)} - lambda;
+  const double s = ocp.slack_weight + bound(kSlack) - pairs.y;
+  dual_ = std::max({dual_, u.lpNorm<Eigen::Infinity>(), X.lpNorm<Eigen::Infinity>(),
+                    d.lpNorm<Eigen::Infinity>(), std::abs(s)});
+  multipliers_ += 2.0 * pairs.y + pi.lpNorm<1>() + lambda.lpNorm<1>();
+}
+
+double ChainSystem::complementarity(double mu) const {
+  return std::max(largest_product_ - mu, mu - least_product_);
+}
+
+double ChainSystem::error(double mu) const {
+  constexpr double kOrdinary = 100.0;  // mean multiplier above which the error is scaled
+  const auto count =
+      static_cast<double>((2 * kBlock + kEqualities) * stages_.size() + 2 * per_t_.size());
+  const double scale = std::max(kOrdinary, multipliers_ / count) / kOrdinary;
+  return std::max({dual_ / scale, violation_, complementarity(mu) / scale});
+}
+
+// Adds more and more to the diagonal until the pivots are positive. Where much is needed, the
+// curvature of pairs and motion is dropped instead: what is left is convex, or nearly.
+bool ChainSystem::factorize_convex() {
+  const double before = last_delta_;
+  Convexity convexity;
+  for (int i = 0; !factorize(stages_, convexity, gains_); ++i) {
+    if (i == kAttempts) return false;
+    double& delta = convexity.delta;
+    if (delta == 0.0)
+      delta = before == 0.0 ? 1e-2 : std::max(1e-4, before / 3.0);
+    else
+      delta *= before == 0.0 ? 20.0 : 8.0;
+    if (delta > kDropsCurvature && convexity.curvature > 0.0) convexity = {0.0, 0.0};
+    if (delta > 0.0) last_delta_ = delta;
+  }
+  return true;
+}
+
+bool ChainSystem::solve(const Ocp& ocp, const ChainPoint& point, double mu,
+                        const Multipliers& multipliers, Step& step) {
+  if (!factorize_convex()) return false;
+  roll_out(stages_, gains_, step.chain);
+  step.slope = step.worst_primal = step.worst_dual = 0.0;
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    const StageTerms& stage = point.stages[k];
+    const ChainStep& chain = step.chain[k];
+    const SlackTerms& slack = slacks_[k];
+    const double grown = stage.growth.dot(chain.u);
+    const double ds =
+        -slack.per * (slack.gradient + slack.weights.dot(chain.X) - slack.sum * grown);
+    const double all[kBlock] = {chain.u.x(), chain.u.y(), chain.d.x(), chain.d.y(),
+                                chain.X.x(), chain.X.y(), chain.X.z(), ds};
+    std::copy(all, all + kBlock, &step.z[kBlock * k]);
+    step.slope += stage.cost.u.dot(chain.u) + stage.cost.X.dot(chain.X) +
+                  stage.cost.change.dot(chain.d) + ocp.slack_weight * ds;
+    const std::size_t end = row + ocp.stages[k].pairs.size();
+    expand_pairs({row, end}, point, mu, multipliers, {chain.X, ds - grown}, step);
+    row = end;
+  }
+  expand_bounds(mu, multipliers, step);
+  const double tau = std::max(kTau, 1.0 - mu);
+  step.alpha_primal = allowed(step.worst_primal, tau);
+  step.alpha_dual = allowed(step.worst_dual, tau);
+  return std::isfinite(step.slope);
+}
+
+void ChainSystem::expand_pairs(Rows rows, const ChainPoint& point, double mu,
+                               const Multipliers& multipliers, const PairStep& by,
+                               Step& step) const {
+  double logs = 0.0, primal = step.worst_primal, dual = step.worst_dual;
+  for (std::size_t i = rows.first; i < rows.end; ++i) {
+    const double y = multipliers.y[i];
+    const double dt = point.pairs[i].gradient().dot(by.X) + by.offset + point.residuals[i];
+    const double relative = dt * per_t_[i];
+    const double dy = mu * per_t_[i] - y - y * relative;
+    step.t[i] = dt;
+    step.y[i] = dy;
+    logs += relative;
+    primal = std::max(primal, -relative);
+    if (-dy > dual * y) dual = -dy / y;
+  }
+  step.slope -= mu * logs;
+  step.worst_primal = primal;
+  step.worst_dual = dual;
+}
+
+void ChainSystem::expand_bounds(double mu, const Multipliers& multipliers, Step& step) const {
+  double slope = 0.0, primal = step.worst_primal, dual = step.worst_dual;
+  for (std::size_t i = 0; i < step.z.size(); ++i) {
+    const double lower = multipliers.lower[i], upper = multipliers.upper[i];
+    const double below = step.z[i] * per_lower_[i], above = -step.z[i] * per_upper_[i];
+    const double d_lower = mu * per_lower_[i] - lower - lower * below;
+    const double d_upper = mu * per_upper_[i] - upper - upper * above;
+    step.lower[i] = d_lower;
+    step.upper[i] = d_upper;
+    slope += barrier_[i] * step.z[i];
+    primal = std::max({primal, -below, -above});
+    if (-d_lower > dual * lower) dual = -d_lower / lower;
+    if (-d_upper > dual * upper) dual = -d_upper / upper;
+  }
+  step.slope += slope;
+  step.worst_primal = primal;
+  step.worst_dual = dual;
+}
+
+}  // namespace tandem

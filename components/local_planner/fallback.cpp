@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/fallback.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/diff_drive.hpp"
+
+namespace tandem {
+
+Motion rest_of(const Plan& plan, const Start& start, double period, const RobotParams& robot) {
+  Motion motion{.X_MB = start.X_MB, .dt = period};
+  const double end = plan.t0 + plan.dt * static_cast<double>(plan.twist.size());
+  Twist2 u = start.command;
+  for (double t = start.t0; t < end || u != Twist2{}; t += period) {
+    const Twist2 target = plan.at(t);
+    u = {approach(u.v, target.v, robot.a_max * period),
+         approach(u.w, target.w, robot.alpha_max * period)};
+    motion.twist.push_back(u);
+    if (motion.twist.size() >= 1000) break;  // a command far beyond the limits
+  }
+  return motion;
+}
+
+Motion braking(const Start& start, double period, double a, double alpha) {
+  Motion motion{.X_MB = start.X_MB, .dt = period};
+  const double duration =
+      std::max(std::abs(start.command.v) / a, std::abs(start.command.w) / alpha);
+  const int steps = std::clamp(static_cast<int>(std::ceil(duration / period)), 1, 1000);
+  for (int i = 1; i <= steps; ++i) {
+    const double left = std::max(0.0, 1.0 - i * period / std::max(duration, period));
+    motion.twist.push_back({left * start.command.v, left * start.command.w});
+  }
+  motion.twist.back() = {};
+  return motion;
+}
+
+double stopping_time(const Twist2& twist, const RobotParams& robot) {
+  return std::max(std::abs(twist.v) / robot.a_max, std::abs(twist.w) / robot.alpha_max);
+}
+
+Plan to_plan(const Motion& motion, double t0) {
+  Plan plan{.command = motion.twist.front(), .t0 = t0, .dt = motion.dt, .X_MB = {motion.X_MB}};
+  plan.twist = motion.twist;
+  for (const Twist2& u : motion.twist)
+    plan.X_MB.push_back(integrate(plan.X_MB.back(), u, motion.dt));
+  return plan;
+}
+
+}  // namespace tandem

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the last good plan and where the robot is. Out: the safest motion that needs no solver.
+#pragma once
+
+#include <span>
+
+#include "local_planner/motion_check.hpp"
+#include "local_planner/plan.hpp"
+#include "model/robot.hpp"
+
+namespace tandem {
+
+/// Where a fallback starts: pose and twist at the moment the command acts.
+struct Start {
+  Pose2 X_MB;
+  Twist2 command;   ///< in force
+  double t0 = 0.0;  ///< [s]
+};
+
+/// Rest of `plan` from t0 on, within acceleration limits of the command in force, one twist per
+/// `period`; after the plan's end it brakes.
+[[nodiscard]] Motion rest_of(const Plan& plan, const Start& start, double period,
+                             const RobotParams& robot);
+
+/// To rest along the current arc: w / v stays. The slower of v / a and w / α decides.
+[[nodiscard]] Motion braking(const Start& start, double period, double a, double alpha);
+
+/// Seconds to rest from `twist` at the comfortable limits.
+[[nodiscard]] double stopping_time(const Twist2& twist, const RobotParams& robot);
+
+/// The motion as a plan: poses along the arcs.
+[[nodiscard]] Plan to_plan(const Motion& motion, double t0);
+
+}  // namespace tandem

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/guesses.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "local_planner/ellipse_distance.hpp"
+#include "model/diff_drive.hpp"
+
+namespace tandem {
+namespace {
+
+struct Blocker {
+  Eigen::Vector2d p_MO;
+  double t;                 // from the obstacles' time [s]
+  Eigen::Vector2d heading;  // of the wish there
+};
+
+std::optional<Blocker> first_blocker(const Forecast& wish, const Body& body,
+                                     std::span<const Obstacle> obstacles,
+                                     const PairLimits& limits) {
+  for (std::size_t k = 1; k < wish.X_MB.size(); ++k) {
+    const Pose2& X = wish.X_MB[k];
+    const double t = limits.start + limits.dt * static_cast<double>(k);
+    for (const Obstacle& obstacle : obstacles) {
+      const Obstacle there = predicted(obstacle, t);
+      for (const Disc& disc : body.discs) {
+        const Eigen::Vector2d p_MC = transform(X, disc.p_BC);
+        const double gap = disc.radius + limits.margin;
+        if ((there.p_MO - p_MC).norm() > there.a + gap) continue;
+        const auto phi = signed_distance(there, p_MC);
+        if (phi.value < gap)
+          return Blocker{p_MC - phi.value * phi.normal, t, {std::cos(X.theta), std::sin(X.theta)}};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+bool is_free(const Eigen::Vector2d& p_MQ, double gap, double t,
+             std::span<const Obstacle> obstacles) {
+  return std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+    const Obstacle there = predicted(obstacle, t);
+    return (there.p_MO - p_MQ).norm() > there.a + gap || signed_distance(there, p_MQ).value > gap;
+  });
+}
+
+// The first `stages` of the motion, then braking.
+Forecast stopped_after(std::size_t stages, const Forecast& motion, double dt,
+                       const RobotParams& robot) {
+  Forecast out = motion;
+  for (std::size_t k = stages; k < motion.twist.size(); ++k) {
+    const Twist2& before = out.twist[k == 0 ? 0 : k - 1];
+    if (k > 0)
+      out.twist[k] = {approach(before.v, 0.0, robot.a_max * dt),
+                      approach(before.w, 0.0, robot.alpha_max * dt)};
+    out.X_MB[k + 1] = integrate(out.X_MB[k], out.twist[k], dt);
+  }
+  return out;
+}
+
+}  // namespace
+
+Forecast stopped_in_time(const Forecast& motion, const Body& body,
+                         std::span<const Obstacle> obstacles, const PairLimits& limits,
+                         const RobotParams& robot) {
+  Forecast out = motion;
+  for (std::size_t stages = motion.twist.size(); stages > 0; --stages) {
+    const auto gaps = clearances(body, obstacles, std::span(out.X_MB).subspan(1), limits);
+    const auto miss = std::find_if(gaps.begin(), gaps.end(), [](double gap) { return gap < 0.0; });
+    if (miss == gaps.end()) break;
+    stages = std::min(stages, static_cast<std::size_t>(miss - gaps.begin()) + 1);
+    out = stopped_after(stages - 1, motion, limits.dt, robot);
+  }
+  return out;
+}
+
+std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& body,
+                                           std::span<const Obstacle> obstacles,
+                                           const PairLimits& limits) {
+  std::vector<Eigen::Vector2d> points;
+  const auto blocker = first_blocker(wish, body, obstacles, limits);
+  if (!blocker) return points;
+  double radius = 0.0;
+  for (const Disc& disc : body.discs) radius = std::max(radius, disc.radius);
+  const Eigen::Vector2d way = blocker->p_MO - wish.X_MB.front().position();
+  const Eigen::Vector2d ahead = way.norm() > 0.2 ? way.normalized() : blocker->heading;
+  const Eigen::Vector2d left{-ahead.y(), ahead.x()};
+  for (const double side : {1.0, -1.0})
+    for (double offset = 0.1; offset <= 3.0; offset += 0.1) {
+      const Eigen::Vector2d p_MV = blocker->p_MO + side * offset * left;
+      if (!is_free(p_MV, radius + limits.margin + 0.05, blocker->t, obstacles)) continue;
+      points.push_back(p_MV);
+      break;
+    }
+  return points;
+}
+
+bool is_stuck(const PlanRequest& request, const Forecast& wish, const Forecast& motion,
+              double horizon, const RobotParams& robot) {
+  constexpr double kProgress = 0.6;  // share of the way that a motion in good order makes
+  constexpr double kAble = 0.3;      // mean over fastest speed, with a turn on the spot before
+  const Eigen::Vector2d from = motion.X_MB.front().position(), to = motion.X_MB.back().position();
+  if (request.method == Method::kIntention) {
+    const Eigen::Vector2d way = wish.X_MB.back().position() - from;
+    return way.norm() > 0.3 && (to - from).dot(way) < kProgress * way.squaredNorm();
+  }
+  const Eigen::Vector2d goal = request.X_MG.position();
+  const double way = (goal - from).norm(), rest = (goal - to).norm();
+  return way > 0.3 && way - rest < kProgress * std::min(way, kAble * robot.v_max * horizon);
+}
+
+}  // namespace tandem

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/local_planner_node.hpp"
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+
+LocalPlannerNode::LocalPlannerNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<LocalPlannerNodeParams>()},
+      method_{method_named(params_->method)},
+      nmpc_{params_->nmpc, params_->robot},
+      robot_{node, params_->input},
+      cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
+      plan_{node.create_publisher(topics::plan)},
+      user_path_{node.create_publisher(topics::user_path)},
+      status_out_{node.create_publisher(topics::planner_status)} {
+  const auto& goal = params_->goal;
+  if (!goal.empty() && goal.size() != 3)
+    throw std::invalid_argument("goal: needs three numbers, x, y and heading");
+  if (!goal.empty()) X_MG_ = Pose2{goal[0], goal[1], goal[2]};
+  status_.method(name(method_));
+  subscribe();
+  timer_ = node.create_timer(params_->nmpc.control_period, [this] { plan(); });
+  watchdog_ = node.create_timer(params_->nmpc.control_period / 4, [this] { watch(); });
+}
+
+void LocalPlannerNode::subscribe() {
+  on_obstacles_ = node_.create_subscription(topics::obstacles, [this](const auto& msg) {
+    Obstacles obstacles = from_msg(msg);
+    if (obstacles.refused > 0)
+      node_.log().warn_every(1.0, "{} obstacles are not finite ellipses: dropped",
+                             obstacles.refused);
+    obstacles_ = {std::move(obstacles.all), node_.now()};
+  });
+  on_user_ =
+      node_.create_subscription(topics::cmd_vel_user, topics::kUserInput, [this](const auto& msg) {
+        if (const auto twist = from_msg(msg)) user_ = {*twist, node_.now()};
+      });
+  on_leader_ =
+      node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
+        if (const auto X_ML = from_msg(msg.pose())) leader_ = {*X_ML, node_.now()};
+      });
+  on_goal_ = node_.create_subscription(topics::goal_pose, [this](const auto& msg) {
+    if (const auto X_MG = from_msg(msg.pose()))
+      X_MG_ = X_MG;
+    else
+      node_.log().warn_every(1.0, "goal_pose is not finite: dropped");
+  });
+  on_command_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
+    if (const auto twist = from_msg(msg)) command_ = {*twist, node_.now()};
+  });
+}
+
+const char* LocalPlannerNode::missing(double now) const {
+  if (now - obstacles_.t > params_->obstacle_timeout) return "obstacles are silent";
+  switch (method_) {
+    case Method::kLeader:
+      return now - leader_.t > params_->user_timeout ? "leader_pose is silent" : nullptr;
+    case Method::kIntention:
+      return now - user_.t > params_->user_timeout ? "cmd_vel_user is silent" : nullptr;
+    case Method::kGoal:
+      return X_MG_ ? nullptr : "no goal_pose yet";
+  }
+  return nullptr;
+}
+
+PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const {
+  const bool in_force = now - command_.t <= params_->command_timeout;
+  PlanRequest request;
+  request.method = method_;
+  request.t = now;
+  request.X_MB = robot.X_MB;
+  request.command = in_force ? command_.value : Twist2{};
+  request.measured = robot.twist;
+  request.X_MG = method_ == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
+  request.user = user_.value;
+  request.obstacles = obstacles_.value;
+  return request;
+}
+
+void LocalPlannerNode::plan() {
+  const double now = node_.now();
+  const auto robot = robot_.state();
+  if (!robot) return stop("not localised: odom or map → odom is missing or too old");
+  if (const char* reason = missing(now)) return stop(reason);
+  planning_ = true;
+  const PlanRequest plan_request = request(*robot, now);
+  publish(nmpc_.solve(plan_request), plan_request);
+}
+
+void LocalPlannerNode::watch() {
+  if (!planning_) return;
+  if (const char* reason = missing(node_.now())) stop(reason);
+}
+
+void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
+  cmd_vel_shared_.publish(to_msg(plan.command));
+  status_.header(header(node_.stamp(), params_->input.frames.map));
+  status_.status(static_cast<int>(plan.status));
+  status_.status_text(name(plan.status));
+  status_.source(name(plan.source));
+  status_.solver(name(plan.solver));
+  status_.solve_time(plan.solve_time);
+  status_.iterations(plan.iterations);
+  status_.solves(plan.solves);
+  status_.cost(plan.cost);
+  status_.slack(plan.slack);
+  status_.clearance(plan.clearance);
+  status_.cycles(status_.cycles() + 1);
+  if (plan.source != PlanSource::kSolution) status_.fallbacks(status_.fallbacks() + 1);
+  const double budget = params_->nmpc.time_budget;
+  if (budget > 0.0 && plan.solve_time > budget) status_.overruns(status_.overruns() + 1);
+  status_.disagreements(status_.disagreements() + static_cast<std::uint64_t>(plan.disagreements));
+  status_out_.publish(status_);
+  if (plan.disagreements > 0)
+    node_.log().warn_every(1.0, "{} of {} solves are not confirmed by the second solver",
+                           plan.disagreements, plan.solves);
+  publish_paths(plan, request);
+}
+
+void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& request) {
+  const auto map_header = header(node_.stamp(), params_->input.frames.map);
+  if (plan_.matched() > 0) plan_.publish(to_path(plan.X_MB, map_header));
+  if (user_path_.matched() == 0) return;
+  std::vector<Pose2> forecast{request.X_MB};
+  for (int k = 0; k < params_->nmpc.horizon_steps; ++k)
+    forecast.push_back(integrate(forecast.back(), request.user, params_->nmpc.dt));
+  user_path_.publish(to_path(forecast, map_header));
+}
+
+void LocalPlannerNode::stop(const char* reason) {
+  planning_ = false;
+  node_.log().warn_every(1.0, "standing: {}", reason);
+  cmd_vel_shared_.publish(to_msg(Twist2{}));
+  status_.header(header(node_.stamp(), params_->input.frames.map));
+  status_.status(static_cast<int>(PlanStatus::kRefused));
+  status_.status_text(reason);
+  status_out_.publish(status_);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::LocalPlannerNode, "local_planner")

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "local_planner/nmpc.hpp"
+#include "robot_state_input.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+struct LocalPlannerNodeParams {
+  RobotParams robot;
+  NmpcParams nmpc;
+  RobotStateParams input;
+  std::string method = "leader";
+  std::vector<double> goal;
+  double user_timeout = 0.12;
+  double obstacle_timeout = 0.1;
+  double command_timeout = 0.2;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    robot.visit(field);
+    nmpc.visit(field);
+    input.visit(field);
+    field("method", method, OneOf{{"leader", "intention", "goal"}}, "what the plan is for");
+    field("goal", goal, Range{-1e5, 1e5},
+          "[m, m, rad] first goal of method goal; /goal_pose later");
+    field("user_timeout", user_timeout, Range{0.02, 5.0},
+          "[s] silence of leader_pose or cmd_vel_user that stops");
+    field("obstacle_timeout", obstacle_timeout, Range{0.02, 5.0},
+          "[s] silence of obstacles that stops");
+    field("command_timeout", command_timeout, Range{0.02, 5.0},
+          "[s] age after which the command in force is taken as zero");
+  }
+};
+
+/// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
+/// user_path, planner/status.
+///
+/// Plans every control period. While an input that it needs is silent it says zero, and why; it
+/// notices between two plans too.
+class LocalPlannerNode {
+ public:
+  explicit LocalPlannerNode(rt::Node& node);
+
+ private:
+  template <class T>
+  struct Heard {
+    T value{};
+    double t = -1e9;
+  };
+
+  void subscribe();
+  void plan();
+  void watch();
+  /// Why there can be no plan now; null if there can.
+  [[nodiscard]] const char* missing(double now) const;
+  [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
+  void publish(const Plan& plan, const PlanRequest& request);
+  void publish_paths(const Plan& plan, const PlanRequest& request);
+  void stop(const char* reason);
+
+  rt::Node& node_;
+  rt::Parameters<LocalPlannerNodeParams> params_;
+  Method method_;
+  Nmpc nmpc_;
+  RobotStateInput robot_;
+  Heard<std::vector<Obstacle>> obstacles_;
+  Heard<Twist2> user_, command_;
+  Heard<Pose2> leader_;
+  std::optional<Pose2> X_MG_;
+  tandem_msgs::msg::PlannerStatus status_;
+
+  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
+  rt::Publisher<nav_msgs::msg::Path> plan_, user_path_;
+  rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
+  rt::Subscription on_obstacles_, on_user_, on_leader_, on_goal_, on_command_;
+  bool planning_ = false;
+  rt::Timer timer_, watchdog_;
+};
+
+}  // namespace tandem

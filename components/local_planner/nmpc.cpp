@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/nmpc.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "local_planner/cycle.hpp"
+#include "local_planner/solver.hpp"
+#include "local_planner/warm_start.hpp"
+
+namespace tandem {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLongestReuse = 1.0;  // [s] age up to which a plan is a warm start or a fallback
+constexpr double kSurprise = 0.3;      // [m, rad] off the last solution that make it worthless
+constexpr double kReserve = 0.003;     // [s] of the budget for the check and the fallback
+constexpr unsigned kRounds = 5;        // cycles of trying other guesses, then one in as many
+constexpr double kBetter = 0.98;       // another guess has to win by this to replace the last plan
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+struct Nmpc::State {
+  NmpcParams params;
+  RobotParams robot;
+  Body body;
+  Solver solver;
+  std::optional<Solved> last = {};  // warm start
+  Plan good = {};                   // last plan that was a solution
+  double iteration_time = 0.0;
+  double solve_time = 0.0;  // of one solve, recent mean [s]
+  int timeouts = 0;         // in a row
+  std::size_t next_guess = 0;
+  unsigned poor_cycles = 0;  // in a row
+
+  // Of the running cycle.
+  Clock::time_point started = {};
+  int iterations = 0, solves = 0, confirmed = 0, disagreements = 0;
+  int effort = 0;  // iterations as the budget counts them
+
+  double elapsed(const Cycle& cycle) const { return cycle.start.t0 - last->t0; }
+  bool is_continued(const Cycle& cycle) const;
+  bool has_time_for_another() const;
+  SolveLimits solve_limits() const;
+
+  Candidate first_candidate(const Cycle& cycle);
+  Candidate attempt(const Cycle& cycle, const Forecast& guess, bool warm);
+  Candidate solve(const Cycle& cycle, Ocp ocp, const Iterate& guess);
+  void improve(const Cycle& cycle, Candidate& best);
+
+  void remember(const Cycle& cycle, const Candidate& best);
+  bool is_usable(const Cycle& cycle, const Candidate& best) const;
+  Plan finish(const Cycle& cycle, const Candidate& best);
+  Plan fall_back(const Cycle& cycle, PlanStatus status) const;
+  Plan refuse(const PlanRequest& bad);
+};
+
+// Whether the last solution is recent and the robot is where it said.
+bool Nmpc::State::is_continued(const Cycle& cycle) const {
+  if (!(elapsed(cycle) >= 0.0 && elapsed(cycle) < kLongestReuse)) return false;
+  const Pose2 expected = shifted_start(*last, elapsed(cycle));
+  return (expected.position() - cycle.start.X_MB.position()).norm() < kSurprise &&
+         std::abs(wrap_angle(expected.theta - cycle.start.X_MB.theta)) < kSurprise;
+}
+
+SolveLimits Nmpc::State::solve_limits() const {
+  SolveLimits limits{.iteration_time = iteration_time, .iterations = params.max_iterations};
+  if (params.iteration_budget > 0)
+    limits.iterations = std::clamp(params.iteration_budget - effort, 1, params.max_iterations);
+  if (params.time_budget > 0.0)
+    limits.deadline = started + std::chrono::duration_cast<Clock::duration>(
+                                    std::chrono::duration<double>(params.time_budget - kReserve));
+  return limits;
+}
+
+bool Nmpc::State::has_time_for_another() const {
+  if (params.iteration_budget > 0 && effort >= params.iteration_budget) return false;
+  if (params.time_budget <= 0.0) return true;
+  return seconds_since(started) + 1.2 * solve_time + kReserve < params.time_budget;
+}
+
+Candidate Nmpc::State::solve(const Cycle& cycle, Ocp ocp, const Iterate& guess) {
+  const auto before = Clock::now();
+  Answer answer = solver.solve(ocp, guess, solve_limits());
+  Solution& solution = answer.solution;
+  ++solves;
+  iterations += solution.iterations;
+  effort += answer.effort;
+  confirmed += answer.verdict == Verdict::kConfirmed ? 1 : 0;
+  disagreements += answer.verdict == Verdict::kDisagreement ? 1 : 0;
+  // A smoothed, bounded guess: one iteration that the machine interrupted must not keep all later
+  // solves from starting. A solve without an iteration makes it forget.
+  iteration_time =
+      std::min(0.7 * iteration_time + 0.3 * solution.iteration_time, 0.1 * params.time_budget);
+  const double took = seconds_since(before);
+  solve_time = solve_time > 0.0 ? 0.8 * solve_time + 0.2 * took : took;
+  if (solution.status == SolveStatus::kFailed) solution.point = guess;
+
+  Forecast motion;
+  for (std::size_t k = 0; k < ocp.stages.size(); ++k)
+    motion.twist.push_back({solution.point.z[kBlock * k + kV], solution.point.z[kBlock * k + kW]});
+  Candidate out = rate(cycle, std::move(ocp), motion);
+  out.solution = std::move(solution);
+  out.solver = answer.by;
+  return out;
+}
+
+// Solves from a guess; once more if the solution went where left-out pairs matter.
+Candidate Nmpc::State::attempt(const Cycle& cycle, const Forecast& guess, bool warm) {
+  Ocp ocp = problem(cycle, guess);
+  const Iterate point = warm ? warm_start(*last, elapsed(cycle), ocp)
+                             : cold_start(ocp, rate(cycle, ocp, guess).motion);
+  Candidate out = solve(cycle, std::move(ocp), point);
+  if (out.solution.status == SolveStatus::kFailed || !left_out_a_pair(cycle, out) ||
+      !has_time_for_another())
+    return out;
+  ocp = problem(cycle, out.motion);
+  const Solved so_far{out.ocp, out.solution.point, cycle.start.t0};
+  return solve(cycle, ocp, warm_start(so_far, 0.0, ocp));
+}
+
+Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
+  if (!last) return attempt(cycle, cold_guess(cycle), false);
+  const Ocp ocp = problem(cycle, cycle.wish);
+  Candidate out = attempt(cycle, shifted_motion(*last, elapsed(cycle), ocp), true);
+  const bool failed = out.solution.status == SolveStatus::kFailed ||
+                      out.solution.status == SolveStatus::kTimeout || !out.clear;
+  if (!failed || !has_time_for_another()) return out;
+  Candidate cold = attempt(cycle, cold_guess(cycle), false);
+  return cold.clear && (!out.clear || cold.cost < out.cost) ? cold : out;
+}
+
+// A poor motion competes with solutions from other guesses, some of them in each cycle, in turns.
+void Nmpc::State::improve(const Cycle& cycle, Candidate& best) {
+  if (params.extra_guesses == 0 || !is_poor(cycle, best)) {
+    poor_cycles = 0;
+    return;
+  }
+  // Two rounds in vain: the way is barred, so look again only now and then.
+  if (++poor_cycles > kRounds && poor_cycles % kRounds != 0) return;
+  const auto guesses = other_guesses(cycle);
+  const std::size_t tries =
+      std::min(guesses.size(), static_cast<std::size_t>(params.extra_guesses));
+  for (std::size_t i = 0; i < tries && has_time_for_another(); ++i) {
+    Candidate other = attempt(cycle, guesses[next_guess++ % guesses.size()], false);
+    const bool wins = other.clear && (!best.clear || other.cost < kBetter * best.cost);
+    if (!wins || other.solution.status == SolveStatus::kFailed) continue;
+    best = std::move(other);
+    poor_cycles = 0;
+  }
+}
+
+// Keeps the point for the next warm start, unless it leads nowhere again and again.
+void Nmpc::State::remember(const Cycle& cycle, const Candidate& best) {
+  const SolveStatus status = best.solution.status;
+  timeouts = status == SolveStatus::kTimeout ? timeouts + 1 : 0;
+  if (status != SolveStatus::kFailed && timeouts < 3)
+    last = Solved{best.ocp, best.solution.point, cycle.start.t0};
+  else
+    last.reset();
+}
+
+// A solve that was cut short has to beat what it started from.
+bool Nmpc::State::is_usable(const Cycle& cycle, const Candidate& best) const {
+  if (!best.clear || best.solution.status == SolveStatus::kFailed) return false;
+  if (best.solution.status != SolveStatus::kTimeout || !last) return true;
+  const Forecast before = shifted_motion(*last, elapsed(cycle), best.ocp);
+  return best.cost <= rate(cycle, best.ocp, before).cost;
+}
+
+Plan Nmpc::State::finish(const Cycle& cycle, const Candidate& best) {
+  const SolveStatus status = best.solution.status;
+  const bool usable = is_usable(cycle, best);
+  remember(cycle, best);
+  if (!usable)
+    return fall_back(
+        cycle, status == SolveStatus::kTimeout ? PlanStatus::kTimeout : PlanStatus::kInfeasible);
+  good = {
+      .status = status == SolveStatus::kConverged ? PlanStatus::kOptimal : PlanStatus::kAcceptable,
+      .source = PlanSource::kSolution,
+      .solver = best.solver,
+      .command = best.motion.twist.front(),
+      .t0 = cycle.start.t0,
+      .dt = params.dt,
+      .X_MB = best.motion.X_MB,
+      .twist = best.motion.twist,
+      .cost = best.cost,
+      .slack = best.slack,
+      .clearance = best.clearance};
+  return good;
+}
+
+// The ladder below a solution: rest of the last good plan, comfortable braking, full braking.
+Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
+  const Start& start = cycle.start;
+  const double period = params.control_period;
+  PlanSource source = PlanSource::kPrevious;
+  Motion motion;
+  bool found = false;
+  if (!good.twist.empty() && start.t0 >= good.t0 && start.t0 - good.t0 < kLongestReuse) {
+    motion = rest_of(good, start, period, robot);
+    motion.start = params.delay;
+    found =
+        is_clear(body, motion, cycle.to_avoid, 2.0 * period + stopping_time(start.command, robot));
+  }
+  if (!found) {
+    source = PlanSource::kBraking;
+    motion = braking(start, period, robot.a_max, robot.alpha_max);
+    motion.start = params.delay;
+    if (!is_clear(body, motion, cycle.to_avoid, 1e9))
+      motion = braking(start, period, std::max(robot.a_max, robot.a_brake),
+                       std::max(robot.alpha_max, robot.alpha_brake));
+  }
+  Plan plan = to_plan(motion, start.t0);
+  plan.status = status;
+  plan.source = source;
+  return plan;
+}
+
+// Nothing in a request that is not finite can be trusted: brake from the command, if that is one.
+Plan Nmpc::State::refuse(const PlanRequest& bad) {
+  last.reset();
+  good = {};
+  const Twist2 command = is_finite(bad.command) ? bad.command : Twist2{};
+  const Pose2 X_MB = is_finite(bad.X_MB) ? bad.X_MB : Pose2{};
+  const double t = std::isfinite(bad.t) ? bad.t : 0.0;
+  return to_plan(braking({X_MB, command, t + params.delay}, params.control_period, robot.a_max,
+                         robot.alpha_max),
+                 t + params.delay);
+}
+
+Nmpc::Nmpc(const NmpcParams& params, const RobotParams& robot) {
+  check(params);
+  check(robot);
+  if (params.control_period > params.dt)
+    throw std::invalid_argument("control_period must not exceed dt");
+  if (params.time_budget > 0.0 && params.time_budget <= 2.0 * kReserve)
+    throw std::invalid_argument("time_budget must be 0 (unlimited) or above 0.006 s");
+  state_ = std::make_unique<State>(
+      State{params, robot, body_of(params, robot), Solver{solver_named(params.solver)}});
+}
+
+Nmpc::~Nmpc() = default;
+Nmpc::Nmpc(Nmpc&&) noexcept = default;
+Nmpc& Nmpc::operator=(Nmpc&&) noexcept = default;
+
+Plan Nmpc::solve(const PlanRequest& request) {
+  State& state = *state_;
+  state.started = Clock::now();
+  Plan plan;
+  if (is_valid(request)) {
+    const Cycle cycle = begin_cycle(request, state.params, state.robot, state.body);
+    state.iterations = state.solves = state.effort = 0;
+    state.confirmed = state.disagreements = 0;
+    if (state.last && !state.is_continued(cycle)) state.last.reset();
+    Candidate best = state.first_candidate(cycle);
+    state.improve(cycle, best);
+    plan = state.finish(cycle, best);
+    plan.iterations = state.iterations;
+    plan.solves = state.solves;
+    plan.confirmed = state.confirmed;
+    plan.disagreements = state.disagreements;
+  } else {
+    plan = state.refuse(request);
+  }
+  plan.solve_time = seconds_since(state.started);
+  return plan;
+}
+
+void Nmpc::reset() {
+  state_->last.reset();
+  state_->good = {};
+  state_->timeouts = 0;
+  state_->next_guess = 0;
+  state_->poor_cycles = 0;
+}
+
+}  // namespace tandem

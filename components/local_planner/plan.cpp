@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace tandem {
+
+const char* name(Method method) {
+  switch (method) {
+    case Method::kLeader:
+      return "leader";
+    case Method::kIntention:
+      return "intention";
+    case Method::kGoal:
+      return "goal";
+  }
+  return "?";
+}
+
+const char* name(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kOptimal:
+      return "optimal";
+    case PlanStatus::kAcceptable:
+      return "acceptable";
+    case PlanStatus::kTimeout:
+      return "timeout";
+    case PlanStatus::kInfeasible:
+      return "infeasible";
+    case PlanStatus::kRefused:
+      return "refused";
+  }
+  return "?";
+}
+
+const char* name(PlanSource source) {
+  switch (source) {
+    case PlanSource::kSolution:
+      return "solution";
+    case PlanSource::kPrevious:
+      return "previous";
+    case PlanSource::kBraking:
+      return "braking";
+  }
+  return "?";
+}
+
+Method method_named(std::string_view text) {
+  for (const Method method : {Method::kLeader, Method::kIntention, Method::kGoal})
+    if (text == name(method)) return method;
+  throw std::invalid_argument("method = '" + std::string(text) +
+                              "' is none of {leader, intention, goal}");
+}
+
+Twist2 Plan::at(double t) const {
+  const double step = std::floor((t - t0) / dt + 1e-9);
+  if (twist.empty() || !(step < static_cast<double>(twist.size()))) return {};
+  return twist[static_cast<std::size_t>(std::max(0.0, step))];
+}
+
+Pose2 Plan::pose_at(double t) const {
+  if (X_MB.empty()) return {};
+  const double step = std::max(0.0, std::floor((t - t0) / dt + 1e-9));
+  if (!(step < static_cast<double>(twist.size()))) return X_MB.back();
+  const auto k = static_cast<std::size_t>(step);
+  return integrate(X_MB[k], twist[k], std::max(0.0, t - t0 - step * dt));
+}
+
+}  // namespace tandem

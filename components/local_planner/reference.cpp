@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "model/diff_drive.hpp"
+
+namespace tandem {
+namespace {
+
+// (2) and (3) in Krijnen's units are this much lighter than (1) in Devalla's; one slack weight and
+// one barrier have to suit all.
+constexpr double kIntentionScale = 20.0;
+
+// [s] The person is obeyed now rather than later: what has to give way gives way in the end of the
+// horizon. Without this a person who is blocked far ahead never starts moving.
+constexpr double kPatience = 2.0;
+
+using Wanted = std::function<Twist2(const Pose2&)>;
+
+// Follows `wanted` within speed and acceleration limits.
+Forecast roll_out(const Wanted& wanted, const Twist2& command, const Pose2& X_MB,
+                  const NmpcParams& params, const RobotParams& robot) {
+  Forecast out{{}, {X_MB}};
+  Twist2 u = command;
+  for (int k = 0; k < params.horizon_steps; ++k) {
+    const double period = k == 0 ? params.control_period : params.dt;
+    const Twist2 target = limit(wanted(out.X_MB.back()), robot);
+    u = {approach(u.v, target.v, robot.a_max * period),
+         approach(u.w, target.w, robot.alpha_max * period)};
+    out.twist.push_back(u);
+    out.X_MB.push_back(integrate(out.X_MB.back(), u, params.dt));
+  }
+  return out;
+}
+
+// Steers to a point, forwards or backwards, whichever needs less turning; slows to stop there.
+Twist2 drive_to(const Eigen::Vector2d& p_MT, const Pose2& X_MB, const RobotParams& robot) {
+  const Eigen::Vector2d to = p_MT - X_MB.position();
+  const double bearing = wrap_angle(std::atan2(to.y(), to.x()) - X_MB.theta);
+  const bool back = std::abs(bearing) > 0.7 * std::numbers::pi && robot.v_min < 0.0;
+  const double error = back ? wrap_angle(bearing + std::numbers::pi) : bearing;
+  const double fastest = std::sqrt(robot.a_max * to.norm()) * std::max(0.0, std::cos(error));
+  const double v = back ? std::max(robot.v_min, -fastest) : std::min(robot.v_max, fastest);
+  return {v, std::clamp(1.5 * error, -robot.w_max, robot.w_max)};
+}
+
+Wanted wanted_by(const PlanRequest& request, const RobotParams& robot) {
+  if (request.method == Method::kIntention) return [&](const Pose2&) { return request.user; };
+  return [&](const Pose2& X_MB) -> Twist2 {
+    if ((request.X_MG.position() - X_MB.position()).norm() > 0.15)
+      return drive_to(request.X_MG.position(), X_MB, robot);
+    return {0.0, 1.5 * wrap_angle(request.X_MG.theta - X_MB.theta)};
+  };
+}
+
+// (1)
+StageCost pose_cost(const PlanRequest& request, const Pose2& X_MB, const NmpcParams& params) {
+  const double d = (request.X_MG.position() - X_MB.position()).norm(), d0 = params.heading_fade;
+  const double fade = d0 > 0.0 ? d0 * d0 / (d0 * d0 + d * d) : 1.0;
+  StageCost cost;
+  cost.X_MR = request.X_MG;
+  cost.q_x = params.weight_x;
+  cost.q_y = params.weight_y;
+  cost.q_theta = fade * params.weight_heading;
+  cost.r_v = params.weight_v;
+  cost.r_w = params.weight_w;
+  cost.c_v = cost.c_w = params.weight_smooth;
+  return cost;
+}
+
+// (2)
+StageCost rollout_cost(const Twist2& user, const Forecast& wish, std::size_t k,
+                       const Twist2& before, const NmpcParams& params) {
+  StageCost cost;
+  cost.X_MR = wish.X_MB[k + 1];
+  cost.twist = user;
+  cost.change = {cost.twist.v - before.v, cost.twist.w - before.w};
+  cost.q_x = cost.q_y = kIntentionScale * params.intention_position;
+  cost.q_theta = kIntentionScale * params.intention_heading;
+  cost.r_v = cost.r_w = kIntentionScale * params.intention_speed;
+  cost.c_v = cost.c_w = kIntentionScale * params.intention_smooth;
+  return cost;
+}
+
+void discount(StageCost& cost, double factor) {
+  for (double* weight : {&cost.q_x, &cost.q_y, &cost.q_theta, &cost.r_v, &cost.r_w, &cost.c_v,
+                         &cost.c_w, &cost.c_dir})
+    *weight *= factor;
+}
+
+// (3)
+StageCost atan_cost(const Twist2& user, const NmpcParams& params) {
+  StageCost cost;
+  cost.twist = {user.v, 0.0};
+  cost.r_v = kIntentionScale * params.intention_speed;
+  cost.c_v = cost.c_w = kIntentionScale * params.intention_smooth;
+  const bool has_direction = std::hypot(user.v, user.w) > 0.02;
+  if (has_direction) {
+    cost.c_dir = kIntentionScale * params.intention_heading;
+    cost.direction = std::atan2(user.w, user.v);
+  } else {
+    cost.r_w = kIntentionScale * params.intention_heading;
+  }
+  return cost;
+}
+
+}  // namespace
+
+Forecast forecast(const PlanRequest& request, const Pose2& X_MB, const NmpcParams& params,
+                  const RobotParams& robot) {
+  return roll_out(wanted_by(request, robot), request.command, X_MB, params, robot);
+}
+
+Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, const Pose2& X_MB,
+                      const NmpcParams& params, const RobotParams& robot) {
+  const Wanted afterwards = wanted_by(request, robot);
+  bool passed = false;
+  const auto wanted = [&](const Pose2& X) {
+    passed = passed || (p_MV - X.position()).norm() < 0.3;
+    return passed ? afterwards(X) : drive_to(p_MV, X, robot);
+  };
+  return roll_out(wanted, request.command, X_MB, params, robot);
+}
+
+std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
+                                   const NmpcParams& params, const RobotParams& robot) {
+  std::vector<StageCost> costs;
+  Twist2 before = request.command;
+  for (std::size_t k = 0; k < wish.twist.size(); ++k) {
+    if (request.method != Method::kIntention)
+      costs.push_back(pose_cost(request, wish.X_MB.front(), params));
+    else if (params.intention_form == "atan")
+      costs.push_back(atan_cost(request.user, params));
+    else
+      costs.push_back(rollout_cost(limit(request.user, robot), wish, k, before, params));
+    if (request.method == Method::kIntention)
+      discount(costs.back(), std::exp(-params.dt * static_cast<double>(k) / kPatience));
+    before = wish.twist[k];
+  }
+  if (request.method == Method::kGoal) {
+    for (double* weight : {&costs.back().q_x, &costs.back().q_y, &costs.back().q_theta})
+      *weight *= 1.0 + params.terminal_weight;
+  }
+  return costs;
+}
+
+double pull(const std::vector<StageCost>& costs, const Pose2& X_MB, double dt) {
+  double sum = 0.0;
+  for (const StageCost& c : costs)
+    sum += 2.0 * std::hypot(c.q_x * (c.X_MR.x - X_MB.x), c.q_y * (c.X_MR.y - X_MB.y)) +
+           2.0 * c.r_v * std::abs(c.twist.v) / dt / static_cast<double>(costs.size());
+  return sum;
+}
+
+}  // namespace tandem

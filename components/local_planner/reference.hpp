@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: what the person wants. Out: the cost of each stage.
+#pragma once
+
+#include <vector>
+
+#include "local_planner/nmpc_params.hpp"
+#include "local_planner/ocp.hpp"
+#include "local_planner/plan.hpp"
+#include "model/robot.hpp"
+
+namespace tandem {
+
+/// Twists and poses of the person's own wish from X_MB on: what the robot would do without
+/// obstacles, within its limits. For a leader or goal: driving to the point, then turning.
+struct Forecast {
+  std::vector<Twist2> twist;  ///< N
+  std::vector<Pose2> X_MB;    ///< N + 1
+};
+[[nodiscard]] Forecast forecast(const PlanRequest& request, const Pose2& X_MB,
+                                const NmpcParams& params, const RobotParams& robot);
+
+/// The same, by way of a point: an initial guess that passes an obstacle on one side.
+[[nodiscard]] Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request,
+                                    const Pose2& X_MB, const NmpcParams& params,
+                                    const RobotParams& robot);
+
+/// Costs of the N stages, one shape for all methods:
+///
+///   leader, goal  (x−x_g)ᵀQ(x−x_g) + uᵀRu, heading by 2(1 − cos), faded by 1 / (1 + (d/d₀)²)
+///                 with d the distance to go and d₀ heading_fade: far away the way counts, on the
+///                 spot the heading. goal: the last stage (1 + terminal_weight) times       (1)
+///   intention     rollout: C_v(v_u−v)² + C_v(ω_u−ω)² + C_h 2(1 − cos(θ_u−θ)) + C_p|p_u−p|²
+///                 + C_c|Δu−Δu_u|², with X_u and Δu_u from the forecast (v_u, ω_u reached at the
+///                 acceleration limits): where nothing blocks, the forecast is the optimum    (2)
+///                 atan: C_v(v_u−v)² + C_h 2(1 − cos(atan(ω_u/v_u) − atan(ω/v))) + C_c|Δu|²   (3)
+///                 both fade over the horizon, as what the person wants now is known best
+[[nodiscard]] std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
+                                                 const NmpcParams& params,
+                                                 const RobotParams& robot);
+
+/// Bound on what a metre of motion at X_MB can save [1/m]: Σ |∂cost/∂p| + |∂cost/∂v| / N Δt. A
+/// penalty on a metre of slack is exact above the multipliers of its rows, which this pull bounds
+/// as long as all stages hang on one row by a lever of about one.
+[[nodiscard]] double pull(const std::vector<StageCost>& costs, const Pose2& X_MB, double dt);
+
+}  // namespace tandem

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/stage_terms.hpp"
+
+namespace tandem {
+namespace {
+
+using Eigen::Vector2d;
+
+struct Sinc {
+  double value, first, second;
+};
+
+Sinc sinc(double b) {
+  const double b2 = b * b;
+  if (std::abs(b) < 0.02)
+    return {1.0 - b2 / 6.0 * (1.0 - b2 / 20.0), -b / 3.0 * (1.0 - b2 / 10.0 * (1.0 - b2 / 28.0)),
+            -1.0 / 3.0 + b2 / 10.0 * (1.0 - b2 * 10.0 / 168.0)};
+  const double value = std::sin(b) / b, first = (std::cos(b) - value) / b;
+  return {value, first, -value - 2.0 * first / b};
+}
+
+// Krijnen's wish as a smooth function of the twist: 2 (1 − (v cos δ + w sin δ) / r) with
+// r² = v² + w² + ε². For v > 0 its direction is his atan(w / v), and it is 0 at the same twists.
+struct Wish {
+  double value;
+  Vector2d gradient;
+  double vv, vw, ww;
+};
+
+Wish wish(const Twist2& u, double direction) {
+  constexpr double kEpsilon2 = 0.05 * 0.05;  // [m²/s²] where the direction loses its meaning
+  const double c = std::cos(direction), s = std::sin(direction);
+  const double r2 = u.v * u.v + u.w * u.w + kEpsilon2, r = std::sqrt(r2);
+  const double along = u.v * c + u.w * s, r3 = r2 * r, k = 3.0 * along / r2;
+  return {2.0 - 2.0 * along / r,
+          {-2.0 * (c / r - along * u.v / r3), -2.0 * (s / r - along * u.w / r3)},
+          2.0 * (2.0 * c * u.v + along - k * u.v * u.v) / r3,
+          2.0 * (c * u.w + s * u.v - k * u.v * u.w) / r3,
+          2.0 * (2.0 * s * u.w + along - k * u.w * u.w) / r3};
+}
+
+void add_wish(const StageCost& c, const Twist2& u, CostTerms& terms) {
+  const Wish toward = wish(u, c.direction);
+  terms.value += c.c_dir * toward.value;
+  terms.u += c.c_dir * toward.gradient;
+  terms.vv += c.c_dir * toward.vv;
+  terms.vw += c.c_dir * toward.vw;
+  terms.ww += c.c_dir * toward.ww;
+}
+
+}  // namespace
+
+Displacement displacement(const Ocp& ocp, double theta, const Twist2& u) {
+  const double g = ocp.half, alpha = theta + g * u.w, length = u.v * ocp.dt;
+  const Sinc s = sinc(g * u.w);
+  const Vector2d e{std::cos(alpha), std::sin(alpha)}, n{-e.y(), e.x()};
+  const Vector2d bend = g * (s.first * e + s.value * n);
+  return {.d = length * s.value * e,
+          .d_theta = length * s.value * n,
+          .d_v = ocp.dt * s.value * e,
+          .d_w = length * bend,
+          .d_theta_theta = -length * s.value * e,
+          .d_theta_v = ocp.dt * s.value * n,
+          .d_theta_w = length * g * (s.first * n - s.value * e),
+          .d_v_w = ocp.dt * bend,
+          .d_w_w = length * g * g * (s.second * e + 2.0 * s.first * n - s.value * e)};
+}
+
+CostTerms cost_terms(const StageCost& c, const Twist2& u, const Twist2& change, const Pose2& X_MB) {
+  const double e_x = X_MB.x - c.X_MR.x, e_y = X_MB.y - c.X_MR.y;
+  const double e_v = u.v - c.twist.v, e_w = u.w - c.twist.w;
+  const double e_dv = change.v - c.change.v, e_dw = change.w - c.change.w;
+  const double turn = X_MB.theta - c.X_MR.theta, cos = std::cos(turn), sin = std::sin(turn);
+  CostTerms terms{.value = c.q_x * e_x * e_x + c.q_y * e_y * e_y + 2.0 * c.q_theta * (1.0 - cos) +
+                           c.r_v * e_v * e_v + c.r_w * e_w * e_w + c.c_v * e_dv * e_dv +
+                           c.c_w * e_dw * e_dw,
+                  .u = {2.0 * c.r_v * e_v, 2.0 * c.r_w * e_w},
+                  .change = {2.0 * c.c_v * e_dv, 2.0 * c.c_w * e_dw},
+                  .X = {2.0 * c.q_x * e_x, 2.0 * c.q_y * e_y, 2.0 * c.q_theta * sin},
+                  .vv = 2.0 * c.r_v,
+                  .vw = 0.0,
+                  .ww = 2.0 * c.r_w,
+                  .change2 = {2.0 * c.c_v, 2.0 * c.c_w},
+                  .X2 = {2.0 * c.q_x, 2.0 * c.q_y, 2.0 * c.q_theta * cos}};
+  if (c.c_dir > 0.0) add_wish(c, u, terms);
+  return terms;
+}
+
+}  // namespace tandem

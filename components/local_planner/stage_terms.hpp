@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: one stage of an Ocp at a point. Out: its terms with first and second derivatives, the ones
+// that every solver uses.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "local_planner/ellipse_distance.hpp"
+#include "local_planner/ocp.hpp"
+
+namespace tandem {
+
+/// Derivatives of (5) of ocp.hpp, with D the displacement, e = (cos α, sin α), n = (−sin α, cos α),
+/// α = θ + γ w, S = sinc(γ w) and its derivatives S', S'':
+///
+///   D = v Δt S e,          D_θ = v Δt S n,              D_v = Δt S e,
+///   D_w = v Δt γ (S' e + S n),     D_θθ = −v Δt S e,    D_θv = Δt S n,                       (6)
+///   D_θw = v Δt γ (S' n − S e),    D_vw = Δt γ (S' e + S n),
+///   D_ww = v Δt γ² (S'' e + 2 S' n − S e)
+struct Displacement {
+  Eigen::Vector2d d, d_theta, d_v, d_w, d_theta_theta, d_theta_v, d_theta_w, d_v_w, d_w_w;
+};
+[[nodiscard]] Displacement displacement(const Ocp& ocp, double theta, const Twist2& u);
+
+/// Cost (1) of a stage without its slack. What is not listed of the Hessian is zero.
+struct CostTerms {
+  double value;
+  Eigen::Vector2d u, change;  ///< gradient with respect to (v, w), (d_v, d_w)
+  Eigen::Vector3d X;          ///< … and the pose
+  double vv, vw, ww;          ///< Hessian
+  Eigen::Vector2d change2;    ///< … its diagonal
+  Eigen::Vector3d X2;         ///< … its diagonal
+};
+[[nodiscard]] CostTerms cost_terms(const StageCost& cost, const Twist2& u, const Twist2& change,
+                                   const Pose2& X_MB);
+
+/// A pose, its heading's cosine and sine computed once for all pairs of a stage.
+struct Placed {
+  explicit Placed(const Pose2& X_MB)
+      : p_MB{X_MB.position()}, c{std::cos(X_MB.theta)}, s{std::sin(X_MB.theta)} {}
+  Eigen::Vector2d p_MB;
+  double c, s;
+};
+
+/// Clearance φ(C(X)) − gap of a pair. The disc's centre C = p + R(θ) c has C_θ = R(θ) c⊥ and
+/// C_θθ = −R(θ) c, so with n = ∇φ and κ' its curvature
+///
+///   gradient (n, n · C_θ),   Hessian κ' l lᵀ − diag(0, 0, n · R c),   l = (n⊥, n⊥ · C_θ)     (7)
+///
+/// where n⊥ · C_θ = n · R c as well.
+struct PairTerms {
+  double value;
+  double n_x, n_y;
+  double turn;  ///< n · C_θ
+  double lean;  ///< n · R c
+  double curvature;
+
+  [[nodiscard]] Eigen::Vector3d gradient() const { return {n_x, n_y, turn}; }
+  [[nodiscard]] Eigen::Vector3d along() const { return {-n_y, n_x, lean}; }
+  [[nodiscard]] Eigen::Matrix3d hessian() const {
+    Eigen::Matrix3d H = curvature * along() * along().transpose();
+    H(2, 2) -= lean;
+    return H;
+  }
+};
+
+[[nodiscard]] inline PairTerms pair_terms(const Pair& pair, const Placed& X) {
+  const Eigen::Vector2d arm{X.c * pair.p_BC.x() - X.s * pair.p_BC.y(),
+                            X.s * pair.p_BC.x() + X.c * pair.p_BC.y()};
+  const SignedDistance phi = signed_distance(pair.obstacle, X.p_MB + arm);
+  const Eigen::Vector2d& n = phi.normal;
+  return {phi.value - pair.gap, n.x(),        n.y(), n.y() * arm.x() - n.x() * arm.y(),
+          n.dot(arm),           phi.curvature};
+}
+
+}  // namespace tandem

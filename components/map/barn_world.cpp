@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/barn_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace tandem {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kHeight = 1.0;       // [m] of a cylinder
+constexpr double kAround = 1.0;       // [m] free about start and goal
+constexpr double kResolution = 0.05;  // [m]
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
+  throw std::runtime_error(file.string() + ": " + what);
+}
+
+Json load(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!std::filesystem::is_regular_file(file) || !stream)
+    fail(file, "no such file, or it cannot be read; give the path of a file of BARN worlds");
+  Json root = Json::parse(stream, nullptr, false);
+  if (!root.is_object() || !root.contains("meta") || !root.contains("worlds") ||
+      !root["meta"].is_object() || !root["worlds"].is_object())
+    fail(file, "not a file of BARN worlds: expected JSON with 'meta' and 'worlds'");
+  return root;
+}
+
+double coordinate(const Json& value) {
+  const double metres = value.get<double>();
+  if (std::abs(metres) <= 1e3) return metres;
+  throw std::runtime_error("a coordinate beyond 1000 m");
+}
+
+void hold(MapDescription& map, double x, double y, double around) {
+  map.low = map.low.cwiseMin(Eigen::Vector3d{x - around, y - around, 0.0});
+  map.high = map.high.cwiseMax(Eigen::Vector3d{x + around, y + around, kHeight});
+}
+
+MapDescription world(const Json& meta, const Json& cylinders) {
+  MapDescription map;
+  map.resolution = kResolution;
+  map.low.setConstant(1e6);
+  map.high.setConstant(-1e6);
+  const double radius = meta.at("cylinder_radius_m").get<double>();
+  if (!(radius >= kResolution && radius <= 10.0)) throw std::runtime_error("cylinder_radius_m");
+  for (const char* place : {"start", "goal"})
+    hold(map, coordinate(meta.at(place).at("x")), coordinate(meta.at(place).at("y")), kAround);
+  for (const Json& center : cylinders) {
+    Solid solid;
+    solid.shape = Solid::Shape::kDisc;
+    solid.p_MC = {coordinate(center.at(0)), coordinate(center.at(1))};
+    solid.size.setConstant(2.0 * radius);
+    solid.z_high = kHeight;
+    hold(map, solid.p_MC.x(), solid.p_MC.y(), radius);
+    map.solids.push_back(solid);
+  }
+  if (map.solids.empty()) throw std::runtime_error("no cylinders");
+  return map;
+}
+
+}  // namespace
+
+MapDescription load_barn_world(const std::filesystem::path& file, int number) {
+  const Json root = load(file);
+  const auto entry = root["worlds"].find(std::to_string(number));
+  if (entry == root["worlds"].end()) {
+    const auto numbers = barn_world_numbers(file);
+    fail(file, "no world " + std::to_string(number) + "; it has " + std::to_string(numbers.size()) +
+                   (numbers.empty() ? ""
+                                    : ", from " + std::to_string(numbers.front()) + " to " +
+                                          std::to_string(numbers.back())));
+  }
+  try {
+    return world(root["meta"], entry->at("cylinders"));
+  } catch (const std::exception& error) {
+    fail(file, "world " + std::to_string(number) + ": " + error.what());
+  }
+}
+
+std::vector<int> barn_world_numbers(const std::filesystem::path& file) {
+  std::vector<int> numbers;
+  const Json root = load(file);
+  for (const auto& [name, world] : root["worlds"].items()) {
+    if (name.empty() || name.size() > 6 || name.find_first_not_of("0123456789") != name.npos)
+      fail(file, "world '" + name + "' has no number");
+    numbers.push_back(std::stoi(name));
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+}  // namespace tandem

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a file of BARN worlds and a number. Out: that world as a map description.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "map/map_description.hpp"
+
+namespace tandem {
+
+/// The worlds of BARN (Perille et al., "Benchmarking Metric Ground Navigation", 2020) in one JSON
+/// file: `{"meta": {"cylinder_radius_m": r, "start": {x, y}, "goal": {x, y}}, "worlds": {"17":
+/// {"cylinders": [[x, y], …]}, …}}`. The bounds hold every cylinder, and 1 m around start and goal.
+/// Throws std::runtime_error: one line with the file and what is wrong in it.
+[[nodiscard]] MapDescription load_barn_world(const std::filesystem::path& file, int number);
+
+/// The numbers of the worlds in the file, rising. Throws as load_barn_world.
+[[nodiscard]] std::vector<int> barn_world_numbers(const std::filesystem::path& file);
+
+}  // namespace tandem

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a seed. Out: a world of clutter like those of BARN, that a robot can pass.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "map/map_description.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+struct ClutterParams {
+  double fill = 0.25;
+  int smoothing = 3;
+  double width = 0.60;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("fill", fill, Range{0.0, 0.6}, "share of the cells that are filled at random");
+    field("smoothing", smoothing, Range{0, 20}, "steps of the cellular automaton");
+    field("width", width, Range{0.1, 1.5}, "[m] a disc of this diameter comes from start to goal");
+  }
+};
+
+/// Where a robot starts, heading +y, and where it must come to [m]: those of BARN.
+inline const Eigen::Vector2d kClutterStart{-2.25, 3.0}, kClutterGoal{-2.25, 13.0};
+
+/// A corridor 4.5 m wide with cylinders of ⌀ 0.15 m on a lattice of 0.15 m from y = 4.65 to 9.15,
+/// made as the worlds of BARN (Perille et al. 2020) were: cells filled at random, then smoothed by
+/// a cellular automaton (five or more filled neighbours fill a cell, two or fewer empty it), and
+/// taken only if the goal can be reached; else the next world of the same seed is tried. Equal
+/// seeds and parameters give equal worlds. Throws std::runtime_error if no try of many can be
+/// passed.
+[[nodiscard]] MapDescription clutter_world(unsigned seed, const ClutterParams& params);
+
+}  // namespace tandem

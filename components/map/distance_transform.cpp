@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/distance_transform.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tandem {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// h_i(y)² of (1) for every cell: one pass up and one pass down each column, row by row.
+std::vector<double> squared_column_gaps(const std::vector<std::uint8_t>& is_obstacle,
+                                        std::size_t width, std::size_t height) {
+  std::vector<double> steps(is_obstacle.size());  // to the nearest obstacle cell of the column
+  std::vector<double> last(width, kInfinity);
+  const auto sweep = [&](std::size_t y, bool first) {
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t i = y * width + x;
+      last[x] = is_obstacle[i] ? 0.0 : last[x] + 1.0;
+      steps[i] = first ? last[x] : std::min(steps[i], last[x]);
+    }
+  };
+  for (std::size_t y = 0; y < height; ++y) sweep(y, true);
+  std::fill(last.begin(), last.end(), kInfinity);
+  for (std::size_t y = height; y-- > 0;) sweep(y, false);
+  for (double& step : steps) {
+    const double gap = std::max(0.0, step - 0.5);
+    step = gap * gap;
+  }
+  return steps;
+}
+
+// Lower envelope of parabolas (x − foot)² + height with rising feet.
+class Envelope {
+ public:
+  explicit Envelope(std::size_t most) {
+    parabolas_.reserve(most);
+    starts_.reserve(most);
+  }
+  void clear() {
+    parabolas_.clear();
+    starts_.clear();
+  }
+  void add(double foot, double height) {
+    if (height == kInfinity) return;
+    double start = -kInfinity;
+    while (!parabolas_.empty()) {
+      const auto& last = parabolas_.back();
+      start = 0.5 * (foot + last.foot) + 0.5 * (height - last.height) / (foot - last.foot);
+      if (start > starts_.back()) break;
+      parabolas_.pop_back();
+      starts_.pop_back();
+      start = -kInfinity;
+    }
+    parabolas_.push_back({foot, height});
+    starts_.push_back(start);
+  }
+  // Value at x; call with rising x and a cursor that began at 0.
+  [[nodiscard]] double at(double x, std::size_t& cursor) const {
+    if (parabolas_.empty()) return kInfinity;
+    while (cursor + 1 < parabolas_.size() && starts_[cursor + 1] <= x) ++cursor;
+    const double d = x - parabolas_[cursor].foot;
+    return d * d + parabolas_[cursor].height;
+  }
+
+ private:
+  struct Parabola {
+    double foot, height;
+  };
+  std::vector<Parabola> parabolas_;
+  std::vector<double> starts_;  // from where each is the lowest
+};
+
+}  // namespace
+
+std::vector<double> distance_transform(const std::vector<std::uint8_t>& is_obstacle, int width,
+                                       int height) {
+  const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+  std::vector<double> result = squared_column_gaps(is_obstacle, columns, rows);
+  Envelope envelope(2 * columns + 1);
+  for (std::size_t y = 0; y < rows && columns > 0; ++y) {
+    double* const row = result.data() + y * columns;
+    envelope.clear();
+    envelope.add(-0.5, row[0]);
+    for (std::size_t x = 0; x < columns; ++x) {
+      const double next = x + 1 < columns ? row[x + 1] : kInfinity;
+      envelope.add(static_cast<double>(x), row[x]);
+      envelope.add(static_cast<double>(x) + 0.5, std::min(row[x], next));
+    }
+    std::size_t cursor = 0;
+    for (std::size_t x = 0; x < columns; ++x)
+      row[x] = std::sqrt(envelope.at(static_cast<double>(x), cursor));  // (1)
+  }
+  return result;
+}
+
+}  // namespace tandem

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: which cells of a plane are obstacles. Out: how far every cell's centre is from their squares.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace tandem {
+
+/// Distance from each cell's centre to the nearest obstacle square, in cells; 0 on an obstacle,
+/// infinite if there is none. Exact, in time linear in the cells (Felzenszwalb and Huttenlocher,
+/// "Distance Transforms of Sampled Functions", 2012).
+///
+/// The point of a square nearest to another cell's centre is its corner or the middle of a side.
+/// So each column adds parabolas to the envelope, at its middle and at its two edges:
+///
+///   D²(x, y) = min over columns i of g(x − i) + h_i(y)²,   g(k) = max(0, |k| − ½)²         (1)
+///
+/// with h_i(y) the same gap along column i.
+[[nodiscard]] std::vector<double> distance_transform(const std::vector<std::uint8_t>& is_obstacle,
+                                                     int width, int height);
+
+}  // namespace tandem

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the part of an OctoMap that the robot's body sweeps. Out: a plane of cells in the map frame.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace tandem {
+
+enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
+
+/// Row-major cells, row 0 at the lowest y. Cell (ix, iy) is the square of side `resolution` whose
+/// lower left corner is origin + resolution · (ix, iy).
+struct Grid {
+  double resolution = 0.05;          ///< [m]
+  Eigen::Vector2d origin{0.0, 0.0};  ///< lower left corner of cell (0, 0) in M [m]
+  int width = 0, height = 0;         ///< cells along x and y
+  std::vector<Cell> cells;           ///< width · height
+
+  [[nodiscard]] bool contains(int ix, int iy) const {
+    return ix >= 0 && iy >= 0 && ix < width && iy < height;
+  }
+  /// Place of a contained cell in `cells`.
+  [[nodiscard]] std::size_t index(int ix, int iy) const {
+    return static_cast<std::size_t>(iy) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(ix);
+  }
+  [[nodiscard]] Cell at(int ix, int iy) const { return cells[index(ix, iy)]; }
+  /// Centre of a cell [m].
+  [[nodiscard]] Eigen::Vector2d center(int ix, int iy) const {
+    return {origin.x() + resolution * (ix + 0.5), origin.y() + resolution * (iy + 0.5)};
+  }
+};
+
+}  // namespace tandem

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a map written down in YAML (maps/*.yaml). Out: the OctoMap it describes.
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tandem {
+
+/// Upright solid between two heights: a rectangle turned by `angle`, or a disc.
+struct Solid {
+  enum class Shape { kRectangle, kDisc };
+
+  Shape shape = Shape::kRectangle;
+  Eigen::Vector2d p_MC{0.0, 0.0};  ///< centre [m]
+  Eigen::Vector2d size{0.0, 0.0};  ///< length and width; a disc's diameter twice [m]
+  double angle = 0.0;              ///< heading of the length [rad]
+  double z_low = 0.0, z_high = 0.0;
+};
+
+/// A world of solids. Everything else inside of the bounds is known to be free.
+struct MapDescription {
+  double resolution = 0.05;                     ///< side of a voxel [m]
+  Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};  ///< bounds [m]
+  bool free_space = true;                       ///< false: what is not solid stays unknown
+  bool floor = false;                           ///< one layer of voxels below z = 0
+  std::vector<Solid> solids;
+};
+
+/// Reads a description,
+///
+///     resolution: 0.05                        # [m]
+///     bounds: {low: [x, y, z], high: [x, y, z]}
+///     free_space: true                        # default
+///     floor: false                            # default
+///     walls:     [{points: [[x, y], …], thickness: t, height: h, closed: false}, …]
+///     boxes:     [{center: [x, y], size: [along, across], angle: radians, height: h}, …]
+///     cylinders: [{center: [x, y], diameter: d, height: h}, …]
+///
+/// where `z: [low, high]` may stand for `height: h` (z from 0 to h). A wall follows its points;
+/// its free ends are flat and end at the point. Throws std::runtime_error naming `name`, the line
+/// and what is wrong there; an unknown key is wrong.
+[[nodiscard]] MapDescription parse_map_description(const std::string& text,
+                                                   const std::string& name);
+
+/// parse_map_description of a file's text.
+[[nodiscard]] MapDescription load_map_description(const std::filesystem::path& file);
+
+/// A voxel is occupied if its centre lies in a solid. Equal descriptions give equal trees.
+[[nodiscard]] std::unique_ptr<octomap::OcTree> build_octomap(const MapDescription& description);
+
+}  // namespace tandem

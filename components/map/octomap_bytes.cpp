@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/octomap_bytes.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace tandem {
+namespace {
+
+constexpr int kTreeDepth = 16;
+
+// Walks the records of a tree depth first, as OctoMap writes them.
+class Walk {
+ public:
+  explicit Walk(std::string_view data) : data_{data} {}
+
+  // Record of an inner node at `depth`: 2 bits for each of its children.
+  bool binary_node(int depth) {
+    if (depth >= kTreeDepth || data_.size() < 2) return false;
+    const unsigned record = byte(0) | byte(1) << 8U;
+    data_.remove_prefix(2);
+    if (record == 0) return false;  // an inner node has children
+    for (unsigned child = 0; child < 8; ++child) {
+      const unsigned kind = record >> (2 * child) & 3U;
+      if (kind != 0) ++nodes_;
+      if (kind == 3 && !binary_node(depth + 1)) return false;
+    }
+    return true;
+  }
+
+  bool full_node(int depth) {
+    if (depth > kTreeDepth || data_.size() < 5) return false;
+    float log_odds;
+    std::memcpy(&log_odds, data_.data(), sizeof log_odds);
+    const unsigned children = byte(4);
+    data_.remove_prefix(5);
+    ++nodes_;
+    if (!std::isfinite(log_odds)) return false;
+    for (int child = 0; child < std::popcount(children); ++child)
+      if (!full_node(depth + 1)) return false;
+    return true;
+  }
+
+  [[nodiscard]] bool at_end() const { return data_.empty(); }
+  [[nodiscard]] std::size_t nodes() const { return nodes_; }
+
+ private:
+  [[nodiscard]] unsigned byte(std::size_t i) const { return static_cast<unsigned char>(data_[i]); }
+
+  std::string_view data_;
+  std::size_t nodes_ = 0;
+};
+
+}  // namespace
+
+std::optional<std::size_t> count_binary_nodes(std::string_view data) {
+  Walk walk(data);
+  if (!walk.binary_node(0) || !walk.at_end()) return std::nullopt;
+  return walk.nodes() + 1;  // the root
+}
+
+std::optional<std::size_t> count_full_nodes(std::string_view data) {
+  Walk walk(data);
+  if (!walk.full_node(0) || !walk.at_end()) return std::nullopt;
+  return walk.nodes();
+}
+
+}  // namespace tandem

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/slice.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace tandem {
+namespace {
+
+constexpr int kTreeDepth = 16;
+constexpr int kMiddleKey = 1 << (kTreeDepth - 1);  // key of the voxel that starts at 0
+constexpr int kLastKey = (1 << kTreeDepth) - 1;
+constexpr std::int64_t kMostCells = 100'000'000;
+constexpr double kTouching = 1e-6;  // of a voxel: a common face is no overlap
+
+// Voxels [begin, end) along x and y, as keys of OctoMap.
+struct KeyBox {
+  std::array<int, 2> begin{kLastKey + 1, kLastKey + 1}, end{0, 0};
+};
+
+int voxels(unsigned depth) { return 1 << (kTreeDepth - static_cast<int>(depth)); }
+
+KeyBox bounds(const octomap::OcTree& tree) {
+  KeyBox box;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    const octomap::OcTreeKey key = leaf.getIndexKey();
+    for (unsigned axis = 0; axis < 2; ++axis) {
+      box.begin[axis] = std::min(box.begin[axis], static_cast<int>(key[axis]));
+      box.end[axis] = std::max(box.end[axis], key[axis] + voxels(leaf.getDepth()));
+    }
+  }
+  return box;
+}
+
+Grid unknown_grid(double resolution, const KeyBox& box) {
+  Grid grid;
+  grid.resolution = resolution;
+  grid.width = std::max(0, box.end[0] - box.begin[0]);
+  grid.height = std::max(0, box.end[1] - box.begin[1]);
+  const auto count = static_cast<std::int64_t>(grid.width) * grid.height;
+  if (count > kMostCells)
+    throw std::runtime_error("the map spans " + std::to_string(grid.width) + " × " +
+                             std::to_string(grid.height) +
+                             " cells, more than 10⁸: cut it or make it coarser");
+  if (count > 0)
+    grid.origin = {resolution * (box.begin[0] - kMiddleKey),
+                   resolution * (box.begin[1] - kMiddleKey)};
+  grid.cells.assign(static_cast<std::size_t>(count), Cell::kUnknown);
+  return grid;
+}
+
+// Gives every cell under a voxel its state; occupied wins.
+void stamp(Grid& grid, std::array<int, 2> first, int size, Cell state) {
+  for (int iy = first[1]; iy < first[1] + size; ++iy)
+    for (int ix = first[0]; ix < first[0] + size; ++ix) {
+      Cell& cell = grid.cells[static_cast<std::size_t>(iy) * static_cast<std::size_t>(grid.width) +
+                              static_cast<std::size_t>(ix)];
+      if (cell != Cell::kOccupied) cell = state;
+    }
+}
+
+}  // namespace
+
+Grid slice(const octomap::OcTree& tree, const SliceParams& params) {
+  check(params);
+  if (!(params.z_min < params.z_max))
+    throw std::invalid_argument("slice: z_min must be below z_max");
+  const KeyBox box = bounds(tree);
+  Grid grid = unknown_grid(tree.getResolution(), box);
+
+  const double low = (params.floor + params.z_min) / grid.resolution + kMiddleKey + kTouching;
+  const double high = (params.floor + params.z_max) / grid.resolution + kMiddleKey - kTouching;
+  if (grid.cells.empty() || high < 0.0 || low > kLastKey + 1) return grid;
+  const auto key = [](double value) {
+    return static_cast<octomap::key_type>(std::clamp(std::floor(value), 0.0, 1.0 * kLastKey));
+  };
+  const octomap::OcTreeKey from(0, 0, key(low)), to(kLastKey, kLastKey, key(high));
+  for (auto leaf = tree.begin_leafs_bbx(from, to); leaf != tree.end_leafs_bbx(); ++leaf) {
+    const octomap::OcTreeKey first = leaf.getIndexKey();
+    // The iterator also gives large leaves that end just below the band.
+    if (first[2] + voxels(leaf.getDepth()) <= from[2]) continue;
+    stamp(grid, {first[0] - box.begin[0], first[1] - box.begin[1]}, voxels(leaf.getDepth()),
+          tree.isNodeOccupied(*leaf) ? Cell::kOccupied : Cell::kFree);
+  }
+  return grid;
+}
+
+}  // namespace tandem

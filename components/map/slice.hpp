@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: an OctoMap and a band of heights. Out: the plane of cells that a body in that band meets.
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include "map/grid.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// The band of heights that the robot's body sweeps, relative to the floor.
+struct SliceParams {
+  double z_min = 0.10;
+  double z_max = 1.0;
+  double floor = 0.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("z_min", z_min, Range{-10.0, 100.0}, "[m] above the floor: ground clearance");
+    field("z_max", z_max, Range{-10.0, 100.0}, "[m] above the floor: the robot's height");
+    field("floor", floor, Range{-1000.0, 1000.0}, "[m] height of the floor in the map");
+  }
+};
+
+/// Cells at the tree's resolution over its bounding box. A cell is occupied if any occupied voxel
+/// of its column, pruned ones included, reaches into the open band (z_min, z_max); else free if
+/// any voxel there is known free; else unknown. Throws std::invalid_argument if z_min ≥ z_max,
+/// std::runtime_error if the plane would have more than 10⁸ cells.
+[[nodiscard]] Grid slice(const octomap::OcTree& tree, const SliceParams& params);
+
+}  // namespace tandem

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/static_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "map/distance_transform.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void check(const Grid& grid) {
+  if (!(grid.resolution > 0.0) || !std::isfinite(grid.resolution) || !grid.origin.allFinite())
+    throw std::invalid_argument("grid: resolution and origin must be finite, resolution > 0");
+  if (grid.width < 0 || grid.height < 0 ||
+      grid.cells.size() !=
+          static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height))
+    throw std::invalid_argument("grid: width × height differs from the number of cells");
+}
+
+bool counts(Cell cell, bool unknown_is_obstacle) {
+  return cell == Cell::kOccupied || (unknown_is_obstacle && cell == Cell::kUnknown);
+}
+
+// The greatest float that is not above the value.
+float round_down(double value) {
+  const auto rounded = static_cast<float>(value);
+  return static_cast<double>(rounded) <= value ? rounded : std::nextafter(rounded, 0.0F);
+}
+
+// Axis-parallel box.
+struct Box {
+  Eigen::Vector2d low{kInfinity, kInfinity}, high{-kInfinity, -kInfinity};
+
+  void add(const Eigen::Vector2d& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  [[nodiscard]] double distance(const Eigen::Vector2d& p) const {
+    const double dx = std::max({0.0, low.x() - p.x(), p.x() - high.x()});
+    const double dy = std::max({0.0, low.y() - p.y(), p.y() - high.y()});
+    return std::sqrt(dx * dx + dy * dy);
+  }
+};
+
+// Indices of the cells that an interval [low, high] of cell coordinates touches, cut to [0, size).
+struct Span {
+  int begin, end;
+};
+Span cells_between(double low, double high, int size) {
+  const auto limit = [size](double value) {
+    return static_cast<int>(std::clamp(std::floor(value), -1.0, static_cast<double>(size)));
+  };
+  return {std::max(0, limit(low)), std::min(size, limit(high) + 1)};
+}
+
+// Visits the indices from the middle outwards, so that a search finds what is near early.
+template <class Visit>
+void from_middle(const Span& span, Visit visit) {
+  const int middle = (span.begin + span.end) / 2;
+  for (int up = middle, down = middle - 1; up < span.end || down >= span.begin; ++up, --down) {
+    if (up < span.end) visit(up);
+    if (down >= span.begin) visit(down);
+  }
+}
+
+// The outline at a pose, ready to be asked for many squares.
+class PlacedOutline {
+ public:
+  PlacedOutline(const Footprint& footprint, const Pose2& X_MB)
+      : footprint_{footprint}, X_MB_{X_MB}, c_{std::cos(X_MB.theta)}, s_{std::sin(X_MB.theta)} {
+    for (const auto& p_BV : footprint.p_BV) {
+      in_body_.add(p_BV);
+      in_map_.add(to_map(p_BV));
+    }
+  }
+
+  [[nodiscard]] const Box& box() const { return in_map_; }
+
+  // Lower bound on the clearance, by three discs along the longer side of the box in B.
+  [[nodiscard]] double bound(const StaticMap& map) const {
+    const Eigen::Vector2d size = in_body_.high - in_body_.low;
+    const int axis = size.x() >= size.y() ? 0 : 1;
+    const double radius = std::hypot(size[axis] / 6.0, 0.5 * size[1 - axis]);
+    Eigen::Vector2d p_BC = 0.5 * (in_body_.low + in_body_.high);
+    const double middle = p_BC[axis];
+    double bound = kInfinity;
+    for (const double shift : {0.0, 1.0, -1.0}) {
+      p_BC[axis] = middle + shift * size[axis] / 3.0;
+      bound = std::min(bound, map.distance(to_map(p_BC)) - radius);
+    }
+    return bound;
+  }
+
+  // Lower bound on the distance to the square of side `side` around p_MC: between the boxes of
+  // both in B's axes. Exact for a rectangle that stands parallel to the grid.
+  [[nodiscard]] double bound(const Eigen::Vector2d& p_MC, double side) const {
+    const double x = p_MC.x() - X_MB_.x, y = p_MC.y() - X_MB_.y;
+    const double reach = 0.5 * side * (std::abs(c_) + std::abs(s_));
+    const Eigen::Vector2d p_BC{c_ * x + s_ * y, -s_ * x + c_ * y};
+    const double dx = std::max({0.0, in_body_.low.x() - p_BC.x(), p_BC.x() - in_body_.high.x()});
+    const double dy = std::max({0.0, in_body_.low.y() - p_BC.y(), p_BC.y() - in_body_.high.y()});
+    const double gx = std::max(0.0, dx - reach), gy = std::max(0.0, dy - reach);
+    return std::sqrt(gx * gx + gy * gy);
+  }
+
+  [[nodiscard]] double distance(const Eigen::Vector2d& p_MC, double side) const {
+    return distance_to_square(footprint_, X_MB_, p_MC, side);
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector2d to_map(const Eigen::Vector2d& p) const {
+    return {X_MB_.x + c_ * p.x() - s_ * p.y(), X_MB_.y + s_ * p.x() + c_ * p.y()};
+  }
+
+  const Footprint& footprint_;
+  Pose2 X_MB_;
+  double c_, s_;
+  Box in_body_, in_map_;
+};
+
+}  // namespace
+
+StaticMap::StaticMap(Grid grid, bool unknown_is_obstacle)
+    : grid_{std::move(grid)}, unknown_is_obstacle_{unknown_is_obstacle} {
+  check(grid_);
+  cells_per_metre_ = 1.0 / grid_.resolution;
+  std::vector<std::uint8_t> obstacles(grid_.cells.size());
+  for (std::size_t i = 0; i < obstacles.size(); ++i)
+    obstacles[i] = counts(grid_.cells[i], unknown_is_obstacle) ? 1 : 0;
+  const std::vector<double> cells = distance_transform(obstacles, grid_.width, grid_.height);
+  distance_.resize(cells.size());
+  std::size_t i = 0;
+  for (int iy = 0; iy < grid_.height; ++iy)
+    for (int ix = 0; ix < grid_.width; ++ix, ++i) {
+      const int to_border = std::min({ix, iy, grid_.width - 1 - ix, grid_.height - 1 - iy});
+      const double outside = unknown_is_obstacle_ ? to_border + 0.5 : kInfinity;
+      distance_[i] = round_down(grid_.resolution * std::min(cells[i], outside));
+    }
+}
+
+bool StaticMap::is_obstacle(int ix, int iy) const {
+  return grid_.contains(ix, iy) ? counts(grid_.at(ix, iy), unknown_is_obstacle_)
+                                : unknown_is_obstacle_;
+}
+
+float StaticMap::field(int ix, int iy) const {
+  return distance_[static_cast<std::size_t>(iy) * static_cast<std::size_t>(grid_.width) +
+                   static_cast<std::size_t>(ix)];
+}
+
+double StaticMap::distance(const Eigen::Vector2d& p_MQ) const {
+  const double x = (p_MQ.x() - grid_.origin.x()) * cells_per_metre_;
+  const double y = (p_MQ.y() - grid_.origin.y()) * cells_per_metre_;
+  if (x >= 0.0 && y >= 0.0 && x < grid_.width && y < grid_.height) {
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    const double dx = x - ix - 0.5, dy = y - iy - 0.5;
+    const double off_center = grid_.resolution * std::sqrt(dx * dx + dy * dy);
+    return std::max(0.0, static_cast<double>(field(ix, iy)) - off_center);
+  }
+  if (unknown_is_obstacle_ || !p_MQ.allFinite()) return 0.0;
+  if (distance_.empty()) return kInfinity;
+  // The grid is convex: seen from its nearest point q, every obstacle lies at a right angle or
+  // more from p, so |p − o|² ≥ |p − q|² + |q − o|².
+  const double qx = std::clamp(x, 0.0, std::nextafter(static_cast<double>(grid_.width), 0.0));
+  const double qy = std::clamp(y, 0.0, std::nextafter(static_cast<double>(grid_.height), 0.0));
+  const int ix = static_cast<int>(qx), iy = static_cast<int>(qy);
+  const double off_center = grid_.resolution * std::hypot(qx - ix - 0.5, qy - iy - 0.5);
+  const double inside = std::max(0.0, static_cast<double>(field(ix, iy)) - off_center);
+  return std::hypot(inside, grid_.resolution * std::hypot(x - qx, y - qy));
+}
+
+double StaticMap::clearance(const Footprint& footprint, const Pose2& X_MB, double cap) const {
+  if (!is_finite(X_MB)) return 0.0;
+  const PlacedOutline outline(footprint, X_MB);
+  if (outline.bound(*this) >= cap) return cap;
+
+  // The outline's box in cells.
+  const Eigen::Vector2d low = (outline.box().low - grid_.origin) * cells_per_metre_;
+  const Eigen::Vector2d high = (outline.box().high - grid_.origin) * cells_per_metre_;
+  double best = cap;
+  if (unknown_is_obstacle_) {  // everything outside of the grid is an obstacle too
+    const double gap =
+        std::min({low.x(), low.y(), grid_.width - high.x(), grid_.height - high.y()});
+    best = std::min(best, grid_.resolution * std::max(0.0, gap));
+  }
+  double search = std::min(best, most_clearance(X_MB.position()));
+  const auto examine = [&](const Eigen::Vector2d& p_MC) {
+    if (outline.bound(p_MC, grid_.resolution) >= search) return;
+    best = std::min(best, outline.distance(p_MC, grid_.resolution));
+    search = std::min(search, best);
+  };
+  const double reach = search * cells_per_metre_;
+  from_middle(cells_between(low.y() - reach, high.y() + reach, grid_.height), [&](int iy) {
+    const double near = search * cells_per_metre_;
+    if (iy + 1 < low.y() - near || iy > high.y() + near || best == 0.0) return;
+    const Span columns = cells_between(low.x() - near, high.x() + near, grid_.width);
+    for (int ix = columns.begin; ix < columns.end;) {
+      const auto free = static_cast<double>(field(ix, iy));
+      if (free == 0.0)
+        examine(grid_.center(ix++, iy));
+      else  // the next obstacle's centre is at least half a cell further than `free`
+        ix += std::max(1, static_cast<int>(std::min(free * cells_per_metre_ + 0.5, 1e6)));
+    }
+  });
+  return best;
+}
+
+double StaticMap::most_clearance(const Eigen::Vector2d& p_MB) const {
+  const Eigen::Vector2d c = (p_MB - grid_.origin) * cells_per_metre_;
+  const bool inside = c.x() >= 0.0 && c.y() >= 0.0 && c.x() < grid_.width && c.y() < grid_.height;
+  return inside ? distance(p_MB) + 1.5 * grid_.resolution : kInfinity;
+}
+
+std::vector<Eigen::Vector2d> StaticMap::cells_near(const Eigen::Vector2d& p_MQ,
+                                                   double radius) const {
+  std::vector<Eigen::Vector2d> centers;
+  if (!p_MQ.allFinite() || !(radius >= 0.0)) return centers;
+  const Eigen::Vector2d middle = (p_MQ - grid_.origin) * cells_per_metre_;
+  const double reach = radius * cells_per_metre_ + 1.0;
+  const Span columns = cells_between(middle.x() - reach, middle.x() + reach, grid_.width);
+  const Span rows = cells_between(middle.y() - reach, middle.y() + reach, grid_.height);
+  const double half = 0.5 * grid_.resolution;
+  for (int iy = rows.begin; iy < rows.end; ++iy)
+    for (int ix = columns.begin; ix < columns.end; ++ix) {
+      if (!is_obstacle(ix, iy)) continue;
+      const Eigen::Vector2d p_MC = grid_.center(ix, iy);
+      const Box square{p_MC.array() - half, p_MC.array() + half};
+      if (square.distance(p_MQ) <= radius) centers.push_back(p_MC);
+    }
+  return centers;
+}
+
+bool StaticMap::can_pass(const Eigen::Vector2d& p_MA, const Eigen::Vector2d& p_MZ,
+                         double radius) const {
+  const auto cell = [&](const Eigen::Vector2d& p) -> std::optional<std::pair<int, int>> {
+    const Eigen::Vector2d c = (p - grid_.origin) * cells_per_metre_;
+    if (!(c.x() >= 0.0 && c.y() >= 0.0 && c.x() < grid_.width && c.y() < grid_.height)) return {};
+    return std::pair{static_cast<int>(c.x()), static_cast<int>(c.y())};
+  };
+  const auto from = cell(p_MA), to = cell(p_MZ);
+  if (!from || !to) return false;
+  std::vector<std::uint8_t> seen(grid_.cells.size());
+  std::vector<std::pair<int, int>> open;
+  const auto visit = [&](int ix, int iy) {
+    // Halfway to the next cell's centre the disc is half a cell nearer to what is near.
+    if (!grid_.contains(ix, iy) ||
+        static_cast<double>(field(ix, iy)) < radius + 0.5 * grid_.resolution)
+      return;
+    auto& mark = seen[static_cast<std::size_t>(iy) * static_cast<std::size_t>(grid_.width) +
+                      static_cast<std::size_t>(ix)];
+    if (std::exchange(mark, std::uint8_t{1}) == 0) open.emplace_back(ix, iy);
+  };
+  visit(from->first, from->second);
+  while (!open.empty()) {
+    const auto at = open.back();
+    if (at == *to) return true;
+    open.pop_back();
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+      visit(at.first + dx, at.second + dy);
+  }
+  return false;
+}
+
+}  // namespace tandem

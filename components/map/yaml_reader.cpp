@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/yaml_reader.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace tandem {
+
+YAML::Node YamlReader::parse(const std::string& text) const {
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(name_ + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+  }
+}
+
+YAML::Node YamlReader::load() const {
+  std::ifstream stream{name_};
+  std::stringstream text;
+  if (!std::filesystem::is_regular_file(name_) || !(text << stream.rdbuf()))
+    throw std::runtime_error(name_ + ": no such file, or it is empty or cannot be read");
+  return parse(text.str());
+}
+
+void YamlReader::fail(const YAML::Node& where, const std::string& what) const {
+  throw std::runtime_error(name_ + ":" + std::to_string(where.Mark().line + 1) + ": " + what);
+}
+
+void YamlReader::allow(const YAML::Node& map, std::initializer_list<const char*> keys) const {
+  if (!map.IsMap()) fail(map, "expected `key: value` pairs");
+  for (const auto& entry : map) {
+    const auto& key = entry.first.Scalar();
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    std::string all;
+    for (const char* name : keys) all += (all.empty() ? "" : ", ") + std::string(name);
+    fail(entry.first, "unknown key '" + key + "'; known here: " + all);
+  }
+}
+
+YAML::Node YamlReader::required(const YAML::Node& map, const char* key) const {
+  if (!map[key]) fail(map, std::string("'") + key + "' is missing");
+  return map[key];
+}
+
+double YamlReader::number(const YAML::Node& node, double low, double high) const {
+  double value = 0.0;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value))
+    fail(node, "expected a number");
+  if (value >= low && value <= high) return value;
+  std::ostringstream text;
+  text << value << " outside [" << low << ", " << high << "]";
+  fail(node, text.str());
+}
+
+bool YamlReader::flag(const YAML::Node& map, const char* key, bool otherwise) const {
+  if (!map[key]) return otherwise;
+  bool value = otherwise;
+  if (!YAML::convert<bool>::decode(map[key], value)) fail(map[key], "expected true or false");
+  return value;
+}
+
+}  // namespace tandem

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: nodes of one YAML file. Out: their values, or an error that names the file and the line.
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Core>
+#include <initializer_list>
+#include <string>
+
+namespace tandem {
+
+/// Reads values out of one file. Every function throws std::runtime_error naming the file, the
+/// line and what is wrong there.
+class YamlReader {
+ public:
+  static constexpr double kHuge = 1e4;  ///< bound of coordinates and lengths [m]
+
+  explicit YamlReader(std::string name) : name_{std::move(name)} {}
+
+  /// The root of the text, or of the file that the reader is named after.
+  [[nodiscard]] YAML::Node parse(const std::string& text) const;
+  [[nodiscard]] YAML::Node load() const;
+
+  [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const;
+
+  /// Refuses what is no map, and keys that are none of these.
+  void allow(const YAML::Node& map, std::initializer_list<const char*> keys) const;
+
+  [[nodiscard]] YAML::Node required(const YAML::Node& map, const char* key) const;
+  [[nodiscard]] double number(const YAML::Node& node, double low, double high) const;
+  [[nodiscard]] bool flag(const YAML::Node& map, const char* key, bool otherwise) const;
+
+  template <int kSize>
+  [[nodiscard]] Eigen::Matrix<double, kSize, 1> vector(const YAML::Node& node, double low = -kHuge,
+                                                       double high = kHuge) const {
+    if (!node.IsSequence() || node.size() != kSize)
+      fail(node, "expected [" + std::to_string(kSize) + " numbers]");
+    Eigen::Matrix<double, kSize, 1> value;
+    for (int i = 0; i < kSize; ++i) value[i] = number(node[i], low, high);
+    return value;
+  }
+
+ private:
+  std::string name_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map_server/map_server_node.hpp"
+
+#include "map/octomap_file.hpp"
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+
+MapServerNode::MapServerNode(rt::Node& node)
+    : params_{node.declare_parameters<MapServerParams>()},
+      octomap_{node.create_publisher(topics::octomap_binary)},
+      map_{node.create_publisher(topics::map)} {
+  if (params_->map.empty()) throw std::invalid_argument("map: name an OctoMap file");
+  const auto tree = load_octomap(params_->map);
+  const auto map_header = header(node.stamp(), params_->frames.map);
+  octomap_msgs::msg::Octomap msg;
+  msg.header(map_header);
+  msg.binary(true);
+  msg.id("OcTree");
+  msg.resolution(tree->getResolution());
+  msg.data(encode_octomap(*tree));
+  octomap_.publish(msg);
+  map_.publish(to_msg(slice(*tree, params_->slice), map_header));
+  node.log().info("serving {}", params_->map);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::MapServerNode, "map_server")

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "convert.hpp"
+#include "map/slice.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+struct MapServerParams {
+  std::string map;
+  SliceParams slice;
+  Frames frames;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("map", map, "OctoMap file, .bt or .ot");
+    slice.visit(field);
+    frames.visit(field);
+  }
+};
+
+/// A map file → octomap_binary and map, latched for whoever joins late.
+class MapServerNode {
+ public:
+  /// Throws std::runtime_error if the file is no OctoMap, before anything moves.
+  explicit MapServerNode(rt::Node& node);
+
+ private:
+  rt::Parameters<MapServerParams> params_;
+  rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
+  rt::Publisher<nav_msgs::msg::OccupancyGrid> map_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: body twists, wheel speeds, limits. Out: one from the other, and commands within limits.
+#pragma once
+
+#include <algorithm>
+
+#include "model/robot.hpp"
+#include "model/se2.hpp"
+
+namespace tandem {
+
+/// Rim speeds of the two wheels [m/s].
+struct WheelSpeeds {
+  double left = 0.0, right = 0.0;
+};
+
+/// v_left = v − w L/2, v_right = v + w L/2 with L the wheel separation [m].
+[[nodiscard]] inline WheelSpeeds to_wheels(const Twist2& twist, double separation) {
+  return {twist.v - 0.5 * separation * twist.w, twist.v + 0.5 * separation * twist.w};
+}
+
+/// Inverse of to_wheels.
+[[nodiscard]] inline Twist2 to_body(const WheelSpeeds& wheels, double separation) {
+  return {0.5 * (wheels.left + wheels.right), (wheels.right - wheels.left) / separation};
+}
+
+/// `twist` scaled into the robot's speed limits, keeping the arc (the ratio w / v).
+[[nodiscard]] inline Twist2 limit(const Twist2& twist, const RobotParams& robot) {
+  double scale = 1.0;
+  if (twist.v > robot.v_max) scale = std::min(scale, robot.v_max / twist.v);
+  if (twist.v < robot.v_min) scale = std::min(scale, robot.v_min / twist.v);
+  if (std::abs(twist.w) > robot.w_max) scale = std::min(scale, robot.w_max / std::abs(twist.w));
+  return {scale * twist.v, scale * twist.w};
+}
+
+/// `value` moved toward `target` by at most `step` ≥ 0.
+[[nodiscard]] inline double approach(double value, double target, double step) {
+  return value + std::clamp(target - value, -step, step);
+}
+
+}  // namespace tandem

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: odometry and the transform map → odom, with the times they arrived. Out: where the robot is.
+#pragma once
+
+#include <optional>
+
+#include "model/se2.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// The robot in the map: pose X_MB, body twist, and the time they hold for [s].
+struct RobotState {
+  Pose2 X_MB;
+  Twist2 twist;
+  double t = 0.0;
+};
+
+struct LocalizationParams {
+  double odom_timeout = 0.15;
+  double transform_timeout = 1.0;
+  bool map_is_odom = false;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("odom_timeout", odom_timeout, Range{0.01, 5.0}, "[s] silence of odom that stops");
+    field("transform_timeout", transform_timeout, Range{0.05, 60.0},
+          "[s] age of the transform map → odom that stops");
+    field("map_is_odom", map_is_odom,
+          "true: the two frames are one, for a robot without localiser");
+  }
+};
+
+/// Composes X_MB = X_MW X_WB. Knows nothing (nullopt) while either part is missing or too old:
+/// then nobody may drive.
+class Localization {
+ public:
+  explicit Localization(const LocalizationParams& params) : params_{params} {}
+
+  void on_odom(const Pose2& X_WB, const Twist2& twist, double t) {
+    if (!is_finite(X_WB) || !is_finite(twist)) return;
+    X_WB_ = X_WB;
+    twist_ = twist;
+    odom_time_ = t;
+  }
+  void on_transform(const Pose2& X_MW, double t) {
+    if (!is_finite(X_MW)) return;
+    X_MW_ = X_MW;
+    transform_time_ = t;
+  }
+
+  [[nodiscard]] std::optional<RobotState> state(double now) const {
+    if (!odom_time_ || now - *odom_time_ > params_.odom_timeout) return std::nullopt;
+    if (params_.map_is_odom) return RobotState{X_WB_, twist_, *odom_time_};
+    if (!transform_time_ || now - *transform_time_ > params_.transform_timeout) return std::nullopt;
+    return RobotState{compose(X_MW_, X_WB_), twist_, *odom_time_};
+  }
+
+ private:
+  LocalizationParams params_;
+  Pose2 X_WB_, X_MW_;
+  Twist2 twist_;
+  std::optional<double> odom_time_, transform_time_;
+};
+
+}  // namespace tandem

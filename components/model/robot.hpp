@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: one robot's YAML (bringup/robots/). Out: its geometry and limits, shared by all components.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/footprint.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// A differential-drive robot: outline, drive and limits. Defaults: the MiR 100 of Devalla 2020.
+struct RobotParams {
+  double length = 0.89;
+  double width = 0.58;
+  double center_x = 0.038;
+  std::vector<double> footprint;
+  double wheel_radius = 0.0625;
+  double wheel_separation = 0.445;
+  double v_max = 0.8;
+  double v_min = -0.4;
+  double w_max = 1.0;
+  double a_max = 0.4;
+  double alpha_max = 0.4;
+  double a_brake = 1.5;
+  double alpha_brake = 3.0;
+  double motor_lag = 0.05;
+  double command_delay = 0.02;
+  double sensor_delay = 0.02;
+  double command_timeout = 0.1;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("length", length, Range{0.05, 5.0}, "[m] of the rectangle, unless footprint is given");
+    field("width", width, Range{0.05, 5.0}, "[m] of the rectangle, unless footprint is given");
+    field("center_x", center_x, Range{-2.0, 2.0}, "[m] rectangle's centre ahead of base_link");
+    field("footprint", footprint, Range{-5.0, 5.0},
+          "[m] x1, y1, x2, y2, … of a convex outline, counter-clockwise; empty: the rectangle");
+    field("wheel_radius", wheel_radius, Range{0.01, 1.0}, "[m]");
+    field("wheel_separation", wheel_separation, Range{0.05, 3.0}, "[m] between the wheels");
+    field("v_max", v_max, Range{0.0, 5.0}, "[m/s] fastest forward");
+    field("v_min", v_min, Range{-5.0, 0.0}, "[m/s] fastest backward (negative)");
+    field("w_max", w_max, Range{0.05, 10.0}, "[rad/s] fastest turn");
+    field("a_max", a_max, Range{0.05, 10.0}, "[m/s²] comfortable change of speed");
+    field("alpha_max", alpha_max, Range{0.05, 30.0}, "[rad/s²] comfortable change of turn rate");
+    field("a_brake", a_brake, Range{0.1, 10.0}, "[m/s²] braking that the drive always achieves");
+    field("alpha_brake", alpha_brake, Range{0.1, 60.0},
+          "[rad/s²] braking of the turn rate that the drive always achieves");
+    field("motor_lag", motor_lag, Range{0.0, 1.0}, "[s] bound on the motors' time constant");
+    field("command_delay", command_delay, Range{0.0, 1.0},
+          "[s] bound on the time from command to motor");
+    field("sensor_delay", sensor_delay, Range{0.0, 1.0},
+          "[s] bound on the age of odometry on arrival");
+    field("command_timeout", command_timeout, Range{0.0, 10.0},
+          "[s] silence after which the base itself stops; 0: never");
+  }
+};
+
+/// The outline that the parameters describe. Throws std::invalid_argument if it is not convex.
+[[nodiscard]] inline Footprint footprint_of(const RobotParams& robot) {
+  if (robot.footprint.empty()) return rectangle(robot.length, robot.width, robot.center_x);
+  if (robot.footprint.size() % 2 != 0)
+    throw std::invalid_argument("footprint: an odd number of coordinates");
+  std::vector<Eigen::Vector2d> p_BV;
+  for (std::size_t i = 0; i < robot.footprint.size(); i += 2)
+    p_BV.emplace_back(robot.footprint[i], robot.footprint[i + 1]);
+  return polygon(std::move(p_BV));
+}
+
+}  // namespace tandem

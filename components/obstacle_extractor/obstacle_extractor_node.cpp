@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obstacle_extractor/obstacle_extractor_node.hpp"
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+
+ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<ObstacleExtractorNodeParams>()},
+      map_{node, params_->map},
+      robot_{node, params_->input},
+      obstacles_{node.create_publisher(topics::obstacles)},
+      markers_{node.create_publisher(topics::obstacle_markers)} {
+  check(params_->extractor);
+  timer_ = node.create_timer(params_->period, [this] { extract(); });
+}
+
+void ObstacleExtractorNode::extract() {
+  if (const auto map = map_.map(); map != fitted_) {
+    fitted_ = map;
+    extractor_.emplace(map, params_->extractor);
+  }
+  const auto robot = robot_.state();
+  if (!extractor_ || !robot) {
+    node_.log().warn_every(1.0, "no obstacles: {}", extractor_ ? "not localised" : "no map yet");
+    return;
+  }
+  const auto shapes = extractor_->near(robot->X_MB.position());
+  const auto map_header = header(node_.stamp(), params_->input.frames.map);
+  obstacles_.publish(to_msg(shapes, map_header));
+  if (markers_.matched() == 0 || lists_++ % kMarkersEvery != 0) return;
+  auto markers = to_markers(shapes, map_header);
+  for (auto& region : to_markers(map_.fixtures(), map_header))
+    markers.markers().push_back(std::move(region));
+  markers_.publish(markers);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::ObstacleExtractorNode, "obstacle_extractor")

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "map_input.hpp"
+#include "obstacle_extractor/extractor.hpp"
+#include "robot_state_input.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+struct ObstacleExtractorNodeParams {
+  ExtractorParams extractor;
+  MapInputParams map;
+  RobotStateParams input;
+  double period = 0.025;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    extractor.visit(field);
+    map.visit(field);
+    input.visit(field);
+    field("period", period, Range{0.01, 1.0}, "[s] between two obstacle lists");
+  }
+};
+
+/// octomap_binary, odom, tf → obstacles, obstacles/markers.
+///
+/// Silent until there is a map and the robot is localised: no list is not an empty list.
+class ObstacleExtractorNode {
+ public:
+  static constexpr int kMarkersEvery = 8;  // lists per markers: eyes need fewer
+
+  explicit ObstacleExtractorNode(rt::Node& node);
+
+ private:
+  void extract();
+
+  rt::Node& node_;
+  rt::Parameters<ObstacleExtractorNodeParams> params_;
+  MapInput map_;
+  RobotStateInput robot_;
+  std::shared_ptr<const StaticMap> fitted_;
+  std::optional<Extractor> extractor_;
+  int lists_ = 0;
+
+  rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;
+  rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
+  rt::Timer timer_;
+};
+
+}  // namespace tandem

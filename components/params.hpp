@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a parameter struct is: plain members and one `visit` that names each of them with its range
+// and meaning. YAML files, command lines and `tandem describe` all walk that one declaration.
+#pragma once
+
+#include <cmath>
+#include <initializer_list>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tandem {
+
+/// Closed interval a numeric parameter must lie in.
+struct Range {
+  double min, max;
+};
+
+/// The values a text parameter may take.
+struct OneOf {
+  std::vector<std::string> names;
+};
+
+/// Visitor that throws std::invalid_argument for the first field outside its declaration.
+/// A visitor of parameters has these five overloads of operator().
+struct Checker {
+  void operator()(const char* name, double value, const Range& range, const char* meaning) const {
+    if (value >= range.min && value <= range.max) return;  // false for NaN
+    std::ostringstream text;
+    text << name << " = " << value << " outside [" << range.min << ", " << range.max
+         << "]: " << meaning;
+    throw std::invalid_argument(text.str());
+  }
+  void operator()(const char* name, int value, const Range& range, const char* meaning) const {
+    (*this)(name, static_cast<double>(value), range, meaning);
+  }
+  void operator()(const char* name, const std::string& value, const OneOf& choices,
+                  const char* meaning) const {
+    std::string all;
+    for (const auto& choice : choices.names) {
+      if (choice == value) return;
+      all += (all.empty() ? "" : ", ") + choice;
+    }
+    throw std::invalid_argument(std::string(name) + " = '" + value + "' is none of {" + all +
+                                "}: " + meaning);
+  }
+  void operator()(const char* name, const std::vector<double>& values, const Range& range,
+                  const char* meaning) const {
+    for (const double value : values) (*this)(name, value, range, meaning);
+  }
+  void operator()(const char*, bool, const char*) const {}
+  void operator()(const char*, const std::string&, const char*) const {}
+};
+
+/// Throws std::invalid_argument naming the first field outside its Range or OneOf.
+template <class Params>
+void check(Params params) {
+  params.visit(Checker{});
+}
+
+}  // namespace tandem

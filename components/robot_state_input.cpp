@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "robot_state_input.hpp"
+
+#include "topics.hpp"
+
+namespace tandem {
+
+RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
+                                 std::function<void()> on_odom)
+    : node_{node},
+      params_{params},
+      localization_{params.localization},
+      on_odom_{std::move(on_odom)} {
+  odom_ = node.create_subscription(topics::odom, [this](const nav_msgs::msg::Odometry& msg) {
+    const auto odometry = from_msg(msg);
+    if (!odometry) {
+      node_.log().warn_every(1.0, "odom is not finite: dropped");
+      return;
+    }
+    localization_.on_odom(odometry->X, odometry->twist, node_.now());
+    if (on_odom_) on_odom_();
+  });
+  tf_ = node.create_subscription(topics::tf, [this](const tf2_msgs::msg::TFMessage& msg) {
+    const auto& frames = params_.frames;
+    if (const auto X_MW = find_transform(msg, frames.map, frames.odom))
+      localization_.on_transform(*X_MW, node_.now());
+  });
+}
+
+std::optional<RobotState> RobotStateInput::state() const {
+  return localization_.state(node_.now());
+}
+
+}  // namespace tandem

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime/node.hpp"
+
+namespace tandem::runtime {
+
+/// What `--ros-args … [--]` of a command line says. The entry "" of `rules` holds for every node.
+struct RosArguments {
+  std::map<std::string, std::map<std::string, std::string>> remappings;  ///< node → from → to
+  std::map<std::string, std::map<std::string, std::string>> parameters;  ///< node → key → value
+  std::vector<std::string> parameter_files;
+  std::vector<std::string> rest;  ///< the arguments that are not ROS's
+};
+
+/// Throws std::invalid_argument for an argument that ROS 2 would not understand.
+[[nodiscard]] RosArguments parse_ros_arguments(const std::vector<std::string>& arguments);
+
+/// `options` with what the command line says laid over it (`__node`, `__name` and `__ns` too).
+[[nodiscard]] NodeOptions with_arguments(NodeOptions options, const RosArguments& arguments);
+
+}  // namespace tandem::runtime

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/environment.hpp"
+
+#include <charconv>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+
+namespace tandem::runtime {
+namespace {
+
+constexpr int kMaxDomain = 232;  // beyond it the well-known ports pass 65535
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+int domain_from(const std::string& text) {
+  if (text.empty()) return 0;
+  int domain = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
+  if (error != std::errc{} || end != text.data() + text.size() || domain < 0 || domain > kMaxDomain)
+    throw std::runtime_error("ROS_DOMAIN_ID = '" + text + "' is no integer from 0 to " +
+                             std::to_string(kMaxDomain));
+  return domain;
+}
+
+DiscoveryRange range_from(const std::string& text) {
+  if (text.empty() || text == "SUBNET" || text == "SYSTEM_DEFAULT") return DiscoveryRange::kSubnet;
+  if (text == "LOCALHOST") return DiscoveryRange::kLocalhost;
+  if (text == "OFF") return DiscoveryRange::kOff;
+  throw std::runtime_error("ROS_AUTOMATIC_DISCOVERY_RANGE = '" + text +
+                           "' is none of {SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT}");
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream{text};
+  for (std::string part; std::getline(stream, part, separator);)
+    if (!part.empty()) parts.push_back(part);
+  return parts;
+}
+
+}  // namespace
+
+Environment read_environment() {
+  return {.domain = domain_from(variable("ROS_DOMAIN_ID")),
+          .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
+          .loopback_only = variable("ROS_LOCALHOST_ONLY") == "1",
+          .static_peers = split(variable("ROS_STATIC_PEERS"), ';')};
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: what ROS 2 users say by environment variables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tandem::runtime {
+
+/// How far discovery reaches: everything multicast reaches, this host, nobody.
+enum class DiscoveryRange { kSubnet, kLocalhost, kOff };
+
+struct Environment {
+  int domain = 0;                                  ///< ROS_DOMAIN_ID
+  DiscoveryRange range = DiscoveryRange::kSubnet;  ///< ROS_AUTOMATIC_DISCOVERY_RANGE
+  bool loopback_only = false;                      ///< ROS_LOCALHOST_ONLY=1
+  std::vector<std::string> static_peers;           ///< ROS_STATIC_PEERS, a;b;c
+};
+
+/// Throws std::runtime_error naming the variable, its value and what it may be.
+[[nodiscard]] Environment read_environment();
+
+}  // namespace tandem::runtime

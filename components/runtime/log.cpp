@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/log.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+#include <spdlog/logger.h>
+#include <spdlog/sinks/stdout_sinks.h>
+
+#include "runtime/time.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+LogLevel level_at_start() {
+  const char* name = std::getenv("TANDEM_LOG_LEVEL");
+  return name == nullptr || *name == '\0' ? LogLevel::kInfo : log_level_from(name);
+}
+
+std::atomic<LogLevel>& least_level() {
+  static std::atomic<LogLevel> level{level_at_start()};
+  return level;
+}
+
+spdlog::level::level_enum to_spdlog(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return spdlog::level::debug;
+    case LogLevel::kInfo:
+      return spdlog::level::info;
+    case LogLevel::kWarn:
+      return spdlog::level::warn;
+    case LogLevel::kError:
+      return spdlog::level::err;
+    case LogLevel::kOff:
+      return spdlog::level::off;
+  }
+  return spdlog::level::off;
+}
+
+// One sink for the process, so that lines of different nodes do not mix. Never destroyed: nodes
+// may log while the process ends.
+const spdlog::sink_ptr& stderr_sink() {
+  static const auto* sink = new spdlog::sink_ptr{std::make_shared<spdlog::sinks::stderr_sink_mt>()};
+  return *sink;
+}
+
+}  // namespace
+
+struct Logger::State {
+  struct Throttle {
+    double last;  // [s] steady
+    long held_back = 0;
+  };
+
+  explicit State(std::string name) : logger{std::move(name), stderr_sink()} {
+    logger.set_level(spdlog::level::trace);  // the process's level decides
+    logger.set_pattern("[%l] [%E.%f] [%n]: %v");
+  }
+
+  spdlog::logger logger;
+  std::mutex mutex;
+  std::map<std::string, Throttle, std::less<>> throttles;
+};
+
+void set_log_level(LogLevel level) { least_level() = level; }
+
+LogLevel log_level_from(std::string_view name) {
+  if (name == "debug") return LogLevel::kDebug;
+  if (name == "info") return LogLevel::kInfo;
+  if (name == "warn") return LogLevel::kWarn;
+  if (name == "error") return LogLevel::kError;
+  if (name == "off") return LogLevel::kOff;
+  throw std::invalid_argument("log level '" + std::string{name} +
+                              "' is none of {debug, info, warn, error, off}");
+}
+
+Logger::Logger(std::string name) : state_{std::make_unique<State>(std::move(name))} {}
+Logger::~Logger() = default;
+Logger::Logger(Logger&&) noexcept = default;
+Logger& Logger::operator=(Logger&&) noexcept = default;
+
+bool Logger::enabled(LogLevel level) const { return level >= least_level().load(); }
+
+void Logger::write(LogLevel level, const std::string& text) {
+  if (enabled(level)) state_->logger.log(to_spdlog(level), spdlog::string_view_t{text});
+}
+
+void Logger::write_every(double period, LogLevel level, std::string_view key,
+                         const std::string& text) {
+  if (!enabled(level)) return;
+  const double now = steady_seconds();
+  long held_back = 0;
+  {
+    const std::lock_guard lock{state_->mutex};
+    const auto [entry, first] =
+        state_->throttles.try_emplace(std::string{key}, State::Throttle{now});
+    auto& throttle = entry->second;
+    if (!first && now < throttle.last + period) {
+      ++throttle.held_back;
+      return;
+    }
+    held_back = std::exchange(throttle.held_back, 0);
+    throttle.last = now;
+  }
+  write(level, held_back > 0 ? fmt::format("{} (and {} times before)", text, held_back) : text);
+}
+
+}  // namespace tandem::runtime

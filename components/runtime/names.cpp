@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/names.hpp"
+
+#include <stdexcept>
+
+namespace tandem::runtime {
+namespace {
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// A token: letters, digits and '_', not starting with a digit, no "__".
+bool is_token(std::string_view token) {
+  if (token.empty() || is_digit(token.front())) return false;
+  for (const char c : token)
+    if (!is_letter(c) && !is_digit(c)) return false;
+  return token.find("__") == std::string_view::npos;
+}
+
+// "/a/b": tokens, each behind a slash.
+bool is_absolute(std::string_view name) {
+  if (name.empty() || name.front() != '/') return false;
+  while (!name.empty()) {
+    name.remove_prefix(1);
+    const auto end = std::min(name.find('/'), name.size());
+    if (!is_token(name.substr(0, end))) return false;
+    name.remove_prefix(end);
+  }
+  return true;
+}
+
+std::string join(const std::string& ns, std::string_view name) {
+  return (ns == "/" ? "" : ns) + "/" + std::string{name};
+}
+
+std::string replace_all(std::string text, std::string_view from, std::string_view to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+}  // namespace
+
+std::string NodeName::full() const { return join(ns, name); }
+
+NodeName make_node_name(const std::string& ns, const std::string& name) {
+  NodeName result{ns.empty() || ns.front() != '/' ? "/" + ns : ns, name};
+  if (!is_token(name))
+    throw std::invalid_argument("'" + name +
+                                "' is no node name: letters, digits and '_', no digit first");
+  if (result.ns != "/" && !is_absolute(result.ns))
+    throw std::invalid_argument("'" + ns + "' is no namespace: tokens separated by '/'");
+  return result;
+}
+
+std::string expand_name(std::string_view name, const NodeName& node) {
+  std::string full{name};
+  if (name.starts_with("~/"))
+    full = node.full() + std::string{name.substr(1)};
+  else if (!name.starts_with('/'))
+    full = join(node.ns, name);
+  if (!is_absolute(full))
+    throw std::invalid_argument("'" + std::string{name} + "' is no topic or service name of node " +
+                                node.full() + ": tokens of letters, digits and '_' between '/'");
+  return full;
+}
+
+std::string resolve_name(std::string_view name, const NodeName& node,
+                         const std::map<std::string, std::string>& remappings) {
+  const std::string full = expand_name(name, node);
+  for (const auto& [from, to] : remappings)
+    if (expand_name(from, node) == full) return expand_name(to, node);
+  return full;
+}
+
+std::string dds_topic_name(const std::string& topic) { return "rt" + topic; }
+std::string dds_request_name(const std::string& service) { return "rq" + service + "Request"; }
+std::string dds_reply_name(const std::string& service) { return "rr" + service + "Reply"; }
+
+std::string ros_name(const std::string& dds_name) {
+  const bool mangled =
+      dds_name.starts_with("rt/") || dds_name.starts_with("rq/") || dds_name.starts_with("rr/");
+  return mangled ? dds_name.substr(2) : dds_name;
+}
+
+std::string ros_type(const std::string& dds_type) {
+  std::string type = replace_all(replace_all(dds_type, "::dds_::", "/"), "::", "/");
+  if (type.ends_with('_')) type.pop_back();
+  return type;
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace tandem::runtime {
+
+/// A node's place among the names: what relative and private names start from.
+struct NodeName {
+  std::string ns;    ///< "/" or "/a/b"
+  std::string name;  ///< "planner"
+
+  /// "/planner" or "/a/b/planner".
+  [[nodiscard]] std::string full() const;
+};
+
+/// Throws std::invalid_argument unless both follow ROS 2's rules; "a" as namespace means "/a".
+[[nodiscard]] NodeName make_node_name(const std::string& ns, const std::string& name);
+
+/// Absolute form of "/x", "x" or "~/x". Throws std::invalid_argument for a name that ROS 2 would
+/// not take (letters, digits, '_', '/'; no token starts with a digit).
+[[nodiscard]] std::string expand_name(std::string_view name, const NodeName& node);
+
+/// expand_name(), then the first remapping whose expanded left side is that name.
+[[nodiscard]] std::string resolve_name(std::string_view name, const NodeName& node,
+                                       const std::map<std::string, std::string>& remappings);
+
+/// DDS names of a ROS 2 topic "/a": "rt/a"; of a service: "rq/aRequest", "rr/aReply".
+[[nodiscard]] std::string dds_topic_name(const std::string& topic);
+[[nodiscard]] std::string dds_request_name(const std::string& service);
+[[nodiscard]] std::string dds_reply_name(const std::string& service);
+
+/// For messages to people: "rt/a" → "/a", "a::msg::dds_::B_" → "a/msg/B".
+[[nodiscard]] std::string ros_name(const std::string& dds_name);
+[[nodiscard]] std::string ros_type(const std::string& dds_type);
+
+}  // namespace tandem::runtime

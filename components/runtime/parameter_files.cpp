@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/parameter_files.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include <yaml-cpp/yaml.h>
+
+#include "runtime/yaml_text.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr const char* kParameters = "ros__parameters";
+
+std::string place(const std::string& path, const YAML::Node& node) {
+  return path + ":" + std::to_string(node.Mark().line + 1);
+}
+
+[[noreturn]] void fail(const std::string& path, const YAML::Node& node, const std::string& what) {
+  throw std::invalid_argument(place(path, node) + ": " + what);
+}
+
+YAML::Node load(const std::string& path) {
+  try {
+    return YAML::LoadFile(path);
+  } catch (const YAML::BadFile&) {
+    throw std::invalid_argument("parameter file " + path + " cannot be read");
+  } catch (const YAML::Exception& error) {
+    throw std::invalid_argument(path + ":" + std::to_string(error.mark.line + 1) + ": " +
+                                error.msg);
+  }
+}
+
+// Collects the sections of one file that mean one node.
+class Collector {
+ public:
+  Collector(const std::string& path, const std::string& full_name)
+      : path_{path}, full_name_{full_name} {}
+
+  std::vector<FileValue> collect() {
+    const YAML::Node root = load(path_);
+    if (!root.IsNull()) visit_names(root, "");
+    std::stable_partition(values_.begin(), values_.end(),
+                          [](const FileValue& value) { return value.wildcard; });
+    return std::move(values_);
+  }
+
+ private:
+  // A map of node names, or of namespaces that hold such maps.
+  void visit_names(const YAML::Node& node, const std::string& name) {
+    if (!node.IsMap()) fail(path_, node, "expected `node: ros__parameters:`");
+    for (const auto& entry : node) {
+      const auto key = entry.first.as<std::string>();
+      if (key != kParameters)
+        visit_names(entry.second, name + (key.starts_with('/') ? "" : "/") + key);
+      else if (name.empty())
+        fail(path_, entry.first, "ros__parameters belongs under a node's name or /**");
+      else if (matches_node(name, full_name_))
+        visit_parameters(entry.second, name.find('*') != std::string::npos);
+    }
+  }
+
+  void visit_parameters(const YAML::Node& node, bool wildcard) {
+    if (node.IsNull()) return;
+    if (!node.IsMap()) fail(path_, node, "ros__parameters must be a map of keys and values");
+    std::set<std::string> seen;
+    flatten(node, "", wildcard, seen);
+  }
+
+  void flatten(const YAML::Node& node, const std::string& prefix, bool wildcard,
+               std::set<std::string>& seen) {
+    for (const auto& entry : node) {
+      const std::string key = prefix + entry.first.as<std::string>();
+      if (entry.second.IsMap()) {
+        flatten(entry.second, key + ".", wildcard, seen);
+        continue;
+      }
+      if (!seen.insert(key).second) fail(path_, entry.first, key + " is given twice");
+      values_.push_back({key, yaml_text(entry.second), place(path_, entry.first), wildcard});
+    }
+  }
+
+  const std::string& path_;
+  const std::string& full_name_;
+  std::vector<FileValue> values_;
+};
+
+// Takes the first token off "/a/b".
+std::string_view take_token(std::string_view& name) {
+  name.remove_prefix(1);
+  const auto end = std::min(name.find('/'), name.size());
+  const auto token = name.substr(0, end);
+  name.remove_prefix(end);
+  return token;
+}
+
+}  // namespace
+
+std::string yaml_text(const YAML::Node& value) {
+  YAML::Emitter out;
+  if (value.IsScalar() && value.Tag() == "!") {
+    out << YAML::DoubleQuoted << value.Scalar();
+    return out.c_str();
+  }
+  if (!value.IsSequence()) return YAML::Dump(value);
+  std::string text;
+  for (const auto& element : value) text += (text.empty() ? "" : ", ") + yaml_text(element);
+  return "[" + text + "]";
+}
+
+bool matches_node(std::string_view pattern, std::string_view full_name) {
+  if (pattern.empty()) return full_name.empty();
+  auto rest = pattern;
+  const auto token = take_token(rest);
+  if (token == "**") {
+    if (matches_node(rest, full_name)) return true;
+    if (full_name.empty()) return false;
+    take_token(full_name);
+    return matches_node(pattern, full_name);
+  }
+  if (full_name.empty()) return false;
+  const auto mine = take_token(full_name);
+  return (token == "*" || token == mine) && matches_node(rest, full_name);
+}
+
+std::vector<FileValue> read_parameter_file(const std::string& path, const std::string& full_name) {
+  return Collector{path, full_name}.collect();
+}
+
+}  // namespace tandem::runtime

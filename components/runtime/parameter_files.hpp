@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: reading parameter files of ROS 2's form.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tandem::runtime {
+
+/// One value of a parameter file that is meant for a node.
+struct FileValue {
+  std::string key;     ///< nested keys joined by '.'
+  std::string yaml;    ///< text of the value
+  std::string origin;  ///< "robot.yaml:12"
+  bool wildcard;       ///< from a section such as `/**`
+};
+
+/// The values of `path` for node `full_name`: first those of wildcard sections, then the node's
+/// own. Throws std::invalid_argument naming file and line for what is not of ROS 2's form.
+[[nodiscard]] std::vector<FileValue> read_parameter_file(const std::string& path,
+                                                         const std::string& full_name);
+
+/// Whether section name `pattern` ("/a/b", "/**", "/**/b", "/*/b") means node `full_name`.
+[[nodiscard]] bool matches_node(std::string_view pattern, std::string_view full_name);
+
+}  // namespace tandem::runtime

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: parameter files of ROS 2's form, a system file's values, -p k:=v. Out: checked structs.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "params.hpp"
+
+namespace tandem::runtime {
+
+/// One value as YAML text, and where it was written ("robot.yaml:12", "command line").
+struct ParameterValue {
+  std::string yaml;
+  std::string origin;
+};
+
+/// Where a node's parameters come from; later ones win: files in order, values, overrides.
+struct ParameterSources {
+  std::vector<std::string> files{};  ///< ROS 2 form: `node: ros__parameters:`, `/**:`
+  std::map<std::string, ParameterValue> values{};
+  std::vector<std::string> override_files{};          ///< --params-file
+  std::map<std::string, ParameterValue> overrides{};  ///< -p k:=v
+};
+
+/// A node's parameters as read, before any struct has declared them.
+class ParameterStore {
+ public:
+  /// Throws std::runtime_error naming file and line if a file is missing or not of ROS 2's form.
+  ParameterStore(std::string fully_qualified_name, const ParameterSources& sources);
+  ~ParameterStore();
+  ParameterStore(ParameterStore&&) noexcept;
+  ParameterStore& operator=(ParameterStore&&) noexcept;
+
+  /// Visitor of a params struct: loads each field that is given and checks it. Throws
+  /// std::invalid_argument in one line: origin, key, value, bound. An integer will do for a real
+  /// number (rclcpp refuses that); text in quotes will not.
+  void operator()(const char* name, double& value, const Range& range, const char* meaning);
+  void operator()(const char* name, int& value, const Range& range, const char* meaning);
+  void operator()(const char* name, std::string& value, const OneOf& choices, const char* meaning);
+  void operator()(const char* name, std::vector<double>& values, const Range& range,
+                  const char* meaning);
+  void operator()(const char* name, bool& value, const char* meaning);
+  void operator()(const char* name, std::string& value, const char* meaning);
+
+  /// Throws std::invalid_argument for the first key that is meant for this node and that no
+  /// struct declared. Keys of `/**` sections are exempt.
+  void check_unknown() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Keys of `/**` sections that no node of this process has declared so far: "file:line: key".
+[[nodiscard]] std::vector<std::string> unused_wildcard_keys();
+
+/// A params struct whose values may be replaced between callbacks. Behaves as a `const P*`.
+template <class P>
+class Parameters {
+ public:
+  Parameters() : values_{std::make_shared<P>()} {}
+  explicit Parameters(P values) : values_{std::make_shared<P>(std::move(values))} {}
+
+  const P& operator*() const { return *values_; }
+  const P* operator->() const { return values_.get(); }
+  [[nodiscard]] const P* get() const { return values_.get(); }
+
+ private:
+  std::shared_ptr<P> values_;
+};
+
+}  // namespace tandem::runtime

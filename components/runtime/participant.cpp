@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/participant.hpp"
+
+#include <cstdlib>
+#include <stdexcept>
+
+#include "runtime/codec.hpp"
+#include "runtime/dds_log.hpp"
+#include "runtime/environment.hpp"
+#include "runtime/graph.hpp"
+#include "runtime/names.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr const char* kLoopback = "127.0.0.1";
+constexpr uint32_t kParticipantsPerHost = 32;  // ids that unicast discovery asks, as ROS 2 does
+constexpr uint32_t kSocketBuffer = 4U << 20;   // the kernel lowers it to its own limit
+
+rtps::Locator_t peer(const std::string& address) {
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  if (!IpLocator::setIPv4(locator, address))
+    throw std::runtime_error("ROS_STATIC_PEERS: '" + address + "' is no IPv4 address");
+  locator.port = 0;  // all well-known ports of the domain
+  return locator;
+}
+
+// No multicast: hears only on its unicast port, and asks the well-known ports of the peers.
+void use_unicast_discovery(fdds::DomainParticipantQos& qos) {
+  rtps::Locator_t any;
+  any.kind = LOCATOR_KIND_UDPv4;
+  qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(any);
+}
+
+void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  auto& peers = qos.wire_protocol().builtin.initialPeersList;
+  for (const auto& address : environment.static_peers) peers.push_back(peer(address));
+  switch (environment.range) {
+    case DiscoveryRange::kSubnet:
+      if (!environment.static_peers.empty()) peers.push_back(peer("239.255.0.1"));
+      break;
+    case DiscoveryRange::kLocalhost:
+      use_unicast_discovery(qos);
+      peers.push_back(peer(kLoopback));
+      break;
+    case DiscoveryRange::kOff:
+      qos.wire_protocol().builtin.discovery_config.ignoreParticipantFlags =
+          static_cast<rtps::ParticipantFilteringFlags_t>(
+              rtps::ParticipantFilteringFlags_t::FILTER_DIFFERENT_HOST |
+              rtps::ParticipantFilteringFlags_t::FILTER_DIFFERENT_PROCESS);
+      break;
+  }
+}
+
+void set_transport(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  const bool from_profile =
+      std::getenv(kProfilesVariable) != nullptr && !qos.transport().user_transports.empty();
+  if (from_profile) return;
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->maxInitialPeersRange = kParticipantsPerHost;
+  udp->sendBufferSize = kSocketBuffer;
+  udp->receiveBufferSize = kSocketBuffer;
+  const bool on_this_host =
+      environment.range == DiscoveryRange::kLocalhost && environment.static_peers.empty();
+  if (environment.loopback_only || on_this_host) udp->interfaceWhiteList.push_back(kLoopback);
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports = {udp};
+}
+
+fdds::DomainParticipantQos participant_qos(const Environment& environment) {
+  fdds::DomainParticipantQos qos;
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  factory->load_profiles();
+  factory->get_default_participant_qos(qos);
+  qos.name("/");
+  const std::string enclave = "enclave=/;";
+  qos.user_data().data_vec({enclave.begin(), enclave.end()});
+  qos.wire_protocol().builtin.readerHistoryMemoryPolicy =
+      rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.wire_protocol().builtin.writerHistoryMemoryPolicy =
+      rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  set_transport(qos, environment);
+  set_peers(qos, environment);
+  return qos;
+}
+
+template <class Entity>
+Entity* created(Entity* entity, const std::string& what) {
+  if (entity == nullptr) throw std::runtime_error("DDS refuses to create " + what);
+  return entity;
+}
+
+}  // namespace
+
+SharedTopic::SharedTopic(Participant& participant, const std::string& dds_name,
+                         const std::string& dds_type)
+    : participant_{participant},
+      name_{dds_name},
+      dds_{participant.acquire_topic(dds_name, dds_type)} {}
+
+SharedTopic::~SharedTopic() { participant_.release_topic(name_); }
+
+std::shared_ptr<Participant> Participant::shared() {
+  static std::mutex mutex;
+  static std::weak_ptr<Participant> current;
+  const std::lock_guard lock{mutex};
+  if (auto participant = current.lock()) return participant;
+  std::shared_ptr<Participant> participant{new Participant};
+  participant->graph_ = std::make_unique<Graph>(*participant);
+  current = participant;
+  return participant;
+}
+
+Participant::Participant() {
+  const Environment environment = read_environment();
+  redirect_dds_log();
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  dds_ = created(
+      factory->create_participant(static_cast<uint32_t>(environment.domain),
+                                  participant_qos(environment), nullptr, fdds::StatusMask::none()),
+      "a participant in domain " + std::to_string(environment.domain));
+  publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
+  subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
+}
+
+Participant::~Participant() {
+  graph_.reset();
+  dds_->delete_contained_entities();
+  fdds::DomainParticipantFactory::get_instance()->delete_participant(dds_);
+}
+
+fdds::Topic* Participant::acquire_topic(const std::string& dds_name, const std::string& dds_type) {
+  const std::lock_guard lock{mutex_};
+  const auto known = topics_.find(dds_name);
+  if (known == topics_.end()) {
+    register_type(dds_type);
+    auto* topic = created(dds_->create_topic(dds_name, dds_type, fdds::TOPIC_QOS_DEFAULT),
+                          "topic " + dds_name + " of type " + dds_type);
+    topics_[dds_name] = {topic, dds_type, 1};
+    return topic;
+  }
+  if (known->second.type != dds_type)
+    throw std::runtime_error("topic " + ros_name(dds_name) + " is in use in this process as " +
+                             ros_type(known->second.type) + ", so it cannot be " +
+                             ros_type(dds_type) + " too");
+  ++known->second.users;
+  return known->second.dds;
+}
+
+void Participant::release_topic(const std::string& dds_name) {
+  const std::lock_guard lock{mutex_};
+  const auto known = topics_.find(dds_name);
+  if (--known->second.users > 0) return;
+  dds_->delete_topic(known->second.dds);
+  topics_.erase(known);
+}
+
+void Participant::register_type(const std::string& dds_type) {
+  if (types_.contains(dds_type)) return;
+  fdds::TypeSupport type{new BytesType{dds_type}};
+  if (!ok(type.register_type(dds_))) throw std::runtime_error("DDS refuses type " + dds_type);
+  types_.emplace(dds_type, type);
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/pubsub.hpp"
+
+#include "runtime/node_core.hpp"
+
+namespace tandem::runtime {
+
+AnyPublisher::AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<Codec> codec,
+                           std::shared_ptr<Writer> writer)
+    : node_{std::move(node)}, codec_{std::move(codec)}, writer_{std::move(writer)} {}
+
+AnyPublisher::~AnyPublisher() { close(); }
+
+AnyPublisher& AnyPublisher::operator=(AnyPublisher&& other) noexcept {
+  if (this == &other) return *this;
+  close();
+  node_ = std::move(other.node_);
+  codec_ = std::move(other.codec_);
+  writer_ = std::move(other.writer_);
+  return *this;
+}
+
+void AnyPublisher::publish(const void* message) const {
+  if (!writer_) return;
+  thread_local Bytes bytes;  // reused by all publishers of this thread
+  if (codec_->encode(message, bytes) && writer_->write(bytes)) return;
+  node_->log.write_every(
+      1.0, LogLevel::kWarn, writer_->topic(),
+      fmt::format("{}: a message of {} bytes was not sent", writer_->topic(), bytes.size()));
+}
+
+int AnyPublisher::matched() const { return writer_ ? writer_->matched() : 0; }
+
+void AnyPublisher::close() {
+  if (writer_) node_->close_writer(*writer_);
+  writer_.reset();
+  node_.reset();
+}
+
+Subscription::Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<Reader> reader)
+    : node_{std::move(node)}, reader_{std::move(reader)} {}
+
+Subscription::~Subscription() { close(); }
+
+Subscription& Subscription::operator=(Subscription&& other) noexcept {
+  if (this == &other) return *this;
+  close();
+  node_ = std::move(other.node_);
+  reader_ = std::move(other.reader_);
+  return *this;
+}
+
+int Subscription::matched() const { return reader_ ? reader_->matched() : 0; }
+long Subscription::malformed() const { return reader_ ? reader_->malformed() : 0; }
+
+void Subscription::close() {
+  if (reader_) node_->close_reader(*reader_);
+  reader_.reset();
+  node_.reset();
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/service.hpp"
+
+#include <utility>
+
+#include "runtime/service_core.hpp"
+
+namespace tandem::runtime {
+
+Service::Service(std::shared_ptr<NodeCore> node, std::shared_ptr<Server> server)
+    : node_{std::move(node)}, server_{std::move(server)} {}
+
+Service::~Service() { close(); }
+
+Service& Service::operator=(Service&& other) noexcept {
+  if (this == &other) return *this;
+  close();
+  node_ = std::move(other.node_);
+  server_ = std::move(other.server_);
+  return *this;
+}
+
+void Service::close() {
+  if (server_) {
+    server_->close();
+    node_->retire(std::exchange(server_, nullptr));
+  }
+  node_.reset();
+}
+
+AnyClient::AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller)
+    : node_{std::move(node)}, caller_{std::move(caller)} {}
+
+AnyClient::~AnyClient() { close(); }
+
+AnyClient& AnyClient::operator=(AnyClient&& other) noexcept {
+  if (this == &other) return *this;
+  close();
+  node_ = std::move(other.node_);
+  caller_ = std::move(other.caller_);
+  return *this;
+}
+
+void AnyClient::call(const void* request, Receiver response, double timeout,
+                     std::function<void()> on_timeout) const {
+  if (caller_) caller_->call(request, std::move(response), timeout, std::move(on_timeout));
+}
+
+bool AnyClient::ready() const { return caller_ && caller_->ready(); }
+
+void AnyClient::close() {
+  if (caller_) {
+    caller_->close();
+    node_->retire(std::exchange(caller_, nullptr));
+  }
+  node_.reset();
+}
+
+}  // namespace tandem::runtime

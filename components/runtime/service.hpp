@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "runtime/pubsub.hpp"
+
+namespace tandem::runtime {
+
+/// A service: its name (ROS 2 form) and its type S with S::Request and S::Response.
+template <class S>
+struct ServiceName {
+  const char* name;
+};
+
+class Server;
+class Caller;
+
+/// Answers requests until it is destroyed.
+class Service {
+ public:
+  Service() = default;
+  Service(std::shared_ptr<NodeCore> node, std::shared_ptr<Server> server);
+  ~Service();
+  Service(Service&&) noexcept = default;
+  Service& operator=(Service&& other) noexcept;
+
+ private:
+  void close();
+
+  std::shared_ptr<NodeCore> node_;
+  std::shared_ptr<Server> server_;
+};
+
+/// The part of Client<S> that is no template.
+class AnyClient {
+ public:
+  AnyClient() = default;
+  AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller);
+  ~AnyClient();
+  AnyClient(AnyClient&&) noexcept = default;
+  AnyClient& operator=(AnyClient&& other) noexcept;
+
+  void call(const void* request, Receiver response, double timeout,
+            std::function<void()> on_timeout) const;
+  [[nodiscard]] bool ready() const;
+
+ private:
+  void close();
+
+  std::shared_ptr<NodeCore> node_;
+  std::shared_ptr<Caller> caller_;
+};
+
+/// Calls a service. A call waits for its server and its answer, but no longer than its timeout.
+template <class S>
+class Client {
+ public:
+  using Request = typename S::Request;
+  using Response = typename S::Response;
+
+  static constexpr double kTimeout = 2.0;  // [s]
+
+  Client() = default;
+  explicit Client(AnyClient client) : client_{std::move(client)} {}
+
+  /// `fn` gets the answer on the node's thread. Without an answer within `timeout` [s] of steady
+  /// time `on_timeout` is called instead (if empty: a warning is logged).
+  void call(const Request& request, std::function<void(const Response&)> fn,
+            double timeout = kTimeout, std::function<void()> on_timeout = {}) const {
+    client_.call(&request, make_receiver<Response>(std::move(fn)), timeout, std::move(on_timeout));
+  }
+
+  /// True once a server is known.
+  [[nodiscard]] bool ready() const { return client_.ready(); }
+
+ private:
+  AnyClient client_;
+};
+
+/// One reused request and response and the function between them.
+struct Responder {
+  Receiver request;  ///< deliver() fills the response
+  TypeRef response_type;
+  std::function<const void*()> response;
+};
+
+template <class S, class Fn>
+[[nodiscard]] Responder make_responder(Fn fn) {
+  using Request = typename S::Request;
+  using Response = typename S::Response;
+  auto response = std::make_shared<Response>();
+  auto answer = [response, fn = std::move(fn)](const Request& request) mutable {
+    *response = Response{};
+    fn(request, *response);
+  };
+  return {make_receiver<Request>(std::move(answer)), type_ref<Response>(),
+          [response]() -> const void* { return response.get(); }};
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/timer.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "runtime/node_core.hpp"
+
+namespace tandem::runtime {
+
+Beat::Beat(double start, double period) : period_{period}, next_{start + period} {
+  if (!(period > 0.0) || !std::isfinite(period))
+    throw std::invalid_argument("timer period " + std::to_string(period) + " s is not positive");
+}
+
+bool Beat::due(double now) {
+  if (now < next_ - 1.5 * period_) next_ = now + period_;  // the clock was set back
+  if (now < next_) return false;
+  next_ += period_ * (std::floor((now - next_) / period_) + 1.0);
+  return true;
+}
+
+Timer::Timer(std::shared_ptr<NodeCore> node, std::shared_ptr<TimerState> state)
+    : node_{std::move(node)}, state_{std::move(state)} {}
+
+Timer::~Timer() { close(); }
+
+Timer& Timer::operator=(Timer&& other) noexcept {
+  if (this == &other) return *this;
+  close();
+  node_ = std::move(other.node_);
+  state_ = std::move(other.state_);
+  return *this;
+}
+
+void Timer::close() {
+  if (node_) node_->remove(*state_);
+  node_.reset();
+  state_.reset();
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a command, the robot's measured state, the map. Out: the command that cannot end in contact.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "map/static_map.hpp"
+#include "model/localization.hpp"
+#include "model/robot.hpp"
+#include "params.hpp"
+#include "safety_filter/clearance_check.hpp"
+#include "safety_filter/stopping_motion.hpp"
+
+namespace tandem {
+
+/// The margin is a budget of what may be wrong (defaults, MiR 100, circumradius R = 0.56 m):
+///
+///   position_error + R heading_error     localiser              0.010 + 0.006 m
+///   reserve                              what nobody modelled           0.005 m
+///   kCheckSpacing / 2                    between two checked poses      0.004 m
+///   hard margin                                                         0.025 m     (1)
+///   + band                               where approaching at speed ends 0.010 m
+///   + (slip (1 + 2 R / L) + heading_error) s     grows with the way s to rest         (2)
+///
+/// with L the wheel separation. A MiR fits a door 0.80 m wide with 0.11 m on either side.
+struct SafetyFilterParams {
+  bool enforce = true;
+  double command_timeout = 0.1;
+  double state_timeout = 0.2;
+  double control_period = 0.05;
+  bool survive_silence = true;
+  double position_error = 0.01;
+  double heading_error = 0.01;
+  double reserve = 0.005;
+  double band = 0.01;
+  double slip = 0.02;
+  double brake_spread = 1.5;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("enforce", enforce, "false: pass every command and only report; for studies");
+    field("command_timeout", command_timeout, Range{0.02, 5.0},
+          "[s] silence of the command that stops");
+    field("state_timeout", state_timeout, Range{0.02, 5.0}, "[s] age of the state that stops");
+    field("control_period", control_period, Range{0.002, 1.0},
+          "[s] longest time from one output to the next");
+    field("survive_silence", survive_silence,
+          "a command counts as acting until the base's own command_timeout stops it, so that the "
+          "loss of this filter or of its messages ends before contact too");
+    field("position_error", position_error, Range{0.0, 0.5}, "[m] bound on the pose's error");
+    field("heading_error", heading_error, Range{0.0, 0.5}, "[rad] bound on the pose's error");
+    field("reserve", reserve, Range{0.0, 0.5}, "[m] added to the margin");
+    field("band", band, Range{0.0, 0.5}, "[m] beyond the margin, where approaching ends");
+    field("slip", slip, Range{0.0, 0.3}, "[1] bound on a wheel's travel being off");
+    field("brake_spread", brake_spread, Range{1.0, 10.0},
+          "[1] real braking is at most this times the robot's a_brake, alpha_brake");
+  }
+};
+
+/// Why the command is what it is. From kNoCommand on: not driving at all.
+enum class FilterReason {
+  kClear,       ///< passed unchanged
+  kSlowed,      ///< a fraction of it, on the same arc
+  kDeflected,   ///< the arc is blocked; a fraction of its turn or of its forward part passed
+  kBackingOut,  ///< inside the margin; it does not reduce clearance
+  kStopped,     ///< no part of it is safe
+  kNoCommand,   ///< silent, or never heard
+  kNotFinite,   ///< the command is not a number
+  kNotLocalized,
+  kNoMap,
+};
+
+[[nodiscard]] const char* name(FilterReason reason);
+
+struct Filtered {
+  Twist2 twist;      ///< to send now
+  Twist2 requested;  ///< what was asked for
+  Twist2 safe;       ///< what is safe: equals `twist` while enforcing
+  FilterReason reason = FilterReason::kNoCommand;
+  double scale = 0.0;      ///< fraction of the requested command that is safe
+  double clearance = 0.0;  ///< of the outline at the measured pose [m], at most 1
+};
+
+/// The last word before the wheels: trusts nobody upstream.
+///
+/// A command passes only if, acting for one control period (or, with survive_silence, until the
+/// base's own time-out) and then braked, it ends before contact plus margin whatever the delays,
+/// the lag and the braking are within their bounds; else the largest safe fraction of it, else
+/// zero. Call update() on every command and at least every control_period, and send what it
+/// returns: by induction a robot that starts safe in a static world stays safe.
+///
+/// Inside the margin only motion that gains clearance passes. Between the hard margin and the
+/// band's end the robot may come down to the hard margin, as a tail that swings out must. Times are
+/// seconds on one monotonic clock.
+class SafetyFilter {
+ public:
+  /// Throws std::invalid_argument on parameters out of range.
+  SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot);
+
+  void on_command(const Twist2& twist, double t);
+  void on_map(std::shared_ptr<const StaticMap> map) { map_ = std::move(map); }
+
+  /// The command to send now; counts it as sent. `state`: Localization::state(now).
+  [[nodiscard]] Filtered update(const std::optional<RobotState>& state, double now);
+
+  /// The check alone: what of `command` is safe, given what was sent before. Reason and scale say
+  /// what became of it.
+  [[nodiscard]] Filtered filter(const Twist2& command, const RobotState& state,
+                                const StaticMap& map, double now) const;
+
+  /// Clearance below which only outward motion passes, (1) [m].
+  [[nodiscard]] double hard_margin() const { return hard_margin_; }
+  [[nodiscard]] const SafetyFilterParams& params() const { return params_; }
+
+ private:
+  struct Scene;
+
+  [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
+  [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, double now) const;
+  [[nodiscard]] bool is_safe(const Twist2& command, double hold, const Scene& scene) const;
+  [[nodiscard]] double largest_safe_scale(const Twist2& command, const Scene& scene) const;
+  void reduce(Filtered& out, const Twist2& command, const Scene& scene) const;
+  void remember(const Twist2& twist, double now);
+
+  SafetyFilterParams params_;
+  RobotParams robot_;
+  Body body_;
+  double hard_margin_, hold_;
+  StoppingBounds bounds_;
+  std::shared_ptr<const StaticMap> map_;
+  std::optional<TimedTwist> command_;
+  std::vector<TimedTwist> sent_;  // oldest first
+};
+
+}  // namespace tandem

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "safety_filter/safety_filter_node.hpp"
+
+#include <cmath>
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+
+SafetyFilterNode::SafetyFilterNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<SafetyFilterNodeParams>()},
+      filter_{params_->filter, params_->robot},
+      map_{node, params_->map},
+      robot_{node, params_->input},
+      cmd_vel_{node.create_publisher(topics::cmd_vel)},
+      status_{node.create_publisher(topics::filter_status)},
+      diagnostics_{node.create_publisher(topics::diagnostics)} {
+  if (!params_->filter.enforce && !node.use_sim_time())
+    throw std::invalid_argument(
+        "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
+  command_ = node.create_subscription(
+      topics::cmd_vel_arbitrated, [this](const geometry_msgs::msg::Twist& msg) {
+        // Not finite goes on to the core, which stops for it.
+        filter_.on_command({msg.linear().x(), msg.angular().z()}, node_.now());
+        update();
+      });
+  watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
+  diagnostics_timer_ =
+      node.create_wall_timer(kDiagnosticsPeriod, [this] { publish_diagnostics(); });
+}
+
+void SafetyFilterNode::update() {
+  filter_.on_map(map_.map());
+  const Filtered out = filter_.update(robot_.state(), node_.now());
+  if (out.reason != last_.reason) node_.log().debug("{}", name(out.reason));
+  last_ = out;
+  updated_ = node_.steady_now();
+  cmd_vel_.publish(to_msg(out.twist));
+  publish_status(out);
+}
+
+// Half a control period at the latest after the last word, so that one late beat breaks no promise.
+void SafetyFilterNode::watch() {
+  if (node_.clock_silence() > kClockSilence) {
+    node_.log().warn_every(1.0, "/clock is silent: stopping");
+    cmd_vel_.publish(to_msg(Twist2{}));
+    return;
+  }
+  if (node_.steady_now() - updated_ >= 0.5 * params_->filter.control_period) update();
+}
+
+void SafetyFilterNode::publish_status(const Filtered& out) {
+  const bool changed = std::abs(out.requested.v - out.safe.v) > 1e-3 ||
+                       std::abs(out.requested.w - out.safe.w) > 1e-3;
+  if (changed) ++interventions_;
+  tandem_msgs::msg::FilterStatus msg;
+  msg.header(header(node_.stamp(), params_->input.frames.map));
+  msg.reason(name(out.reason));
+  msg.scale(out.scale);
+  msg.clearance(out.clearance);
+  msg.enforcing(params_->filter.enforce);
+  msg.requested(to_msg(out.requested));
+  msg.passed(to_msg(out.twist));
+  msg.interventions(interventions_);
+  status_.publish(msg);
+}
+
+void SafetyFilterNode::publish_diagnostics() {
+  using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
+  diagnostic_msgs::msg::DiagnosticStatus status;
+  status.name(node_.name());
+  status.hardware_id("tandem");
+  status.level(last_.reason >= FilterReason::kNoCommand ? WARN : OK);
+  status.message(name(last_.reason));
+  if (!params_->filter.enforce) {
+    status.level(WARN);
+    status.message("NOT ENFORCING: commands pass unchanged");
+    node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
+  }
+  diagnostic_msgs::msg::DiagnosticArray msg;
+  msg.header(header(node_.stamp(), ""));
+  msg.status().push_back(std::move(status));
+  diagnostics_.publish(msg);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::SafetyFilterNode, "safety_filter")

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "map_input.hpp"
+#include "robot_state_input.hpp"
+#include "runtime/node.hpp"
+#include "safety_filter/safety_filter.hpp"
+
+namespace tandem {
+
+struct SafetyFilterNodeParams {
+  RobotParams robot;
+  SafetyFilterParams filter;
+  MapInputParams map;
+  RobotStateParams input;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    robot.visit(field);
+    filter.visit(field);
+    map.visit(field);
+    input.visit(field);
+  }
+};
+
+/// cmd_vel_arbitrated, octomap_binary, odom, tf → cmd_vel, safety_filter/status, /diagnostics.
+///
+/// The last node before the wheels. Answers every command when it arrives and speaks at least every
+/// control period; silence or doubt is zero. Refuses to start with enforce = false unless the clock
+/// is simulated: a real robot never runs without it.
+class SafetyFilterNode {
+ public:
+  static constexpr double kClockSilence = 0.5;       // [s] of steady time
+  static constexpr double kDiagnosticsPeriod = 1.0;  // [s]
+
+  explicit SafetyFilterNode(rt::Node& node);
+
+ private:
+  void update();
+  void watch();
+  void publish_status(const Filtered& out);
+  void publish_diagnostics();
+
+  rt::Node& node_;
+  rt::Parameters<SafetyFilterNodeParams> params_;
+  SafetyFilter filter_;
+  MapInput map_;
+  RobotStateInput robot_;
+  Filtered last_;
+  std::uint64_t interventions_ = 0;
+  double updated_ = 0.0;  ///< steady [s]
+
+  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_;
+  rt::Publisher<tandem_msgs::msg::FilterStatus> status_;
+  rt::Publisher<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
+  rt::Subscription command_;
+  rt::Timer watchdog_, diagnostics_timer_;
+};
+
+}  // namespace tandem

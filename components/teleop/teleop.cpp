@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/teleop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+double axis(std::span<const float> axes, int index, double deadzone) {
+  if (index < 0 || static_cast<std::size_t>(index) >= axes.size()) return 0.0;
+  const double value = axes[static_cast<std::size_t>(index)];
+  if (!std::isfinite(value) || std::abs(value) <= deadzone) return 0.0;
+  const double travel = (std::min(std::abs(value), 1.0) - deadzone) / (1.0 - deadzone);
+  return std::copysign(travel, value);
+}
+
+bool pressed(std::span<const int> buttons, int index) {
+  return index >= 0 && static_cast<std::size_t>(index) < buttons.size() &&
+         buttons[static_cast<std::size_t>(index)] != 0;
+}
+
+}  // namespace
+
+Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
+                 const TeleopParams& params) {
+  return {axis(axes, params.axis_linear, params.deadzone),
+          axis(axes, params.axis_angular, params.deadzone),
+          params.deadman_button < 0 || pressed(buttons, params.deadman_button),
+          pressed(buttons, params.end_button)};
+}
+
+Teleop::Teleop(const TeleopParams& params) : params_{params} { check(params_); }
+
+std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
+                                       double t) {
+  const bool was_held = held_;
+  const double dt = was_held ? std::clamp(t - last_, 0.0, params_.joy_timeout) : 0.0;
+  held_ = stick.deadman;
+  last_ = t;
+  if (!held_) {
+    X_ML_.reset();
+    return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
+  }
+  if (X_MB)
+    drive_leader(stick, *X_MB, dt);
+  else
+    X_ML_.reset();
+  return Intent{{params_.scale_linear * stick.linear, params_.scale_angular * stick.angular},
+                X_ML_};
+}
+
+std::optional<Intent> Teleop::update(double now) {
+  if (!held_ || now - last_ <= params_.joy_timeout) return std::nullopt;
+  held_ = false;
+  X_ML_.reset();
+  return Intent{};
+}
+
+void Teleop::drive_leader(const Stick& stick, const Pose2& X_MB, double dt) {
+  if (!X_ML_) X_ML_ = X_MB;
+  const Twist2 twist{params_.leader_scale_linear * stick.linear,
+                     params_.leader_scale_angular * stick.angular};
+  *X_ML_ = integrate(*X_ML_, twist, dt);
+  X_ML_->theta = wrap_angle(X_ML_->theta);
+  const Eigen::Vector2d p_BL_M = X_ML_->position() - X_MB.position();
+  if (p_BL_M.norm() <= params_.leash) return;
+  const Eigen::Vector2d p_ML = X_MB.position() + params_.leash * p_BL_M.normalized();
+  X_ML_->x = p_ML.x();
+  X_ML_->y = p_ML.y();
+}
+
+}  // namespace tandem

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a joystick's axes and buttons, and where the robot is. Out: the person's twist and leader.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "model/se2.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// Defaults: Devalla 2020, appendix B (axes, buttons, gains); its leash d_PR has no number there.
+struct TeleopParams {
+  int axis_linear = 1;
+  int axis_angular = 0;
+  int deadman_button = 0;
+  int end_button = 1;
+  double scale_linear = 0.8;
+  double scale_angular = 0.8;
+  double leader_scale_linear = 0.9;
+  double leader_scale_angular = 0.9;
+  double deadzone = 0.05;
+  double leash = 1.2;
+  double joy_timeout = 0.12;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("axis_linear", axis_linear, Range{0, 31}, "index in Joy.axes that means forward");
+    field("axis_angular", axis_angular, Range{0, 31}, "index in Joy.axes that means left");
+    field("deadman_button", deadman_button, Range{-1, 63}, "held to drive; -1: none");
+    field("end_button", end_button, Range{-1, 63}, "ends the drive; -1: none");
+    field("scale_linear", scale_linear, Range{-5.0, 5.0}, "[m/s] at full stick");
+    field("scale_angular", scale_angular, Range{-10.0, 10.0}, "[rad/s] at full stick");
+    field("leader_scale_linear", leader_scale_linear, Range{-5.0, 5.0}, "[m/s] leader, full stick");
+    field("leader_scale_angular", leader_scale_angular, Range{-10.0, 10.0},
+          "[rad/s] leader, full stick");
+    field("deadzone", deadzone, Range{0.0, 0.9}, "[1] part of the stick's way that is rest");
+    field("leash", leash, Range{0.1, 10.0}, "[m] farthest that the leader gets from the robot");
+    field("joy_timeout", joy_timeout, Range{0.02, 5.0}, "[s] silence of joy that is a release");
+  }
+};
+
+/// What a joystick says: axes in [−1, 1], buttons pressed or not.
+struct Stick {
+  double linear = 0.0, angular = 0.0;
+  bool deadman = false, end = false;
+};
+
+/// Reads the axes and buttons that the parameters name; one that is missing or not finite counts as
+/// at rest (a missing dead-man button as released).
+[[nodiscard]] Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
+                               const TeleopParams& params);
+
+/// What goes out after a sample of the joystick.
+struct Intent {
+  Twist2 twist;               ///< the person's command
+  std::optional<Pose2> X_ML;  ///< the leader L, if the robot's pose is known
+};
+
+/// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
+/// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4).
+class Teleop {
+ public:
+  explicit Teleop(const TeleopParams& params);
+
+  /// `X_MB`: where the robot is, if anyone knows. No intent while the dead-man is released, but for
+  /// one zero at the moment of release; the leader then returns to the robot.
+  [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
+                                               double t);
+
+  /// A joystick that fell silent is a released one.
+  [[nodiscard]] std::optional<Intent> update(double now);
+
+ private:
+  void drive_leader(const Stick& stick, const Pose2& X_MB, double dt);
+
+  TeleopParams params_;
+  bool held_ = false;
+  double last_ = 0.0;
+  std::optional<Pose2> X_ML_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/teleop_node.hpp"
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+
+TeleopNode::TeleopNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<TeleopNodeParams>()},
+      teleop_{params_->teleop},
+      robot_{node, params_->input},
+      cmd_vel_user_{node.create_publisher(topics::cmd_vel_user)},
+      leader_pose_{node.create_publisher(topics::leader_pose)},
+      markers_{node.create_publisher(topics::leader_markers)},
+      end_sim_{node.create_publisher(topics::end_sim)} {
+  joy_ = node.create_subscription(topics::joy, topics::kUserInput,
+                                  [this](const auto& msg) { on_joy(msg); });
+  watchdog_ = node.create_timer(params_->teleop.joy_timeout / 4, [this] {
+    if (const auto intent = teleop_.update(node_.now())) publish(*intent);
+  });
+}
+
+void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
+  const Stick stick = read_stick(msg.axes(), msg.buttons(), params_->teleop);
+  const auto robot = robot_.state();
+  const auto X_MB = robot ? std::optional{robot->X_MB} : std::nullopt;
+  if (const auto intent = teleop_.on_stick(stick, X_MB, node_.now())) publish(*intent);
+  if (stick.end && !end_pressed_) {
+    std_msgs::msg::Bool end;
+    end.data(true);
+    end_sim_.publish(end);
+  }
+  end_pressed_ = stick.end;
+}
+
+void TeleopNode::publish(const Intent& intent) {
+  cmd_vel_user_.publish(to_msg(intent.twist));
+  if (!intent.X_ML) return;
+  const auto map_header = header(node_.stamp(), params_->input.frames.map);
+  leader_pose_.publish(to_msg(*intent.X_ML, map_header));
+  if (const auto robot = robot_.state())
+    markers_.publish(leader_markers(*intent.X_ML, robot->X_MB, map_header));
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::TeleopNode, "teleop")

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every topic and service: name, type, QoS, in the order in which data flows. Names are relative,
+// so that a namespace moves a whole robot; all can be remapped.
+#pragma once
+
+#include <msgs.hpp>
+
+#include "runtime/pubsub.hpp"
+#include "runtime/service.hpp"
+
+namespace tandem::topics {
+
+using runtime::kDefault;
+using runtime::kLatched;
+using runtime::kSensorData;
+using runtime::Topic;
+
+// the person
+inline constexpr Topic<sensor_msgs::msg::Joy> joy{"joy"};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_user{"cmd_vel_user"};
+inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
+inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
+/// How user input is read: best effort, so that no device goes unheard.
+inline constexpr runtime::QoS kUserInput = runtime::kBestEffort(1);
+
+// the map
+inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched};
+inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"obstacles/markers"};
+
+// the planner
+inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose"};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_shared{"cmd_vel_shared"};
+inline constexpr Topic<nav_msgs::msg::Path> plan{"plan"};
+inline constexpr Topic<nav_msgs::msg::Path> user_path{"user_path"};
+inline constexpr Topic<tandem_msgs::msg::PlannerStatus> planner_status{"planner/status"};
+
+// arbitration and the last word
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_nav{"cmd_vel_nav"};
+inline constexpr Topic<std_msgs::msg::Bool> e_stop{"e_stop", kLatched};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_arbitrated{"cmd_vel_arbitrated"};
+inline constexpr Topic<tandem_msgs::msg::ArbitrationStatus> arbitration_status{
+    "arbitration/status"};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel{"cmd_vel"};
+inline constexpr Topic<tandem_msgs::msg::FilterStatus> filter_status{"safety_filter/status"};
+inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> diagnostics{"/diagnostics"};
+
+// the robot
+inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom"};
+inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
+    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}};
+inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
+inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
+inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
+inline constexpr Topic<rosgraph_msgs::msg::Clock> clock{"/clock", runtime::kClock};
+inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{"initialpose"};
+
+}  // namespace tandem::topics
+
+namespace tandem::services {
+
+using runtime::ServiceName;
+
+inline constexpr ServiceName<tandem_msgs::srv::SetPolicy> set_policy{"~/set_policy"};
+inline constexpr ServiceName<std_srvs::srv::Trigger> release_emergency_stop{
+    "~/release_emergency_stop"};
+inline constexpr ServiceName<std_srvs::srv::Trigger> reset{"~/reset"};
+
+}  // namespace tandem::services

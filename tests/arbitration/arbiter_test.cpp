@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arbitration/arbiter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace tandem {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Arbiter arbiter(const char* policy, double handover_time = 0.0) {
+  return Arbiter{{.policy = policy, .handover_time = handover_time}};
+}
+
+TEST(Arbiter, StandsBeforeAnyoneSpoke) {
+  const Decision out = arbiter("manual").decide(1.0);
+  EXPECT_EQ(out.command, Twist2{});
+  EXPECT_EQ(out.source, Source::kNone);
+}
+
+TEST(Arbiter, ManualPassesThePersonUnchanged) {
+  Arbiter it = arbiter("manual");
+  it.on_user({0.5, -0.2}, 1.0);
+  it.on_shared({0.1, 0.1}, 1.0);
+  const Decision out = it.decide(1.01);
+  EXPECT_EQ(out.command, (Twist2{0.5, -0.2}));
+  EXPECT_EQ(out.source, Source::kUser);
+  EXPECT_EQ(out.alpha, 0.0);
+}
+
+TEST(Arbiter, SharedPassesThePlannerWhileThePersonHoldsOn) {
+  Arbiter it = arbiter("shared");
+  it.on_user({0.5, 0.0}, 1.0);
+  it.on_shared({0.3, 0.2}, 1.0);
+  EXPECT_EQ(it.decide(1.01).command, (Twist2{0.3, 0.2}));
+}
+
+TEST(Arbiter, SharedStopsWhenThePersonLetsGo) {
+  Arbiter it = arbiter("shared");
+  it.on_user({0.5, 0.0}, 1.0);
+  it.on_shared({0.3, 0.2}, 1.3);
+  const Decision out = it.decide(1.3);
+  EXPECT_EQ(out.command, Twist2{});
+  EXPECT_EQ(out.reason, ArbitrationReason::kUserSilent);
+}
+
+TEST(Arbiter, SharedStopsWhenThePlannerFallsSilent) {
+  Arbiter it = arbiter("shared");
+  it.on_shared({0.3, 0.2}, 1.0);
+  it.on_user({0.5, 0.0}, 1.3);
+  const Decision out = it.decide(1.3);
+  EXPECT_EQ(out.command, Twist2{});
+  EXPECT_EQ(out.reason, ArbitrationReason::kSharedSilent);
+  EXPECT_EQ(it.silent_sources(1.3), std::vector<std::string>{"cmd_vel_shared"});
+}
+
+TEST(Arbiter, IgnoresACommandThatIsNotFinite) {
+  Arbiter it = arbiter("manual");
+  it.on_user({0.5, 0.0}, 1.0);
+  it.on_user({kNaN, 0.0}, 1.1);
+  EXPECT_EQ(it.decide(1.1).command.v, 0.5);
+  EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kUserSilent);  // the NaN did not refresh
+}
+
+TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
+  Arbiter it = arbiter("manual");
+  it.on_emergency_stop(true);
+  it.on_user({0.5, 0.0}, 1.0);
+  EXPECT_EQ(it.decide(1.0).reason, ArbitrationReason::kEmergencyStop);
+  EXPECT_FALSE(it.release_emergency_stop());  // still pressed
+  it.on_emergency_stop(false);
+  EXPECT_EQ(it.decide(1.0).command, Twist2{});  // `false` alone does not free
+  EXPECT_TRUE(it.release_emergency_stop());
+  EXPECT_EQ(it.decide(1.0).command.v, 0.5);
+}
+
+TEST(Arbiter, AutonomyYieldsToThePersonsStick) {
+  Arbiter it = arbiter("autonomous");
+  it.on_nav({0.4, 0.0}, 1.0);
+  it.on_shared({0.2, 0.0}, 1.0);
+  EXPECT_EQ(it.decide(1.0).source, Source::kNav);
+  it.on_user({0.0, 0.3}, 1.05);
+  EXPECT_EQ(it.decide(1.05).reason, ArbitrationReason::kUserTakesOver);
+  it.on_user({0.0, 0.0}, 1.1);  // at rest: no wish
+  EXPECT_EQ(it.decide(1.1).source, Source::kNav);
+}
+
+TEST(Arbiter, AutonomyFallsBackToThePlannersGoal) {
+  Arbiter it = arbiter("autonomous");
+  it.on_nav({0.4, 0.0}, 1.0);
+  it.on_shared({0.2, 0.0}, 1.6);
+  EXPECT_EQ(it.decide(1.6).source, Source::kShared);
+}
+
+TEST(Arbiter, ChangeOfAuthorityRampsAndAStopDoesNot) {
+  Arbiter it = arbiter("manual", 0.2);
+  it.on_user({0.8, 0.0}, 1.0);
+  EXPECT_EQ(it.decide(1.0).command.v, 0.8);
+  it.set_policy(Policy::kShared);
+  it.on_shared({0.0, 0.0}, 1.0);
+  EXPECT_NEAR(it.decide(1.0).command.v, 0.8, 1e-12);
+  EXPECT_NEAR(it.decide(1.1).command.v, 0.4, 1e-12);
+  EXPECT_EQ(it.decide(1.1).reason, ArbitrationReason::kHandover);
+  it.on_emergency_stop(true);
+  EXPECT_EQ(it.decide(1.11).command, Twist2{});
+}
+
+TEST(Arbiter, BlendGivesThePlannerMoreNearObstacles) {
+  Arbiter it = arbiter("blend");
+  double far = 0.0, near = 0.0;
+  for (double t = 1.0; t < 3.0; t += 0.05) {
+    it.on_user({0.5, 0.0}, t);
+    it.on_shared({0.45, 0.0}, t);
+    it.on_clearance(5.0, t);
+    far = it.decide(t).alpha;
+  }
+  for (double t = 3.0; t < 5.0; t += 0.05) {
+    it.on_user({0.5, 0.0}, t);
+    it.on_shared({0.45, 0.0}, t);
+    it.on_clearance(0.0, t);
+    near = it.decide(t).alpha;
+  }
+  EXPECT_NEAR(far, 0.1, 1e-9);
+  EXPECT_NEAR(near, 1.0, 1e-9);
+}
+
+TEST(Arbiter, BlendChangesAuthorityNoFasterThanItsRate) {
+  Arbiter it{{.policy = "blend", .handover_time = 0.0, .blend_rate = 2.0}};
+  double last = 0.0;
+  for (double t = 1.0; t < 2.0; t += 0.05) {
+    it.on_user({0.8, 0.0}, t);
+    it.on_shared({-0.4, 1.0}, t);
+    const double alpha = it.decide(t).alpha;
+    if (t > 1.0) {
+      EXPECT_LE(alpha - last, 2.0 * 0.05 + 1e-9);
+    }
+    last = alpha;
+  }
+  EXPECT_EQ(last, 1.0);
+}
+
+TEST(Arbiter, RefusesAnUnknownPolicy) {
+  EXPECT_THROW(arbiter("anarchy"), std::invalid_argument);
+  EXPECT_THROW((void)policy_from(""), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// One solve after the other of problems recorded along closed loops, the same ones for every
+// solver, each from the warm start it had there. Rows: <solver>/<problem>/<parameters>.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "local_planner/cycle.hpp"
+#include "local_planner/drive.hpp"
+#include "local_planner/ipopt_solve.hpp"
+#include "local_planner/solver.hpp"
+#include "local_planner/warm_start.hpp"
+
+namespace tandem::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Recorded {
+  Ocp ocp;
+  Iterate guess;
+};
+struct Recording {
+  std::vector<Recorded> problems;
+  double closed_loop_cost = 0.0;  // of the script's own form, heading error squared; 0: not summed
+};
+
+// --- problems ------------------------------------------------------------------------------------
+
+// Devalla's script B.2 as written: no margin, no terminal cost, the first twist tied to nothing.
+Ocp script_b2(const Pose2& X_MB, const Twist2& command, std::size_t nearest) {
+  Ocp ocp{.half = 0.0, .X_MB = X_MB, .command = command, .workspace = 4.2};
+  auto poles = forest(false);
+  std::sort(poles.begin(), poles.end(), [&](const Obstacle& a, const Obstacle& b) {
+    return (a.p_MO - X_MB.position()).norm() < (b.p_MO - X_MB.position()).norm();
+  });
+  poles.resize(std::min(poles.size(), nearest));
+  Stage stage;
+  stage.cost.X_MR = {4, 4, 0};
+  stage.cost.q_x = stage.cost.q_y = 6.0;
+  stage.cost.q_theta = 4.0;
+  stage.cost.r_v = 0.3;
+  stage.cost.r_w = 0.15;
+  for (const Obstacle& pole : poles) stage.pairs.push_back({{0.0, 0.0}, 0.45, pole, 0});
+  for (int k = 0; k < 15; ++k) {
+    const double change = k == 0 ? 2.0 : 0.1;
+    ocp.v.push_back({-0.4, 0.8});
+    ocp.w.push_back({-1.0, 1.0});
+    ocp.change_v.push_back({-change, change});
+    ocp.change_w.push_back({-change, change});
+    ocp.stages.push_back(stage);
+  }
+  return ocp;
+}
+
+double script_cost(const Pose2& X, const Twist2& u) {
+  const double e_x = X.x - 4.0, e_y = X.y - 4.0;
+  return 6.0 * (e_x * e_x + e_y * e_y) + 4.0 * X.theta * X.theta + 0.3 * u.v * u.v +
+         0.15 * u.w * u.w;
+}
+
+Recording record_script_b2(std::size_t nearest) {
+  constexpr double kPeriod = 0.25;
+  StructuredSolver solver;
+  Recording out;
+  Pose2 X{-4, -4, 0};
+  Twist2 command;
+  std::optional<Solved> last;
+  for (int i = 0; i < 120; ++i) {
+    const Ocp ocp = script_b2(X, command, nearest);
+    const Iterate guess =
+        last ? warm_start(*last, kPeriod, ocp)
+             : cold_start(ocp, {std::vector<Twist2>(15), std::vector<Pose2>(16, X)});
+    if (last) out.problems.push_back({ocp, guess});
+    last = Solved{ocp, solver.solve(ocp, guess, {.iterations = 300}).point, 0.0};
+    command = {last->point.z[kV], last->point.z[kW]};
+    out.closed_loop_cost += script_cost(X, command);
+    X = advance(ocp, X, command);
+  }
+  return out;
+}
+
+// The product's problem: command in force, discs, margin that grows with speed, slack.
+struct World {
+  NmpcParams params = {};
+  std::vector<Obstacle> obstacles = {};
+  bool all_pairs = false;  // keep every disc and obstacle at every stage
+  double seconds = 30.0;
+};
+
+Recording record(const World& world, const Plant& at_start, const Person& person) {
+  const RobotParams robot;
+  const Body body = body_of(world.params, robot);
+  const double period = world.params.control_period;
+  StructuredSolver solver;
+  Recording out;
+  Plant plant = at_start;
+  Twist2 command;
+  std::optional<Solved> last;
+  for (double t = 0.0; t < world.seconds; t += period) {
+    PlanRequest request{.t = t, .X_MB = plant.X_MB, .command = command, .measured = plant.twist};
+    request.obstacles = world.obstacles;
+    person(t, plant, request);
+    Cycle cycle = begin_cycle(request, world.params, robot, body);
+    if (world.all_pairs) cycle.limits.reach = 1e9, cycle.limits.max_pairs = 1 << 20;
+    const Forecast motion =
+        last ? shifted_motion(*last, period, problem(cycle, cycle.wish)) : cold_guess(cycle);
+    Ocp ocp = problem(cycle, motion);
+    const Iterate guess =
+        last ? warm_start(*last, period, ocp) : cold_start(ocp, rate(cycle, ocp, motion).motion);
+    if (last) out.problems.push_back({ocp, guess});
+    last = Solved{ocp, solver.solve(ocp, guess, {.iterations = 300}).point, t};
+    command = {last->point.z[kV], last->point.z[kW]};
+    plant.run(command, period);
+  }
+  return out;
+}
+
+Recording record_product() {
+  const std::vector<Eigen::Vector2d> way{{-3, -3.4},  {-2.6, -2.9}, {0, -2.2},
+                                         {2.2, -1.8}, {2.2, 0.5},   {4, 2.5}};
+  World world;
+  world.obstacles = forest(true);
+  return record(world, {{-4, -4, 0}, {}, 0.02, 0.05}, leader_along(way, 0.72, 1.2));
+}
+
+// Down an alley of poles on both sides; those that do not fit in two rows stand in further ones.
+Recording record_alley(int horizon, int obstacles, int discs) {
+  World world;
+  world.all_pairs = true;
+  world.seconds = 5.0;
+  world.params.horizon_steps = horizon;
+  world.params.discs = discs;
+  for (int i = 0; i < obstacles; ++i) {
+    const double side = i % 2 == 0 ? 1.0 : -1.0, row = i / 16;
+    world.obstacles.push_back({static_cast<std::uint32_t>(i + 1),
+                               {0.6 + 0.5 * (i % 16 / 2), side * (0.85 + 0.7 * row)},
+                               0.225,
+                               0.225,
+                               0.0,
+                               {0, 0}});
+  }
+  return record(world, {{0, 0, 0}, {}}, [](double, const Plant&, PlanRequest& request) {
+    request.method = Method::kGoal;
+    request.X_MG = {6.0, 0.0, 0.0};
+  });
+}
+
+// --- rows
+// ------------------------------------------------------------------------------------------
+
+struct Structured {
+  StructuredSolver solver = {};
+  const Solution& operator()(const Ocp& ocp, const Iterate& guess) {
+    return solver.solve(ocp, guess, {.iterations = 300});
+  }
+};
+
+struct Ipopt {
+  Solution operator()(const Ocp& ocp, const Iterate& guess) {
+    return ipopt_solve(ocp, guess, {.iterations = 300});
+  }
+};
+
+struct Certified {
+  Solver solver{SolverKind::kCertified};
+  Solution operator()(const Ocp& ocp, const Iterate& guess) {
+    Answer answer = solver.solve(ocp, guess, {.iterations = 300});
+    if (answer.verdict != Verdict::kConfirmed) answer.solution.status = SolveStatus::kAcceptable;
+    return answer.solution;
+  }
+};
+
+double percentile(std::vector<double> values, double p) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
+}
+
+template <class Solver>
+void run(benchmark::State& state, const Recording& recording) {
+  Solver solver;
+  std::size_t next = 0;
+  std::vector<double> times, iterations;
+  double not_converged = 0.0;
+  for (auto _ : state) {
+    const Recorded& now = recording.problems[next++ % recording.problems.size()];
+    const auto before = Clock::now();
+    const Solution& solution = solver(now.ocp, now.guess);
+    times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+    iterations.push_back(solution.iterations);
+    not_converged += solution.status == SolveStatus::kConverged ? 0.0 : 1.0;
+  }
+  if (recording.closed_loop_cost > 0.0)
+    state.counters["closed_loop_cost"] = recording.closed_loop_cost;
+  state.counters["p50_us"] = percentile(times, 0.5);
+  state.counters["p99_us"] = percentile(times, 0.99);
+  state.counters["iterations_p50"] = percentile(iterations, 0.5);
+  state.counters["iterations_max"] = percentile(iterations, 1.0);
+  state.counters["not_converged"] = benchmark::Counter(not_converged);
+}
+
+using Recorder = std::function<Recording()>;
+
+template <class Solver>
+void add_row(const std::string& solver, const std::string& problem, const Recorder& recorder) {
+  static std::map<std::string, Recording> recordings;
+  benchmark::RegisterBenchmark((solver + "/" + problem).c_str(), [=](benchmark::State& state) {
+    if (!recordings.contains(problem)) recordings[problem] = recorder();
+    run<Solver>(state, recordings[problem]);
+  })->Unit(benchmark::kMicrosecond);
+}
+
+void add_rows(const std::string& problem, const Recorder& recorder) {
+  add_row<Structured>("structured", problem, recorder);
+  add_row<Certified>("certified", problem, recorder);
+  add_row<Ipopt>("ipopt", problem, recorder);
+}
+
+void add_all() {
+  for (const std::size_t nearest : {16, 2})
+    add_rows("script_b2/nearest:" + std::to_string(nearest),
+             [=] { return record_script_b2(nearest); });
+  add_rows("product", record_product);
+  const auto alley = [](int horizon, int obstacles, int discs) {
+    add_rows("alley/N:" + std::to_string(horizon) + "/obstacles:" + std::to_string(obstacles) +
+                 "/discs:" + std::to_string(discs),
+             [=] { return record_alley(horizon, obstacles, discs); });
+  };
+  for (const int horizon : {10, 20, 30, 40, 60}) alley(horizon, 8, 3);
+  for (const int obstacles : {0, 2, 4, 16, 32, 64}) alley(15, obstacles, 3);
+  for (const int discs : {1, 2, 3, 4}) alley(15, 8, discs);
+  alley(60, 32, 3);
+}
+
+}  // namespace
+}  // namespace tandem::test
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  tandem::test::add_all();
+  benchmark::RunSpecifiedBenchmarks();
+}

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a scenario file may say, and what is said of one that is wrong.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "bringup/lockstep.hpp"
+#include "runtime/parameters.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ScenarioFile : public ::testing::Test {
+ protected:
+  ScenarioFile() { fs::create_directories(folder_); }
+  ~ScenarioFile() override { fs::remove_all(folder_); }
+
+  void write(std::string text, const std::string& from = "", const std::string& to = "") const {
+    if (!from.empty()) {
+      ASSERT_NE(text.find(from), std::string::npos) << from;
+      text.replace(text.find(from), from.size(), to);
+    }
+    std::ofstream{file_} << text;
+  }
+  // What loading and checking it complains of; empty: nothing.
+  [[nodiscard]] std::string complaint() const {
+    try {
+      check_drive(load_scenario(file_.string()), DriveOptions{});
+      return {};
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+  }
+
+  const std::string text_ =
+      "scenario: t\n"
+      "map: " TANDEM_SOURCE_DIR
+      "/maps/forest.bt\n"
+      "robot: " TANDEM_SOURCE_DIR
+      "/bringup/robots/mir100.yaml\n"
+      "start: [-4.0, -4.0, 0.0]\n"
+      "goal: {region: [3.0, 1.5, 5.0, 3.5]}\n"
+      "method: leader\n"
+      "duration: 60\n"
+      "parameters: {driver: {route: [4.0, 2.5]}}\n"
+      "expect: {reached: true}\n";
+  fs::path folder_ =
+      fs::temp_directory_path() / ("tandem_scenario_file_" + std::to_string(getpid()));
+  fs::path file_ = folder_ / "s.yaml";
+};
+
+TEST_F(ScenarioFile, ThatIsSoundRaisesNoComplaint) {
+  write(text_);
+  EXPECT_EQ(complaint(), "");
+}
+
+struct Mistake {
+  const char *name, *from, *to, *complaint;
+};
+
+class Mistaken : public ScenarioFile, public ::testing::WithParamInterface<Mistake> {};
+
+TEST_P(Mistaken, IsRefusedInOneLineThatNamesFileAndValue) {
+  write(text_, GetParam().from, GetParam().to);
+  const std::string line = complaint();
+  EXPECT_TRUE(line.starts_with(file_.string())) << line;
+  EXPECT_NE(line.find(GetParam().complaint), std::string::npos) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, Mistaken,
+    ::testing::Values(
+        Mistake{"unknown_key", "duration", "durtion", ":7: unknown key `durtion`; known here: "},
+        Mistake{"missing_key", "method: leader\n", "", "`method` is missing"},
+        Mistake{"key_twice", "duration: 60", "duration: 60\nduration: 70", "is given twice"},
+        Mistake{"key_no_word", "duration: 60", "? [a]\n: 1", "a key must be a word"},
+        Mistake{"empty", "scenario: t", "#", "`scenario` is missing"},
+        Mistake{"wrong_type", "60", "long", ":7: `duration` = long is not a finite number"},
+        Mistake{"duration_nan", "60", ".nan", "`duration` = .nan is not a finite number"},
+        Mistake{"duration_inf", "60", ".inf", "`duration` = .inf is not a finite number"},
+        Mistake{"duration_negative", "60", "-5", "`duration` = -5 outside (0, 1e+06]"},
+        Mistake{"start_nan", "[-4.0, ", "[.nan, ", "is not a list of finite numbers"},
+        Mistake{"start_short", "-4.0, 0.0]", "-4.0]", "start needs three numbers"},
+        Mistake{"start_in_a_pole", "[-4.0, -4.0, ", "[-2.0, -2.0, ",
+                "start: [-2, -2, 0] puts the robot's outline into an obstacle"},
+        Mistake{"region_nan", "[3.0, ", "[.nan, ", ":5: `region` = [.nan, 1.5, 5.0, 3.5]"},
+        Mistake{"region_inverted", "[3.0, ", "[6.0, ", "with x1 < x2 and y1 < y2"},
+        Mistake{"region_short", ", 3.5]", "]", "region needs [x1, y1, x2, y2]"},
+        Mistake{"two_goals", "{region", "{pose: [1, 1, 0], region", "goal needs one of"},
+        Mistake{"no_tolerance", "region: [3.0, 1.5, 5.0, 3.5]", "pose: [1, 1, 0], tolerance: 0",
+                "`tolerance` must be above 0"},
+        Mistake{"goal_without_pose", "leader", "goal", "method `goal` needs goal: {pose:"},
+        Mistake{"method", "leader", "magic", "method `magic` is none of manual, safety_filter"},
+        Mistake{"except", "true}", "true, except: [magic]}", "method `magic` is none of"},
+        Mistake{"expect_nan", "true}", "true, max_final_position_error: .nan}", "= .nan is not"},
+        Mistake{"route_odd", "[4.0, 2.5]", "[4.0]", "route: needs points x1, y1, x2, y2"},
+        Mistake{"route_nan", "[4.0, 2.5]", "[4.0, .nan]", ":8: node /driver: route = nan outside"},
+        Mistake{"unknown_parameter", "{route", "{rout", "rout = [4.0, 2.5] is no parameter of"},
+        Mistake{"unknown_component", "{driver", "{diver", ":8: parameters for `diver`, which is"},
+        Mistake{"parameters_scalar", "{driver: {route: [4.0, 2.5]}}", "5", ":8: expected `key"},
+        Mistake{"parameters_list", "{route: [4.0, 2.5]}", "[1, 2]", ":8: expected `key: value`"},
+        Mistake{"slice_over_everything", "duration: 60", "slice: {z_min: 5, z_max: 6}",
+                "holds nothing from 5 m to 6 m"},
+        Mistake{"seed_too_large", "duration: 60", "seed: 4294967295", "above the largest"},
+        Mistake{"map_missing", "forest.bt", "nowhere.bt", "nowhere.bt: no such file"},
+        Mistake{"robot_missing", "mir100", "nobot", "nobot.yaml cannot be read"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(ScenarioFile, RobotOfNegativeSizeIsRefusedAndAMisspeltKeyOfItNoticed) {
+  std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    width: -0.5\n";
+  const std::string shipped = TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml";
+  write(text_, shipped, "robot.yaml");
+  EXPECT_NE(complaint().find("robot.yaml:3: node /"), std::string::npos) << complaint();
+  EXPECT_NE(complaint().find("width = -0.5 outside [0.05, 5]"), std::string::npos);
+  std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    widht: 0.5\n";
+  EXPECT_EQ(complaint(), "");
+  const auto unused = rt::unused_wildcard_keys();
+  ASSERT_FALSE(unused.empty());
+  EXPECT_NE(unused.back().find("robot.yaml:3: widht"), std::string::npos) << unused.back();
+}
+
+}  // namespace
+}  // namespace tandem

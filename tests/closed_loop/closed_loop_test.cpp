@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every component's core in one loop, in the shipped scenarios: reaches, avoids, stops. A few
+// seeds; all twenty: `tandem scenario bringup/scenarios/*.yaml --lockstep --method all --seeds
+// 1-20`.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "bringup/lockstep.hpp"
+#include "map/fixtures.hpp"
+#include "map/static_map.hpp"
+
+namespace tandem {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr unsigned kSeeds = 1;
+#else
+constexpr unsigned kSeeds = 3;
+#endif
+
+std::string file(const std::string& name) {
+  return std::string(TANDEM_SOURCE_DIR "/bringup/scenarios/") + name + ".yaml";
+}
+
+DriveResult drive(const std::string& path, const std::string& method, unsigned seed,
+                  bool enforce = true) {
+  const DriveOptions options{
+      .method = method, .seed = seed, .map = {}, .enforce = enforce, .lockstep = true};
+  return drive_in_lockstep(load_scenario(path), options).result;
+}
+
+double changed_share(const DriveResult& result) {
+  return static_cast<double>(result.counts.filter_interventions) /
+         static_cast<double>(result.counts.filter_commands);
+}
+
+class Shipped : public ::testing::TestWithParam<std::tuple<const char*, const char*>> {};
+
+TEST_P(Shipped, ReachesItsGoalWithoutContact) {
+  const auto [scenario, method] = GetParam();
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const DriveResult result = drive(file(scenario), method, seed);
+    EXPECT_TRUE(result.reached) << "seed " << seed;
+    EXPECT_EQ(result.collisions, 0) << "seed " << seed;
+    EXPECT_GT(result.min_clearance_m, 0.0) << "seed " << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, Shipped,
+                         ::testing::Combine(::testing::Values("forest_task2", "corridor", "slalom"),
+                                            ::testing::Values("safety_filter", "leader",
+                                                              "intention", "blend")),
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param)) + "_" +
+                                  std::get<1>(test.param);
+                         });
+
+class Forbidden : public ::testing::TestWithParam<const char*> {};
+
+// The region is no obstacle to the simulator: only planner and filter keep the robot out.
+TEST_P(Forbidden, RegionsAreNeverEntered) {
+  const std::string folder = TANDEM_SOURCE_DIR "/tests/closed_loop/";
+  const Fixtures fixtures = load_fixtures(folder + "forest_mat.yaml");
+  const Grid empty{0.02, {-5.0, -5.0}, 500, 500, std::vector<Cell>(250000, Cell::kFree)};
+  const StaticMap region{with_forbidden(empty, fixtures)};
+  const Footprint mir = rectangle(0.89, 0.58, 0.038);
+  const DriveOptions options{.method = GetParam(), .seed = 1, .map = {}, .lockstep = true};
+  const DriveLog log = drive_in_lockstep(load_scenario(folder + "forest_forbidden.yaml"), options);
+  EXPECT_TRUE(log.result.reached);
+  double nearest = 1.0;
+  for (const DriveSample& sample : log.track)
+    nearest = std::min(nearest, region.clearance(mir, sample.X_MB, 1.0));
+  EXPECT_GT(nearest, 0.0);
+  EXPECT_LT(nearest, 0.5) << "the way leads past it, else this proves nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Forbidden,
+                         ::testing::Values("safety_filter", "leader", "intention"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(ForestTask1, LeaderDrivesTwoMinutesWithoutContact) {
+  const DriveResult result = drive(file("forest_task1"), "leader", 1);
+  EXPECT_TRUE(result.reached);
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_GE(result.path_length_m, 30.0);
+}
+
+class Manual : public ::testing::TestWithParam<const char*> {};
+
+// Else the driver proves nothing.
+TEST_P(Manual, CollidesInSomeOfTwentySeeds) {
+  int collided = 0;
+  for (unsigned seed = 1; seed <= 20 && collided == 0; ++seed)
+    collided += drive(file(GetParam()), "manual", seed).collisions > 0 ? 1 : 0;
+  EXPECT_GT(collided, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, Manual,
+                         ::testing::Values("forest_task1", "forest_task2", "corridor"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(Planner, AvoidsAloneAndTheFilterSeldomSpeaks) {
+  for (const char* method : {"leader", "intention"}) {
+    const DriveResult alone = drive(file("forest_task2"), method, 1, false);
+    EXPECT_EQ(alone.collisions, 0) << method;
+    EXPECT_LE(changed_share(alone), 0.01) << method;
+  }
+}
+
+TEST(Tables, SteadyStateErrorsComeOutBesideTheThesis) {
+  for (const auto& [name, thesis] : {std::pair{"table_3_1", 0.1283}, {"table_3_2", 0.1142}}) {
+    const DriveResult result = drive(file(name), "goal", 1);
+    std::printf("%s: steady-state error %.4f m (thesis %.4f m), path %.2f m\n", name,
+                result.final_position_error_m, thesis, result.path_length_m);
+    EXPECT_EQ(result.collisions, 0) << name;
+    EXPECT_LT(result.final_position_error_m, 0.25) << name;
+  }
+}
+
+class RealBuilding : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RealBuilding, JackalReachesItsGoalWithoutContact) {
+  const std::string map = TANDEM_SHARED_DIR "/maps/geb079.bt";
+  if (!std::filesystem::exists(map)) GTEST_SKIP() << map << " is not here";
+  const std::string path =
+      TANDEM_SOURCE_DIR "/tests/closed_loop/" + std::string(GetParam()) + ".yaml";
+  const DriveOptions options{.method = "leader", .seed = 1, .map = map, .lockstep = true};
+  const DriveResult result = drive_in_lockstep(load_scenario(path), options).result;
+  EXPECT_TRUE(result.reached);
+  EXPECT_EQ(result.collisions, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, RealBuilding,
+                         ::testing::Values("geb079_corridor", "geb079_room_1", "geb079_room_2"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bytes that a real ROS 2 Jazzy (rclpy) wrote, against the bytes that our messages write.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "message_fields.hpp"
+#include "wire.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+std::string vectors_path() {
+  const char* shared = std::getenv("TANDEM_SHARED_DIR");
+  return std::string(shared ? shared : TANDEM_SHARED_DIR) + "/ros2/vectors.json";
+}
+
+// Entries with bytes, by type name; empty if the file is not here.
+const std::map<std::string, nlohmann::json>& vectors() {
+  static const auto all = [] {
+    std::map<std::string, nlohmann::json> result;
+    std::ifstream file(vectors_path());
+    if (!file) return result;
+    for (const auto& entry : nlohmann::json::parse(file))
+      if (entry.contains("cdr_hex")) result[entry.at("type")] = entry;
+    return result;
+  }();
+  return all;
+}
+
+template <class M>
+class Vectors : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (vectors().empty()) GTEST_SKIP() << "no " << vectors_path() << " (set TANDEM_SHARED_DIR)";
+    ASSERT_TRUE(vectors().contains(MessageType<M>::name)) << MessageType<M>::name;
+    entry = vectors().at(MessageType<M>::name);
+    bytes = from_hex(entry.at("cdr_hex"));
+    fill(entry.at("value"), message);
+  }
+
+  nlohmann::json entry;
+  Bytes bytes;
+  M message;
+};
+
+struct Name {
+  template <class M>
+  static std::string GetName(int) {
+    std::string name = MessageType<M>::name;
+    for (char& c : name)
+      if (c == '/') c = '_';
+    return name;
+  }
+};
+
+TYPED_TEST_SUITE(Vectors, RosMessages, Name);
+
+TYPED_TEST(Vectors, RegistersUnderTheNameThatRos2Uses) {
+  EXPECT_EQ(type_name<TypeParam>(), this->entry.at("dds_type"));
+}
+
+TYPED_TEST(Vectors, WritesTheBytesThatRos2Writes) {
+  const std::string ours = to_hex(this->message);
+  std::string theirs = this->entry.at("cdr_hex");
+  ASSERT_LE(ours.size(), theirs.size());
+  ASSERT_LT(theirs.size() - ours.size(), 8U);  // rclpy rounds fixed sizes up to 4 bytes
+  theirs.resize(ours.size());
+  for (size_t i = 0; i < ours.size(); ++i)
+    if (ours[i] == '.') theirs[i] = '.';
+  EXPECT_EQ(ours, theirs);
+}
+
+TYPED_TEST(Vectors, ReadsBackTheValueFromTheBytesOfRos2) {
+  TypeParam read;
+  ASSERT_TRUE(deserialize(this->bytes, read));
+  EXPECT_TRUE(read == this->message);
+}
+
+TYPED_TEST(Vectors, RefusesEveryTruncation) {
+  const size_t size = serialize(this->message).size();
+  for (size_t n = 0; n < size; ++n) {
+    TypeParam read;
+    EXPECT_FALSE(deserialize(Bytes(this->bytes.data(), this->bytes.data() + n), read)) << n;
+  }
+}
+
+TYPED_TEST(Vectors, SurvivesEveryDamagedByte) {
+  for (size_t i = 0; i < this->bytes.size(); ++i) {
+    for (const int value : {0x00, 0x7f, 0xff}) {
+      Bytes damaged = this->bytes;
+      damaged[i] = static_cast<uint8_t>(value);
+      TypeParam read;
+      EXPECT_NO_THROW((void)deserialize(damaged, read)) << "byte " << i << " = " << value;
+    }
+  }
+}
+
+TEST(CheckedType, RefusesABooleanThatIsNeitherTrueNorFalse) {
+  std_msgs::msg::Bool read;
+  EXPECT_TRUE(deserialize(from_hex("0001000001"), read));
+  EXPECT_FALSE(deserialize(from_hex("0001000007"), read));
+}
+
+TEST(CheckedType, RefusesASequenceLongerThanItsBytes) {
+  sensor_msgs::msg::Joy read;
+  EXPECT_FALSE(deserialize(from_hex("00010000"
+                                    "0000000000000000"
+                                    "0100000000000000"
+                                    "ffffffff"),
+                           read));
+}
+
+TEST(Services, NameTheirRequestAndResponse) {
+  static_assert(std::is_same_v<std_srvs::srv::Trigger::Response, std_srvs::srv::Trigger_Response>);
+  EXPECT_STREQ(tandem_msgs::srv::SetPolicy::name, "tandem_msgs/srv/SetPolicy");
+}
+
+TEST(TandemMessages, ReadBackWhatTheyWrote) {
+  tandem_msgs::msg::ArbitrationStatus written, read;
+  written.header().frame_id("base_link");
+  written.policy("shared");
+  written.alpha(0.25);
+  written.deadman(true);
+  written.command().linear().x(0.5);
+  written.silent_sources({"planner", "user"});
+  ASSERT_TRUE(deserialize(serialize(written), read));
+  EXPECT_TRUE(read == written);
+  EXPECT_EQ(type_name<tandem_msgs::msg::ArbitrationStatus>(),
+            "tandem_msgs::msg::dds_::ArbitrationStatus_");
+}
+
+}  // namespace
+}  // namespace tandem::runtime

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// The planner and a robot with delay and motor lag in a loop, without DDS.
+#include "local_planner/drive.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "local_planner/requests.hpp"
+
+namespace tandem::test {
+namespace {
+
+const Plant kAtStart{.X_MB = {-4, -4, 0}, .twist = {}, .delay = 0.02, .lag = 0.05};
+
+NmpcParams lockstep() { return unlimited(); }
+
+Person to_goal(const Pose2& X_MG) {
+  return [=](double, const Plant&, PlanRequest& request) {
+    request.method = Method::kGoal;
+    request.X_MG = X_MG;
+  };
+}
+
+Person twist(double v, double w) {
+  return [=](double, const Plant&, PlanRequest& request) {
+    request.method = Method::kIntention;
+    request.user = {v, w};
+  };
+}
+
+double distance(const Drive& drive, double x, double y) {
+  return std::hypot(drive.path.back().x - x, drive.path.back().y - y);
+}
+
+double share(int part, std::size_t whole) { return part / static_cast<double>(whole); }
+
+// Tables 3.1 and 3.2: 0.1283 m and 0.1142 m. Bounds: what the two sets of parameters that the
+// thesis mixes give, see the README.
+struct Table {
+  const char* title;
+  bool poles;
+  double terminal_weight, least, most;
+};
+
+class ThesisTables : public testing::TestWithParam<Table> {};
+
+TEST_P(ThesisTables, SteadyErrorIsTheThesissOrBetterWithATerminalCost) {
+  const Table& table = GetParam();
+  NmpcParams params = script_exact(table.poles);
+  params.solver = unlimited().solver;
+  params.terminal_weight = table.terminal_weight;
+  const auto obstacles = table.poles ? forest(false) : std::vector<Obstacle>{};
+  const Drive result =
+      drive(params, RobotParams{}, {{-4, -4, 0}, {}}, obstacles, 30.0, to_goal({4, 4, 0}));
+  const double theta = result.path.back().theta, d = distance(result, 4, 4);
+  const double error = std::hypot(d, theta);
+  std::printf("%s: steady error %.4f (distance %.4f m, heading %.4f rad)\n", table.title, error, d,
+              theta);
+  EXPECT_GT(error, table.least);
+  EXPECT_LT(error, table.most);
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Devalla2020, ThesisTables,
+    testing::Values(Table{"table 3.1 as written", false, 0.0, 0.10, 0.20},
+                    Table{"table 3.1 with a terminal cost", false, 50.0, 0.0, 0.05},
+                    Table{"table 3.2 as written", true, 0.0, 0.10, 0.16},
+                    Table{"table 3.2 with a terminal cost", true, 50.0, 0.0, 0.05}),
+    [](const auto& table) { return std::string("Case") + std::to_string(table.index); });
+
+TEST(Drive, GoalThroughTheForestIsReachedWithoutContact) {
+  const Drive result =
+      drive(lockstep(), RobotParams{}, kAtStart, forest(true), 30.0, to_goal({4.0, 2.5, 0.0}));
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
+  EXPECT_LT(distance(result, 4.0, 2.5), 0.1);
+}
+
+TEST(Drive, LeaderThroughTheForestIsFollowedWithoutContact) {
+  const std::vector<Eigen::Vector2d> way{{-3, -3.4},  {-2.6, -2.9}, {0, -2.2},
+                                         {2.2, -1.8}, {2.2, 0.5},   {4, 2.5}};
+  const Drive result =
+      drive(lockstep(), RobotParams{}, kAtStart, forest(true), 30.0, leader_along(way, 0.72, 1.2));
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
+  EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
+  EXPECT_LE(result.worst_rate, 0.05 + 1e-9);  // acceleration limits hold between all commands
+}
+
+// People who do not see the obstacles: every method, random wishes.
+TEST(Drive, BlindPeopleInTheForestNeverTouchAndSeldomNeedAFallback) {
+  int cycles = 0, fallbacks = 0;
+  for (const Method method : {Method::kLeader, Method::kIntention, Method::kGoal})
+    for (unsigned seed = 1; seed <= 2; ++seed) {
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> place(-4.5, 4.5);
+      double change = 0.0;
+      Eigen::Vector2d p_MT{0, 0};
+      const auto person = [&](double t, const Plant& plant, PlanRequest& request) {
+        if (t >= change) p_MT = {place(random), place(random)}, change += 4.0;
+        const Eigen::Vector2d to = p_MT - plant.X_MB.position();
+        const double heading = std::atan2(to.y(), to.x());
+        const Eigen::Vector2d ahead = plant.X_MB.position() + to * std::min(1.0, 1.2 / to.norm());
+        request.method = method;
+        request.X_MG = method == Method::kLeader ? Pose2{ahead.x(), ahead.y(), heading}
+                                                 : Pose2{p_MT.x(), p_MT.y(), 0.0};
+        request.user = {0.64, std::clamp(1.5 * wrap_angle(heading - plant.X_MB.theta), -0.8, 0.8)};
+      };
+      const Drive result = drive(lockstep(), RobotParams{}, kAtStart, forest(true), 15.0, person);
+      EXPECT_EQ(result.contacts, 0) << name(method) << " seed " << seed;
+      cycles += static_cast<int>(result.plans.size());
+      fallbacks += result.fallbacks;
+    }
+  EXPECT_LE(share(fallbacks, static_cast<std::size_t>(cycles)), 0.01);
+}
+
+TEST(Drive, PersonWhoHeadsStraightForAPoleIsLedAroundIt) {
+  const std::vector<Obstacle> pole{{1, {2.0, 0.0}, 0.225, 0.225, 0.0, {0, 0}}};
+  const Drive result =
+      drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, pole, 12.0, twist(0.6, 0.0));
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_GT(result.path.back().x, 4.0);
+}
+
+TEST(Drive, LeaderBehindAWallOfPolesIsReachedByALocalDetour) {
+  std::vector<Obstacle> poles;
+  for (const double y : {-0.5, 0.0, 0.5})
+    poles.push_back({static_cast<std::uint32_t>(2 * y + 2), {2.0, y}, 0.225, 0.225, 0.0, {0, 0}});
+  const auto leader = [](double, const Plant& plant, PlanRequest& request) {
+    const Eigen::Vector2d to = Eigen::Vector2d{5.0, 0.0} - plant.X_MB.position();
+    const Eigen::Vector2d p = plant.X_MB.position() + to * std::min(1.0, 1.2 / to.norm());
+    request.X_MG = {p.x(), p.y(), 0.0};
+  };
+  const Drive result =
+      drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, poles, 30.0, leader);
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_LT(distance(result, 5.0, 0.0), 0.2);
+}
+
+TEST(Drive, WallWithoutAWayRoundIsWaitedAtCalmly) {
+  const std::vector<Obstacle> wall{{1, {2, 0}, 4.0, 0.1, std::numbers::pi / 2, {0, 0}}};
+  for (const double v : {0.6, 0.8}) {
+    const Drive result =
+        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, wall, 12.0, twist(v, 0.0));
+    EXPECT_EQ(result.contacts, 0);
+    EXPECT_GT(result.path.back().x, 0.8);
+    EXPECT_LT(std::abs(result.plans.back().command.v), 0.05);
+  }
+}
+
+TEST(Drive, CorridorAHandsBreadthWiderThanTheRobotIsPassed) {
+  std::vector<Obstacle> walls;
+  for (const double side : {-1.0, 1.0})
+    walls.push_back(
+        {static_cast<std::uint32_t>(side + 2), {3.0, 0.48 * side}, 3.0, 0.1, 0.0, {0, 0}});
+  for (const Person& person : {twist(0.6, 0.0), to_goal({6.0, 0.0, 0.0})}) {
+    const Drive result =
+        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, walls, 20.0, person);
+    EXPECT_EQ(result.contacts, 0);
+    EXPECT_GT(result.path.back().x, 5.5);
+  }
+}
+
+TEST(Drive, LeaderBehindAndBesideIsReached) {
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d{-1.0, 0.1}, Eigen::Vector2d{0.0, 1.0}}) {
+    const auto leader = [&](double, const Plant&, PlanRequest& request) {
+      request.X_MG = {p.x(), p.y(), 0.0};
+    };
+    const Drive result =
+        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, {}, 20.0, leader);
+    EXPECT_LT(distance(result, p.x(), p.y()), 0.2);
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/motion_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "local_planner/fallback.hpp"
+#include "model/robot.hpp"
+
+namespace tandem {
+namespace {
+
+const Body kMir{footprint_of(RobotParams{}), cover_by_discs(footprint_of(RobotParams{}), 3)};
+
+Obstacle pole(double x, double y, double radius) {
+  return {1, {x, y}, radius, radius, 0.0, {0, 0}};
+}
+
+TEST(MotionCheck, SeesAThinPoleBetweenTwoNodes) {
+  const Motion motion{.X_MB = {0, 0, 0}, .dt = 1.0, .twist = {{2.0, 0.0}, {2.0, 0.0}}};
+  const std::vector<Obstacle> ahead{pole(1.0, 0.2, 0.01)}, beside{pole(1.0, 0.31, 0.01)};
+  EXPECT_FALSE(is_clear(kMir, motion, ahead, 2.0));
+  EXPECT_TRUE(is_clear(kMir, motion, beside, 2.0));
+}
+
+TEST(MotionCheck, FollowsTheArcNotTheChord) {
+  const Motion quarter{
+      .X_MB = {0, 0, 0}, .dt = 1.0, .twist = {{std::numbers::pi, std::numbers::pi / 2}}};
+  const std::vector<Obstacle> on_arc{pole(1.41, 0.59, 0.02)}, on_chord{pole(0.7, 1.3, 0.02)};
+  EXPECT_FALSE(is_clear(kMir, quarter, on_arc, 1.0));
+  EXPECT_TRUE(is_clear(kMir, quarter, on_chord, 1.0));
+}
+
+TEST(MotionCheck, LooksNoFurtherThanAsked) {
+  const Motion motion{.X_MB = {0, 0, 0}, .dt = 1.0, .twist = {{1.0, 0.0}, {1.0, 0.0}}};
+  const std::vector<Obstacle> ahead{pole(2.0, 0.0, 0.1)};
+  EXPECT_TRUE(is_clear(kMir, motion, ahead, 1.0));
+  EXPECT_FALSE(is_clear(kMir, motion, ahead, 2.0));
+}
+
+TEST(MotionCheck, MeetsAMovingObstacleWhereItWillBe) {
+  const Motion rest{.X_MB = {0, 0, 0}, .start = 0.1, .dt = 1.0, .twist = {{}, {}, {}}};
+  std::vector<Obstacle> comes{pole(3.0, 0.0, 0.2)};
+  comes.front().v_MO = {-1.0, 0.0};
+  EXPECT_TRUE(is_clear(kMir, {.X_MB = {0, 0, 0}, .dt = 1.0, .twist = {{}}}, comes, 1.0));
+  EXPECT_FALSE(is_clear(kMir, rest, comes, 3.0));
+}
+
+TEST(MotionCheck, InsideAShapeOnlyTheWayOutIsClear) {
+  const std::vector<Obstacle> over{pole(0.6, 0.0, 0.2)};  // reaches 0.083 m into the outline
+  const auto twists = [](double v) { return std::vector<Twist2>(4, Twist2{v, 0.0}); };
+  const Motion deeper{.X_MB = {0, 0, 0}, .dt = 0.25, .twist = twists(0.2)};
+  const Motion out{.X_MB = {0, 0, 0}, .dt = 0.25, .twist = twists(-0.2)};
+  const auto shrunk = passable(kMir, deeper, over);
+  EXPECT_LT(shrunk.front().a, over.front().a);
+  EXPECT_FALSE(is_clear(kMir, deeper, shrunk, 1.0));
+  EXPECT_TRUE(is_clear(kMir, out, shrunk, 1.0));
+  EXPECT_FALSE(is_clear(kMir, out, over, 1.0));
+}
+
+TEST(Fallback, BrakingStaysOnTheArcAndEndsAtRest) {
+  const Start start{{0, 0, 0}, {0.8, 0.4}, 0.0};
+  const Motion motion = braking(start, 0.05, 0.4, 0.4);
+  EXPECT_NEAR(static_cast<double>(motion.twist.size()) * 0.05, 2.0, 0.051);
+  for (const Twist2& u : motion.twist) EXPECT_NEAR(u.w, 0.5 * u.v, 1e-12);
+  EXPECT_EQ(motion.twist.back(), Twist2{});
+}
+
+TEST(Fallback, RestOfAPlanKeepsItsTimeAndTheAccelerationLimits) {
+  Plan plan{.t0 = 10.0, .dt = 0.25};
+  plan.twist = {{0.1, 0.0}, {0.2, 0.0}, {0.3, 0.0}};
+  const RobotParams robot;
+  const Motion motion = rest_of(plan, {{0, 0, 0}, {0.1, 0.0}, 10.25}, 0.05, robot);
+  double before = 0.1;
+  for (const Twist2& u : motion.twist) {
+    EXPECT_LE(std::abs(u.v - before), robot.a_max * 0.05 + 1e-12);
+    before = u.v;
+  }
+  EXPECT_NEAR(motion.twist[4].v, 0.2, 1e-9);  // reached by then, the plan's second twist
+  EXPECT_EQ(motion.twist.back(), Twist2{});
+}
+
+}  // namespace
+}  // namespace tandem

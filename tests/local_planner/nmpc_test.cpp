@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/nmpc.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "local_planner/motion_check.hpp"
+#include "local_planner/requests.hpp"
+#include "model/diff_drive.hpp"
+
+namespace tandem::test {
+namespace {
+
+TEST(Nmpc, PlanObeysTheDynamicsAndEveryLimit) {
+  PlanRequest request = goal_request({3, 1, 1});
+  request.command = request.measured = {0.3, 0.2};
+  const std::vector<Obstacle> obstacles{pole(1.5, 0.3)};
+  request.obstacles = obstacles;
+  const NmpcParams params = unlimited();
+  const RobotParams robot;
+  const Plan plan = solve_once(request);
+  ASSERT_EQ(plan.status, PlanStatus::kOptimal);
+  ASSERT_EQ(plan.X_MB.size(), plan.twist.size() + 1);
+  EXPECT_EQ(plan.command, plan.twist.front());
+  Twist2 before = request.command;
+  double period = params.control_period;
+  for (std::size_t k = 0; k < plan.twist.size(); ++k) {
+    const Pose2 next = integrate(plan.X_MB[k], plan.twist[k], params.dt);
+    EXPECT_NEAR(next.x, plan.X_MB[k + 1].x, 1e-9);
+    EXPECT_NEAR(next.y, plan.X_MB[k + 1].y, 1e-9);
+    EXPECT_NEAR(next.theta, plan.X_MB[k + 1].theta, 1e-9);
+    EXPECT_LE(std::abs(plan.twist[k].v - before.v), robot.a_max * period + 1e-9);
+    EXPECT_LE(std::abs(plan.twist[k].w - before.w), robot.alpha_max * period + 1e-9);
+    EXPECT_LE(plan.twist[k].v, robot.v_max + 1e-9);
+    before = plan.twist[k];
+    period = params.dt;
+  }
+}
+
+TEST(Nmpc, StartsFromThePosePredictedForTheDelay) {
+  NmpcParams params = unlimited();
+  params.delay = 0.3;
+  PlanRequest request = goal_request({3, 0, 0});
+  request.t = 5.0;
+  request.command = request.measured = {0.5, 0.4};
+  const Plan plan = solve_once(request, params);
+  const Pose2 expected = integrate(request.X_MB, request.command, 0.3);
+  EXPECT_DOUBLE_EQ(plan.t0, 5.3);
+  EXPECT_NEAR(plan.X_MB.front().x, expected.x, 1e-12);
+  EXPECT_NEAR(plan.X_MB.front().theta, expected.theta, 1e-12);
+}
+
+TEST(Nmpc, CommandInForceBeyondTheLimitsIsBroughtBack) {
+  const RobotParams robot;
+  for (const Twist2 command : {Twist2{1.5, 0.0}, Twist2{-1.0, 0.3}, Twist2{0.2, -2.5}}) {
+    Nmpc planner(unlimited(), robot);
+    PlanRequest request = goal_request({3, 0, 0});
+    request.command = request.measured = command;
+    const Plan plan = planner.solve(request);
+    EXPECT_GE(static_cast<int>(plan.status), 0) << name(plan.status);
+    EXPECT_LE(std::abs(plan.command.v - command.v), robot.a_max * 0.05 + 1e-9);
+    if (command.v > robot.v_max) {
+      EXPECT_LT(plan.command.v, command.v);
+    }
+    if (command.v < robot.v_min) {
+      EXPECT_GT(plan.command.v, command.v);
+    }
+    if (command.w < -robot.w_max) {
+      EXPECT_GT(plan.command.w, command.w);
+    }
+  }
+}
+
+TEST(Nmpc, PoleStraightAheadIsPassedOnOneSide) {
+  PlanRequest request = goal_request({4, 0, 0});
+  request.command = request.measured = {0.5, 0.0};
+  const std::vector<Obstacle> obstacles{pole(1.5, 0.0)};
+  request.obstacles = obstacles;
+  const Plan plan = solve_once(request);
+  ASSERT_EQ(plan.source, PlanSource::kSolution);
+  EXPECT_LT(plan.slack, 1e-3);
+  EXPECT_GT(plan.X_MB.back().x, 1.0);
+  EXPECT_GT(std::abs(plan.X_MB.back().y), 0.3);
+}
+
+TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
+  Nmpc planner(unlimited(), RobotParams{});
+  PlanRequest request = goal_request({4, 0, 0});
+  request.command = request.measured = {0.8, 0.0};
+  ASSERT_EQ(planner.solve(request).status, PlanStatus::kOptimal);
+  request.t = 0.05;
+  request.X_MB.x = 0.04;
+  const std::vector<Obstacle> obstacles{pole(1.25, 0.0)};  // 0.5 m ahead; comfort needs 0.8 m
+  request.obstacles = obstacles;
+  const Plan plan = planner.solve(request);
+  EXPECT_LT(static_cast<int>(plan.status), 0);
+  EXPECT_EQ(plan.source, PlanSource::kBraking);
+  EXPECT_LT(plan.command.v, 0.8 - 0.4 * 0.05 - 1e-6);  // harder than comfort
+  const Body body{footprint_of(RobotParams{}), {}};
+  EXPECT_FALSE(touches(body, plan.X_MB.back(), obstacles.front()));
+}
+
+// A shape may reach into the outline, as fitted shapes are larger than what they hold.
+TEST(Nmpc, InsideAShapeItMovesOutAndNeverDeeper) {
+  const Body body{footprint_of(RobotParams{}), {}};
+  for (const double x : {0.55, 0.62, 0.70}) {  // outline's front at 0.483, pole's rim at x − 0.225
+    Nmpc planner(unlimited(), RobotParams{});
+    PlanRequest request = goal_request({2, 0, 0});
+    const std::vector<Obstacle> obstacles{pole(x, 0.0)};
+    request.obstacles = obstacles;
+    double untouched = 0.0;  // radius of the pole that the outline would leave untouched
+    for (int i = 0; i < 40; ++i) {
+      const Plan plan = planner.solve(request);
+      request.t += 0.05;
+      request.X_MB = integrate(request.X_MB, plan.command, 0.05);
+      request.command = request.measured = plan.command;
+      const double now = passable(body, {.X_MB = request.X_MB}, obstacles).front().a;
+      EXPECT_GE(now, untouched - 0.003) << "pole at " << x << " cycle " << i;
+      untouched = std::max(untouched, now);
+    }
+    EXPECT_FALSE(touches(body, request.X_MB, obstacles.front())) << "pole at " << x;
+  }
+}
+
+TEST(Nmpc, HeadingAcrossPiTurnsTheShortWay) {
+  PlanRequest request = goal_request({0, 0, -3.0});
+  request.X_MB = {0, 0, 3.0};
+  const Plan plan = solve_once(request);
+  ASSERT_EQ(plan.status, PlanStatus::kOptimal);
+  EXPECT_GT(plan.command.w, 0.0);
+  EXPECT_NEAR(wrap_angle(plan.X_MB.back().theta + 3.0), 0.0, 0.1);
+}
+
+TEST(Nmpc, WarmStartSurvivesTheMeasuredHeadingsJumpAtPi) {
+  Nmpc planner(unlimited(), RobotParams{});
+  PlanRequest request{.method = Method::kIntention, .X_MB = {0, 0, 3.1}, .user = {0.5, 0.6}};
+  request.command = request.measured = {0.5, 0.6};
+  for (int i = 0; i < 10; ++i) {
+    const Plan plan = planner.solve(request);
+    ASSERT_EQ(plan.status, PlanStatus::kOptimal);
+    if (i > 0) {
+      EXPECT_LE(plan.iterations, 4) << "cycle " << i;
+    }
+    request.t += 0.05;
+    request.X_MB = integrate(request.X_MB, plan.command, 0.05);
+    request.X_MB.theta = wrap_angle(request.X_MB.theta);
+    request.command = request.measured = plan.command;
+  }
+}
+
+TEST(Nmpc, WithoutObstaclesThePersonGetsExactlyWhatTheyAsk) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> v(-0.4, 0.8), w(-1.0, 1.0);
+  for (int i = 0; i < 40; ++i) {
+    PlanRequest request{
+        .method = Method::kIntention, .X_MB = {1, 2, 3}, .user = {v(random), w(random)}};
+    request.command = request.measured = {v(random), w(random)};
+    const Plan plan = solve_once(request);
+    EXPECT_NEAR(plan.command.v, approach(request.command.v, request.user.v, 0.4 * 0.05), 2e-3);
+    EXPECT_NEAR(plan.command.w, approach(request.command.w, request.user.w, 0.4 * 0.05), 2e-3);
+  }
+}
+
+TEST(Nmpc, KrijnensAtanFormPrefersThePersonsCurvature) {
+  NmpcParams params = unlimited();
+  params.intention_form = "atan";
+  PlanRequest request{.method = Method::kIntention, .user = {0.5, 0.25}};
+  request.command = request.measured = {0.5, 0.25};
+  const Plan plan = solve_once(request, params);
+  ASSERT_EQ(plan.status, PlanStatus::kOptimal);
+  for (const Twist2& u : plan.twist) {
+    EXPECT_NEAR(u.v, 0.5, 0.02);
+    EXPECT_NEAR(u.w / u.v, 0.5, 0.03);
+  }
+}
+
+TEST(Nmpc, FiftyObstaclesAreHandledLikeTheFewThatMatter) {
+  std::vector<Obstacle> obstacles{pole(1.5, 0.2)};
+  for (std::uint32_t i = 0; i < 49; ++i)
+    obstacles.push_back(
+        {i + 10, {-3.0 + 0.2 * i, i % 2 == 0 ? 2.5 : -2.5}, 0.2, 0.1, 0.3 * i, {0, 0}});
+  PlanRequest many = goal_request({4, 0, 0}), few = many;
+  many.obstacles = obstacles;
+  few.obstacles = std::span(obstacles).first(1);
+  const Plan a = solve_once(many), b = solve_once(few);
+  ASSERT_EQ(a.status, PlanStatus::kOptimal);
+  EXPECT_NEAR(a.cost, b.cost, 0.01 * b.cost);
+}
+
+TEST(Nmpc, GivesWayToAMovingObstacle) {
+  PlanRequest request = goal_request({4, 0, 0});
+  request.command = request.measured = {0.6, 0.0};
+  std::vector<Obstacle> obstacles{pole(2.0, -1.5)};
+  obstacles.front().v_MO = {0.0, 0.6};  // crosses the robot's way as it gets there
+  request.obstacles = obstacles;
+  const Plan plan = solve_once(request);
+  ASSERT_EQ(plan.status, PlanStatus::kOptimal);
+  const Body body{footprint_of(RobotParams{}), {}};
+  EXPECT_TRUE(is_clear(body, {plan.X_MB.front(), 0.09, plan.dt, plan.twist}, obstacles, 3.5));
+}
+
+TEST(Nmpc, RejectsContradictingParameters) {
+  NmpcParams params;
+  params.control_period = 0.5;
+  EXPECT_THROW(Nmpc(params, RobotParams{}), std::invalid_argument);
+  params = {};
+  params.time_budget = 0.001;
+  EXPECT_THROW(Nmpc(params, RobotParams{}), std::invalid_argument);
+  params = {};
+  params.model = "heun";
+  EXPECT_THROW(Nmpc(params, RobotParams{}), std::invalid_argument);
+}
+
+TEST(Plan, TwistAndPoseAreInterpolatedInTime) {
+  Plan plan{.t0 = 2.0, .dt = 0.5};
+  plan.twist = {{1.0, 0.0}, {0.5, 1.0}};
+  plan.X_MB = {{0, 0, 0}, {0.5, 0, 0}, integrate({0.5, 0, 0}, {0.5, 1.0}, 0.5)};
+  EXPECT_EQ(plan.at(1.0), (Twist2{1.0, 0.0}));
+  EXPECT_EQ(plan.at(2.5), (Twist2{0.5, 1.0}));
+  EXPECT_EQ(plan.at(3.1), Twist2{});
+  EXPECT_DOUBLE_EQ(plan.pose_at(2.25).x, 0.25);
+  EXPECT_EQ(plan.pose_at(9.0), plan.X_MB.back());
+}
+
+}  // namespace
+}  // namespace tandem::test

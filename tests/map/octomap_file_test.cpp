@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/octomap_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "map/octomap_bytes.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A file of its own per test, gone afterwards.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& bytes)
+      : path_{fs::temp_directory_path() / ("tandem_octomap_test_" + std::to_string(getpid()))} {
+    std::ofstream(path_, std::ios::binary) << bytes;
+  }
+  ~TemporaryFile() { fs::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+octomap::OcTree small_tree(unsigned seed = 1) {
+  octomap::OcTree tree(0.1);
+  std::mt19937 random{seed};
+  std::uniform_real_distribution<float> metre(-1.0F, 1.0F);
+  for (int i = 0; i < 60; ++i)
+    tree.updateNode(octomap::point3d(metre(random), metre(random), metre(random)), i % 3 == 0);
+  tree.updateInnerOccupancy();
+  return tree;
+}
+
+std::string ot_bytes(const octomap::OcTree& tree) {
+  std::ostringstream stream;
+  tree.write(stream);
+  return stream.str();
+}
+
+// What load_octomap says about a file with these bytes; empty: it loads.
+std::string complaint(const std::string& bytes) {
+  const TemporaryFile file(bytes);
+  try {
+    const auto tree = load_octomap(file.path());
+    return tree ? "" : "no tree";
+  } catch (const std::runtime_error& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(text.starts_with(file.path().string() + ": ")) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    return text;
+  }
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+TEST(OctomapFile, ReadsBackWhatItWrote) {
+  const octomap::OcTree tree = small_tree();
+  const TemporaryFile file("");
+  save_octomap(tree, file.path());
+  const auto copy = load_octomap(file.path());
+  EXPECT_EQ(copy->size(), tree.size());
+  EXPECT_EQ(bt_file_bytes(*copy), bt_file_bytes(tree));
+}
+
+TEST(OctomapFile, WritesWhatOctomapItselfReads) {
+  std::istringstream stream(bt_file_bytes(small_tree()));
+  octomap::OcTree tree(1.0);
+  ASSERT_TRUE(tree.readBinary(stream));
+  EXPECT_EQ(tree.getResolution(), 0.1);
+  EXPECT_EQ(bt_file_bytes(tree), bt_file_bytes(small_tree()));
+}
+
+TEST(OctomapFile, ReadsLogOddsFiles) {
+  const octomap::OcTree tree = small_tree();
+  const TemporaryFile file(ot_bytes(tree));
+  const auto copy = load_octomap(file.path());
+  EXPECT_TRUE(*copy == tree);
+}
+
+TEST(OctomapFile, RefusesATruncatedFileOfAnyLength) {
+  for (const std::string& bytes : {bt_file_bytes(small_tree()), ot_bytes(small_tree())}) {
+    ASSERT_EQ(complaint(bytes), "");
+    for (std::size_t length = 0; length < bytes.size(); ++length)
+      ASSERT_NE(complaint(bytes.substr(0, length)), "") << length << " of " << bytes.size();
+  }
+}
+
+TEST(OctomapFile, RefusesBytesBeyondTheTree) {
+  EXPECT_NE(complaint(bt_file_bytes(small_tree()) + "x"), "");
+  EXPECT_NE(complaint(ot_bytes(small_tree()) + std::string(5, '\0')), "");
+}
+
+TEST(OctomapFile, RefusesWhatIsNoFile) {
+  EXPECT_THROW((void)load_octomap("/nonexistent/map.bt"), std::runtime_error);
+  EXPECT_THROW((void)load_octomap(fs::temp_directory_path()), std::runtime_error);
+}
+
+TEST(OctomapFile, RefusesWhatIsNoOctomap) {
+  EXPECT_NE(complaint("P5 100 100 255\n").find("not an OctoMap file"), std::string::npos);
+  EXPECT_NE(complaint(std::string(3000, '\xff')).find("not an OctoMap file"), std::string::npos);
+}
+
+TEST(OctomapFile, RefusesAHostileHeader) {
+  const std::string good = bt_file_bytes(small_tree());
+  const std::string size = "size " + std::to_string(small_tree().size());
+  for (const char* res :
+       {"res 0\n", "res nan\n", "res inf\n", "res -0.1\n", "res 1e9\n", "res x\n"})
+    EXPECT_NE(complaint(replaced(good, "res 0.1\n", res)), "") << res;
+  for (const char* wrong :
+       {"size 1000000000", "size 0", "size -1", "size", "size 99999999999999999999"})
+    EXPECT_NE(complaint(replaced(good, size, wrong)), "") << wrong;
+  EXPECT_NE(complaint(replaced(good, "id OcTree", "id ColorOcTree")).find("ColorOcTree"),
+            std::string::npos);
+}
+
+TEST(OctomapFile, RefusesAMapWithoutOccupiedVoxels) {
+  octomap::OcTree tree(0.1);
+  EXPECT_NE(complaint(bt_file_bytes(tree)).find("empty"), std::string::npos);
+  tree.updateNode(octomap::point3d(0, 0, 0), false);
+  EXPECT_NE(complaint(bt_file_bytes(tree)).find("no occupied voxel"), std::string::npos);
+}
+
+TEST(OctomapFile, ToleratesCommentsAndCarriageReturnsInTheHeader) {
+  const std::string good = bt_file_bytes(small_tree());
+  EXPECT_EQ(complaint(replaced(good, "id OcTree\n", "# made by hand\nid OcTree\r\n")), "");
+}
+
+TEST(OctomapMessage, RoundTripsBinaryData) {
+  const octomap::OcTree tree = small_tree();
+  const auto data = encode_octomap(tree);
+  const DecodedOctomap decoded = decode_octomap({.resolution = 0.1}, data);
+  ASSERT_TRUE(decoded.tree) << decoded.error;
+  EXPECT_EQ(bt_file_bytes(*decoded.tree), bt_file_bytes(tree));
+}
+
+TEST(OctomapMessage, SurvivesAnyDamage) {
+  const auto good = encode_octomap(small_tree());
+  std::mt19937 random{2};
+  std::uniform_int_distribution<std::size_t> at(0, good.size() - 1);
+  std::uniform_int_distribution<int> byte(-128, 127);
+  for (int i = 0; i < 20000; ++i) {
+    auto data = good;
+    for (int k = 0; k <= i % 4; ++k) data[at(random)] = static_cast<std::int8_t>(byte(random));
+    if (i % 3 == 0) data.resize(at(random));
+    const DecodedOctomap decoded = decode_octomap({.binary = i % 5 != 0, .resolution = 0.1}, data);
+    ASSERT_NE(decoded.tree == nullptr, decoded.error.empty());
+  }
+}
+
+TEST(OctomapMessage, RefusesWhatItsFieldsContradict) {
+  const auto data = encode_octomap(small_tree());
+  EXPECT_FALSE(decode_octomap({.id = "ColorOcTree", .resolution = 0.1}, data).tree);
+  EXPECT_FALSE(decode_octomap({.resolution = 0.0}, data).tree);
+  EXPECT_FALSE(decode_octomap({.resolution = std::nan("")}, data).tree);
+  EXPECT_FALSE(decode_octomap({.resolution = 0.1}, {}).tree);
+}
+
+TEST(OctomapMessage, RefusesATreeDeeperThanOctomaps) {
+  std::vector<std::int8_t> data;  // one inner child per level, without end
+  for (int level = 0; level < 100000; ++level) data.insert(data.end(), {3, 0});
+  EXPECT_FALSE(decode_octomap({.resolution = 0.1}, data).tree);
+}
+
+TEST(OctomapBytes, CountsTheNodesOfATree) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const octomap::OcTree tree = small_tree(seed);
+    std::ostringstream binary, full;
+    tree.writeBinaryData(binary);
+    tree.writeData(full);
+    EXPECT_EQ(count_binary_nodes(binary.str()), tree.size());
+    EXPECT_EQ(count_full_nodes(full.str()), tree.size());
+  }
+}
+
+}  // namespace
+}  // namespace tandem

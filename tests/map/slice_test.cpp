@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/slice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+
+#include "map/octomap_file.hpp"
+
+namespace tandem {
+namespace {
+
+// State of a cell from every voxel of its column that reaches into the band.
+Cell state_by_force(const octomap::OcTree& tree, const Eigen::Vector2d& p, double low,
+                    double high) {
+  Cell state = Cell::kUnknown;
+  const double r = tree.getResolution();
+  for (int iz = -200; iz < 200; ++iz) {
+    if (!(iz * r < high - 1e-9 && (iz + 1) * r > low + 1e-9)) continue;
+    const auto* node = tree.search(p.x(), p.y(), (iz + 0.5) * r);
+    if (node == nullptr) continue;
+    if (tree.isNodeOccupied(node)) return Cell::kOccupied;
+    state = Cell::kFree;
+  }
+  return state;
+}
+
+octomap::OcTree random_tree(unsigned seed, double resolution) {
+  octomap::OcTree tree(resolution);
+  std::mt19937 random{seed};
+  std::uniform_int_distribution<int> index(-14, 14), extent(1, 12);
+  for (int i = 0; i < 12; ++i) {  // blocks, so that some are pruned to large leaves
+    const int x = index(random), y = index(random), z = index(random), n = extent(random);
+    for (int dx = 0; dx < n; ++dx)
+      for (int dy = 0; dy < n; ++dy)
+        for (int dz = 0; dz < n; ++dz)
+          tree.setNodeValue((x + dx + 0.5) * resolution, (y + dy + 0.5) * resolution,
+                            (z + dz + 0.5) * resolution, i % 3 == 0 ? 2.0F : -2.0F, true);
+  }
+  tree.updateInnerOccupancy();
+  tree.prune();
+  return tree;
+}
+
+TEST(Slice, EqualsALookAtEveryVoxelOfTheBand) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const octomap::OcTree tree = random_tree(seed, seed % 2 == 0 ? 0.1 : 0.07);
+    const SliceParams params{.z_min = -0.3 + 0.05 * (seed % 5), .z_max = 0.45, .floor = 0.1};
+    const Grid grid = slice(tree, params);
+    for (int iy = 0; iy < grid.height; ++iy)
+      for (int ix = 0; ix < grid.width; ++ix)
+        ASSERT_EQ(grid.at(ix, iy),
+                  state_by_force(tree, grid.center(ix, iy), params.z_min + 0.1, 0.55));
+  }
+}
+
+TEST(Slice, SpansTheTreesBoundingBox) {
+  const octomap::OcTree tree = random_tree(3, 0.1);
+  const Grid grid = slice(tree, {});
+  double x0, y0, z0, x1, y1, z1;
+  tree.getMetricMin(x0, y0, z0);
+  tree.getMetricMax(x1, y1, z1);
+  EXPECT_NEAR(grid.origin.x(), x0, 1e-9);
+  EXPECT_NEAR(grid.origin.y(), y0, 1e-9);
+  EXPECT_NEAR(grid.origin.x() + grid.resolution * grid.width, x1, 1e-9);
+  EXPECT_NEAR(grid.origin.y() + grid.resolution * grid.height, y1, 1e-9);
+}
+
+TEST(Slice, AFaceInCommonWithTheBandIsNoOverlap) {
+  octomap::OcTree tree(0.1);
+  tree.updateNode(octomap::point3d(0.05F, 0.05F, 0.05F), true);  // z from 0 to 0.1
+  EXPECT_EQ(slice(tree, {.z_min = 0.1, .z_max = 1.0}).at(0, 0), Cell::kUnknown);
+  EXPECT_EQ(slice(tree, {.z_min = 0.099, .z_max = 1.0}).at(0, 0), Cell::kOccupied);
+  EXPECT_EQ(slice(tree, {.z_min = -1.0, .z_max = 0.0}).at(0, 0), Cell::kUnknown);
+  EXPECT_EQ(slice(tree, {.z_min = -1.0, .z_max = 0.001}).at(0, 0), Cell::kOccupied);
+  EXPECT_EQ(slice(tree, {.z_min = 50.0, .z_max = 60.0}).at(0, 0), Cell::kUnknown);
+}
+
+TEST(Slice, RefusesAnEmptyBandAndAPlaneWithoutMeasure) {
+  octomap::OcTree tree(0.01);
+  EXPECT_TRUE(slice(tree, {}).cells.empty());
+  tree.updateNode(octomap::point3d(-300.0F, -300.0F, 0.5F), true);
+  EXPECT_THROW((void)slice(tree, {.z_min = 1.0, .z_max = 1.0}), std::invalid_argument);
+  EXPECT_NO_THROW((void)slice(tree, {}));
+  tree.updateNode(octomap::point3d(300.0F, 300.0F, 0.5F), true);
+  EXPECT_THROW((void)slice(tree, {}), std::runtime_error);
+}
+
+TEST(Slice, OfTheRealBuildingHasItsCorridorFree) {
+  const std::filesystem::path file = std::filesystem::path(TANDEM_SHARED_DIR) / "maps/geb079.bt";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
+  const Grid grid = slice(*load_octomap(file), {.z_min = 0.10, .z_max = 1.0});
+  EXPECT_NEAR(grid.resolution, 0.08, 1e-9);
+  for (const double x : {-4.0, 0.0, 5.0, 20.0, 25.0}) {
+    const Eigen::Vector2d c = (Eigen::Vector2d{x, 0.0} - grid.origin) / grid.resolution;
+    EXPECT_EQ(grid.at(static_cast<int>(c.x()), static_cast<int>(c.y())), Cell::kFree) << x;
+  }
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/footprint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <random>
+
+namespace tandem {
+namespace {
+
+using Random = std::mt19937;
+
+double uniform(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+// Convex outline around the origin: points on an ellipse in order of angle.
+Footprint random_footprint(Random& random) {
+  const int count = std::uniform_int_distribution<int>(3, 8)(random);
+  const double a = uniform(random, 0.2, 0.8), b = uniform(random, 0.2, 0.5);
+  std::vector<Eigen::Vector2d> p_BV;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2.0 * std::numbers::pi * (i + uniform(random, -0.2, 0.2)) / count;
+    p_BV.emplace_back(a * std::cos(angle), b * std::sin(angle));
+  }
+  return polygon(std::move(p_BV));
+}
+
+Pose2 random_pose(Random& random, double size) {
+  return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -4.0, 4.0)};
+}
+
+bool inside(const Footprint& footprint, const Eigen::Vector2d& p) {
+  for (std::size_t i = 0; i < footprint.p_BV.size(); ++i) {
+    const Eigen::Vector2d a = footprint.p_BV[i];
+    const Eigen::Vector2d b = footprint.p_BV[(i + 1) % footprint.p_BV.size()];
+    if ((b - a).x() * (p - a).y() - (b - a).y() * (p - a).x() < 0.0) return false;
+  }
+  return true;
+}
+
+// Outline and square as dense points: the distance from above, to within the spacing.
+double sampled_distance(const Footprint& footprint, const Pose2& X_MB, const Eigen::Vector2d& p_MC,
+                        double side, int per_edge) {
+  double d = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < footprint.p_BV.size(); ++i)
+    for (int k = 0; k < per_edge; ++k) {
+      const double s = static_cast<double>(k) / per_edge;
+      const Eigen::Vector2d p_BQ =
+          (1.0 - s) * footprint.p_BV[i] + s * footprint.p_BV[(i + 1) % footprint.p_BV.size()];
+      const Eigen::Vector2d q = transform(X_MB, p_BQ) - p_MC;
+      const double dx = std::max(0.0, std::abs(q.x()) - 0.5 * side);
+      const double dy = std::max(0.0, std::abs(q.y()) - 0.5 * side);
+      d = std::min(d, std::hypot(dx, dy));
+    }
+  return inside(footprint, transform(inverse(X_MB), p_MC)) ? 0.0 : d;
+}
+
+TEST(Footprint, IsRefusedUnlessConvexCounterClockwiseAndAroundTheOrigin) {
+  EXPECT_NO_THROW((void)polygon({{-1, -1}, {1, -1}, {0, 1}}));
+  EXPECT_THROW((void)polygon({{-1, -1}, {1, -1}}), std::invalid_argument);
+  EXPECT_THROW((void)polygon({{-1, -1}, {0, 1}, {1, -1}}), std::invalid_argument);  // clockwise
+  EXPECT_THROW((void)polygon({{-1, -1}, {1, -1}, {0, -0.5}, {0, 1}}), std::invalid_argument);
+  EXPECT_THROW((void)polygon({{1, 1}, {2, 1}, {1.5, 2}}), std::invalid_argument);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)polygon({{-1, -1}, {1, nan}, {0, 1}}), std::invalid_argument);
+}
+
+TEST(Footprint, RectangleLiesAroundItsCentre) {
+  const Footprint mir = rectangle(0.89, 0.58, 0.038);
+  EXPECT_NEAR(circumradius(mir), std::hypot(0.483, 0.29), 1e-12);
+  EXPECT_NEAR(distance(mir, {0.583, 0.0}), 0.1, 1e-12);
+  EXPECT_NEAR(distance(mir, {-0.507, 0.0}), 0.1, 1e-12);
+  EXPECT_NEAR(distance(mir, {0.483 + 0.3, 0.29 + 0.4}), 0.5, 1e-12);
+  EXPECT_EQ(distance(mir, {0.4, -0.2}), 0.0);
+}
+
+TEST(Footprint, DistanceToAPointMatchesBruteForce) {
+  Random random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const Footprint footprint = random_footprint(random);
+    const Eigen::Vector2d p{uniform(random, -1.5, 1.5), uniform(random, -1.5, 1.5)};
+    const double sampled = sampled_distance(footprint, {}, p, 0.0, 400);
+    EXPECT_LE(distance(footprint, p), sampled + 1e-12);
+    EXPECT_GE(distance(footprint, p), sampled - 0.003);
+  }
+}
+
+TEST(Footprint, DistanceToASquareMatchesBruteForce) {
+  Random random(2);
+  int touching = 0, apart = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Footprint footprint = random_footprint(random);
+    const Pose2 X_MB = random_pose(random, 1.0);
+    const Eigen::Vector2d p_MC{uniform(random, -1.0, 1.0), uniform(random, -1.0, 1.0)};
+    const double side = uniform(random, 0.02, 0.6);
+    const double exact = distance_to_square(footprint, X_MB, p_MC, side);
+    const double sampled = sampled_distance(footprint, X_MB, p_MC, side, 400);
+    EXPECT_LE(exact, sampled + 1e-12);
+    EXPECT_GE(exact, sampled - 0.004);  // spacing of the samples, at a corner of the square
+    (exact == 0.0 ? touching : apart)++;
+  }
+  EXPECT_GT(touching, 500);
+  EXPECT_GT(apart, 1000);
+}
+
+TEST(Footprint, TouchesASquareWhollyInsideItAndASquareAroundIt) {
+  const Footprint mir = rectangle(0.89, 0.58, 0.038);
+  EXPECT_EQ(distance_to_square(mir, {1.0, 2.0, 0.7}, {1.05, 2.0}, 0.05), 0.0);
+  EXPECT_EQ(distance_to_square(mir, {1.0, 2.0, 0.7}, {1.0, 2.0}, 5.0), 0.0);
+}
+
+TEST(Footprint, OverlapWithAnEllipseMatchesBruteForce) {
+  Random random(3);
+  int overlapping = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Footprint footprint = random_footprint(random);
+    const Pose2 X_MB = random_pose(random, 1.0);
+    Obstacle obstacle;
+    obstacle.p_MO = {uniform(random, -1.0, 1.0), uniform(random, -1.0, 1.0)};
+    obstacle.a = uniform(random, 0.1, 0.8);
+    obstacle.b = uniform(random, 0.05, 1.0) * obstacle.a;
+    obstacle.angle = uniform(random, -4.0, 4.0);
+    // The level is convex along an edge; its minimum over the outline decides, within the spacing.
+    double least = inside(footprint, transform(inverse(X_MB), obstacle.p_MO))
+                       ? 0.0
+                       : std::numeric_limits<double>::infinity();
+    for (std::size_t v = 0; v < footprint.p_BV.size(); ++v)
+      for (int k = 0; k < 300; ++k) {
+        const double s = k / 300.0;
+        const Eigen::Vector2d p =
+            (1.0 - s) * footprint.p_BV[v] + s * footprint.p_BV[(v + 1) % footprint.p_BV.size()];
+        least = std::min(least, level(obstacle, transform(X_MB, p)));
+      }
+    if (least < 1.0) {
+      EXPECT_TRUE(overlaps(footprint, X_MB, obstacle));
+      ++overlapping;
+    } else if (least > 1.0 + 0.2 * obstacle.a / obstacle.b) {
+      EXPECT_FALSE(overlaps(footprint, X_MB, obstacle));
+    }
+  }
+  EXPECT_GT(overlapping, 500);
+  EXPECT_LT(overlapping, 2500);
+}
+
+TEST(Footprint, IsContainedInTheDiscsThatCoverIt) {
+  Random random(4);
+  for (int i = 0; i < 500; ++i) {
+    const Footprint footprint = random_footprint(random);
+    for (const int count : {1, 2, 3, 5}) {
+      const auto discs = cover_by_discs(footprint, count);
+      ASSERT_EQ(discs.size(), static_cast<std::size_t>(count));
+      for (int k = 0; k < 50; ++k) {
+        const Eigen::Vector2d p{uniform(random, -0.8, 0.8), uniform(random, -0.5, 0.5)};
+        if (!inside(footprint, p)) continue;
+        EXPECT_TRUE(std::any_of(discs.begin(), discs.end(), [&](const Disc& disc) {
+          return (p - disc.p_BC).norm() <= disc.radius + 1e-12;
+        }));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tandem

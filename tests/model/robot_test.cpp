@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/robot.hpp"
+
+#include <gtest/gtest.h>
+
+#include "model/diff_drive.hpp"
+#include "model/localization.hpp"
+
+namespace tandem {
+namespace {
+
+TEST(DiffDrive, WheelsAndBodyAreInverseMaps) {
+  const Twist2 twist{0.7, -0.9};
+  const WheelSpeeds wheels = to_wheels(twist, 0.445);
+  EXPECT_GT(wheels.left, wheels.right);  // turns right
+  EXPECT_NEAR(to_body(wheels, 0.445).v, twist.v, 1e-15);
+  EXPECT_NEAR(to_body(wheels, 0.445).w, twist.w, 1e-15);
+}
+
+TEST(DiffDrive, LimitKeepsTheArc) {
+  const RobotParams robot;
+  for (const Twist2 twist : {Twist2{2.0, 0.5}, Twist2{-1.0, 0.5}, Twist2{0.5, -3.0}}) {
+    const Twist2 limited = limit(twist, robot);
+    EXPECT_LE(limited.v, robot.v_max + 1e-12);
+    EXPECT_GE(limited.v, robot.v_min - 1e-12);
+    EXPECT_LE(std::abs(limited.w), robot.w_max + 1e-12);
+    EXPECT_NEAR(limited.v * twist.w, limited.w * twist.v, 1e-12);
+    EXPECT_LT(std::abs(limited.v), std::abs(twist.v));
+  }
+  EXPECT_EQ(limit({0.3, -0.2}, robot), (Twist2{0.3, -0.2}));
+}
+
+TEST(DiffDrive, ApproachNeverOvershoots) {
+  EXPECT_EQ(approach(0.0, 1.0, 0.3), 0.3);
+  EXPECT_EQ(approach(0.9, 1.0, 0.3), 1.0);
+  EXPECT_EQ(approach(0.0, -1.0, 0.3), -0.3);
+}
+
+TEST(RobotParams, DescribesARectangleOrAPolygon) {
+  RobotParams robot;
+  EXPECT_EQ(footprint_of(robot).p_BV.size(), 4u);
+  robot.footprint = {-0.3, -0.3, 0.5, 0.0, -0.3, 0.3};
+  EXPECT_EQ(footprint_of(robot).p_BV.size(), 3u);
+  robot.footprint.push_back(1.0);
+  EXPECT_THROW((void)footprint_of(robot), std::invalid_argument);
+}
+
+TEST(RobotParams, RejectsANumberThatIsNotOne) {
+  RobotParams robot;
+  EXPECT_NO_THROW(check(robot));
+  robot.v_max = std::nan("");
+  EXPECT_THROW(check(robot), std::invalid_argument);
+}
+
+TEST(Localization, ComposesTransformAndOdometry) {
+  Localization localization({});
+  EXPECT_FALSE(localization.state(0.0));
+  localization.on_odom({1.0, 0.0, 0.0}, {0.5, 0.1}, 0.0);
+  EXPECT_FALSE(localization.state(0.0));  // no transform
+  localization.on_transform({2.0, 3.0, 0.5 * std::numbers::pi}, 0.0);
+  const auto state = localization.state(0.1);
+  ASSERT_TRUE(state);
+  EXPECT_NEAR(state->X_MB.x, 2.0, 1e-12);
+  EXPECT_NEAR(state->X_MB.y, 4.0, 1e-12);
+  EXPECT_EQ(state->twist, (Twist2{0.5, 0.1}));
+  EXPECT_EQ(state->t, 0.0);
+}
+
+TEST(Localization, KnowsNothingOnceAPartIsTooOld) {
+  Localization localization({});
+  localization.on_transform({}, 0.0);
+  localization.on_odom({}, {}, 0.0);
+  EXPECT_TRUE(localization.state(0.15));
+  EXPECT_FALSE(localization.state(0.16));
+  localization.on_odom({}, {}, 1.2);
+  EXPECT_FALSE(localization.state(1.2));
+  localization.on_transform({}, 1.2);
+  EXPECT_TRUE(localization.state(1.2));
+}
+
+TEST(Localization, NeedsNoTransformIfTheFramesAreOne) {
+  Localization localization({.map_is_odom = true});
+  localization.on_odom({1.0, 2.0, 0.3}, {}, 0.0);
+  ASSERT_TRUE(localization.state(0.0));
+  EXPECT_EQ(localization.state(0.0)->X_MB.y, 2.0);
+}
+
+TEST(Localization, IgnoresWhatIsNotFinite) {
+  Localization localization({.map_is_odom = true});
+  localization.on_odom({std::nan(""), 0.0, 0.0}, {}, 0.0);
+  EXPECT_FALSE(localization.state(0.0));
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "runtime/arguments.hpp"
+#include "runtime/names.hpp"
+#include "runtime/node.hpp"
+#include "support/private_domain.hpp"
+
+namespace tandem {
+namespace {
+
+struct Limits {
+  double a_max = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("a_max", a_max, Range{0.0, 2.0}, "[m/s²] limit");
+  }
+};
+
+struct GateParams {
+  double margin = 0.1;
+  int steps = 5;
+  bool enforce = true;
+  std::string mode = "shared";
+  std::string map = "";
+  std::vector<double> outline;
+  Limits limits;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("margin", margin, Range{0.0, 1.0}, "[m] gap");
+    field("steps", steps, Range{1, 50}, "how many");
+    field("enforce", enforce, "whether");
+    field("mode", mode, OneOf{{"manual", "shared"}}, "who drives");
+    field("map", map, "file");
+    field("outline", outline, Range{-5.0, 5.0}, "[m]");
+    limits.visit(field);
+  }
+};
+
+// Loads `yaml` as a parameter file of node /gate; what went wrong, or "".
+class ParameterFile : public testing::Test {
+ protected:
+  std::string load(const std::string& yaml) {
+    std::ofstream{path_} << yaml;
+    try {
+      rt::ParameterStore store{"/gate", {.files = {path_}}};
+      params_ = {};
+      params_.visit(store);
+      store.check_unknown();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  void expect_complaint(const std::string& yaml, const std::vector<std::string>& parts) {
+    const std::string text = load(yaml);
+    EXPECT_FALSE(text.empty()) << "accepted:\n" << yaml;
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    for (const auto& part : parts) EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
+
+  std::string path_ = testing::TempDir() + "parameters_" + std::to_string(getpid()) + ".yaml";
+  GateParams params_;
+};
+
+TEST_F(ParameterFile, GivesEveryKindOfValue) {
+  ASSERT_EQ(load("gate:\n  ros__parameters:\n    margin: 0.25\n    steps: 7\n    enforce: false\n"
+                 "    mode: manual\n    map: \"7\"\n    outline: [1, -2.5]\n    a_max: 1\n"),
+            "");
+  EXPECT_EQ(params_.margin, 0.25);
+  EXPECT_EQ(params_.steps, 7);
+  EXPECT_FALSE(params_.enforce);
+  EXPECT_EQ(params_.mode, "manual");
+  EXPECT_EQ(params_.map, "7");
+  EXPECT_EQ(params_.outline, (std::vector<double>{1.0, -2.5}));
+  EXPECT_EQ(params_.limits.a_max, 1.0);  // an integer will do for a number
+}
+
+TEST_F(ParameterFile, LeavesDefaultsWhereNothingIsSaid) {
+  ASSERT_EQ(load(""), "");
+  EXPECT_EQ(params_.margin, 0.1);
+}
+
+TEST_F(ParameterFile, OwnSectionWinsOverWildcard) {
+  ASSERT_EQ(load("gate:\n  ros__parameters: {margin: 0.3}\n/**:\n  ros__parameters: {margin: 0.2, "
+                 "steps: 9}\n"),
+            "");
+  EXPECT_EQ(params_.margin, 0.3);
+  EXPECT_EQ(params_.steps, 9);
+}
+
+TEST_F(ParameterFile, OfOtherNodesIsIgnored) {
+  EXPECT_EQ(load("other:\n  ros__parameters: {nonsense: 1}\n/a/gate:\n  ros__parameters: {x: 1}\n"),
+            "");
+}
+
+TEST_F(ParameterFile, UnknownKeyIsNamedWithFileAndLine) {
+  expect_complaint("gate:\n  ros__parameters:\n    margn: 0.2\n", {path_ + ":3", "margn", "/gate"});
+}
+
+TEST_F(ParameterFile, UnknownWildcardKeyIsReportedAsUnused) {
+  EXPECT_EQ(load("/**:\n  ros__parameters:\n    margn: 0.2\n    margin: 0.2\n"), "");
+  const auto unused = rt::unused_wildcard_keys();
+  EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":3: margn"), 1);
+  EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":4: margin"), 0);
+}
+
+TEST_F(ParameterFile, ValueOutOfBoundsIsNamedWithItsBound) {
+  const std::string head = "gate:\n  ros__parameters:\n    ";
+  expect_complaint(head + "margin: 1.5\n", {path_ + ":3", "margin", "1.5", "[0, 1]"});
+  expect_complaint(head + "margin: .nan\n", {"margin", "[0, 1]"});
+  expect_complaint(head + "steps: 0\n", {"steps", "0", "[1, 50]"});
+  expect_complaint(head + "mode: auto\n", {"mode", "auto", "manual, shared"});
+  expect_complaint(head + "outline: [0, 9]\n", {"outline", "9", "[-5, 5]"});
+  expect_complaint(head + "a_max: 3\n", {"a_max", "[0, 2]"});
+}
+
+TEST_F(ParameterFile, ValueOfAWrongTypeIsNamed) {
+  const std::string head = "gate:\n  ros__parameters:\n    ";
+  expect_complaint(head + "margin: \"0.5\"\n", {"margin", "\"0.5\"", "a number"});
+  expect_complaint(head + "margin: wide\n", {"margin", "wide", "a number"});
+  expect_complaint(head + "margin: [1]\n", {"margin", "a number"});
+  expect_complaint(head + "steps: 2.5\n", {"steps", "2.5", "an integer"});
+  expect_complaint(head + "enforce: 1\n", {"enforce", "true or false"});
+  expect_complaint(head + "mode: 1\n", {"mode", "text"});
+  expect_complaint(head + "outline: [1, two]\n", {"outline", "list of numbers"});
+  expect_complaint(head + "outline: [\"1\"]\n", {"outline", "list of numbers"});
+}
+
+TEST_F(ParameterFile, ThatIsNotOfRos2sFormIsRefused) {
+  expect_complaint("gate: 5\n", {path_ + ":1"});
+  expect_complaint("ros__parameters: {margin: 0.1}\n", {path_ + ":1", "ros__parameters"});
+  expect_complaint("gate: [\n", {path_});
+  expect_complaint("gate:\n  ros__parameters:\n    margin: 0.1\n    margin: 0.2\n", {"twice"});
+}
+
+TEST(ParameterStore, NamesAFileThatIsMissing) {
+  EXPECT_THROW(rt::ParameterStore("/gate", {.files = {"/nowhere.yaml"}}), std::invalid_argument);
+}
+
+TEST(RosArguments, ChangeNameRemappingsAndParameters) {
+  const auto arguments = rt::parse_ros_arguments(
+      {"--here", "--ros-args", "-r", "cmd_vel:=/wheels", "-r", "__node:=left", "-r", "__ns:=/a",
+       "-p", "margin:=0.4", "-p", "other:steps:=3", "--", "--there"});
+  EXPECT_EQ(arguments.rest, (std::vector<std::string>{"--here", "--there"}));
+  const auto options = rt::with_arguments({.name = "gate"}, arguments);
+  EXPECT_EQ(options.name, "left");
+  EXPECT_EQ(options.ns, "/a");
+  EXPECT_EQ(options.remappings.at("cmd_vel"), "/wheels");
+  EXPECT_FALSE(options.parameters.overrides.contains("steps"));
+  rt::Node node{options};
+  EXPECT_EQ(node.declare_parameters<GateParams>()->margin, 0.4);
+  EXPECT_NO_THROW(node.check_parameters());
+}
+
+TEST(RosArguments, RefuseWhatRos2WouldNotUnderstand) {
+  EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "-r"}), std::invalid_argument);
+  EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "-p", "x=1"}), std::invalid_argument);
+  EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "x"}), std::invalid_argument);
+}
+
+TEST(Names, ExpandAsRos2Does) {
+  const auto node = rt::make_node_name("/a/b", "n");
+  EXPECT_EQ(rt::expand_name("x/y", node), "/a/b/x/y");
+  EXPECT_EQ(rt::expand_name("/x", node), "/x");
+  EXPECT_EQ(rt::expand_name("~/x", node), "/a/b/n/x");
+  EXPECT_EQ(rt::resolve_name("x", node, {{"/a/b/x", "~/z"}}), "/a/b/n/z");
+  for (const char* bad : {"", "/", "a//b", "a/", "1a", "a b", "ä", "a__b", "~x", "a-b"})
+    EXPECT_THROW((void)rt::expand_name(bad, node), std::invalid_argument) << bad;
+  EXPECT_THROW((void)rt::make_node_name("/", "a b"), std::invalid_argument);
+  EXPECT_THROW((void)rt::make_node_name("/a//b", "n"), std::invalid_argument);
+}
+
+TEST(Names, MangleAsRmwDoes) {
+  EXPECT_EQ(rt::dds_topic_name("/ns/cmd_vel"), "rt/ns/cmd_vel");
+  EXPECT_EQ(rt::dds_request_name("/ns/trig"), "rq/ns/trigRequest");
+  EXPECT_EQ(rt::dds_reply_name("/ns/trig"), "rr/ns/trigReply");
+}
+
+TEST(Environment, DomainThatIsNoDomainIsRefused) {
+  const std::string domain = getenv("ROS_DOMAIN_ID");
+  for (const char* bad : {"-1", "233", "x", "1x", "99999999999"}) {
+    setenv("ROS_DOMAIN_ID", bad, 1);
+    EXPECT_THROW(rt::Node{"nowhere"}, std::exception) << bad;
+  }
+  setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace tandem

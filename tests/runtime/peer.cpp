@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The other process of the runtime's tests. `peer echo`: sends each Twist of /ping back on /pong.
+// `peer trigger`: serves /trigger. `peer throw`: a callback throws. Ends with 0 on SIGTERM.
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "runtime/node.hpp"
+#include "runtime/shutdown.hpp"
+
+namespace {
+
+using geometry_msgs::msg::Twist;
+using std_srvs::srv::Trigger;
+namespace rt = tandem::rt;
+
+void echo() {
+  rt::Node node{"echo"};
+  // Latched: each end discovers the other in its own time, and an answer that is written before its
+  // reader is known would be nobody's.
+  const auto pong = node.create_publisher(rt::Topic<Twist>{"pong", rt::kLatched});
+  const auto ping = node.create_subscription(rt::Topic<Twist>{"ping"},
+                                             [&](const Twist& message) { pong.publish(message); });
+  node.spin();
+}
+
+void trigger() {
+  rt::Node node{"server"};
+  const auto service = node.create_service(rt::ServiceName<Trigger>{"trigger"},
+                                           [](const auto&, Trigger::Response& response) {
+                                             response.success(true);
+                                             response.message("from another process");
+                                           });
+  node.spin();
+}
+
+void throw_in_callback() {
+  rt::Node node{"thrower"};
+  const auto timer = node.create_timer(0.01, [] { throw std::runtime_error("on purpose"); });
+  node.spin();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  rt::install_signal_handlers();
+  const std::string mode = argc > 1 ? argv[1] : "";
+  if (mode == "echo") echo();
+  if (mode == "trigger") trigger();
+  if (mode == "throw") throw_in_callback();
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "peer: %s\n", error.what());
+  return 1;
+}

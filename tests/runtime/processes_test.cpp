@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "runtime/node.hpp"
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+
+namespace tandem {
+namespace {
+
+using geometry_msgs::msg::Twist;
+using std_srvs::srv::Trigger;
+using test::ChildProcess;
+using test::spin_until;
+
+constexpr double kTimeout = 20.0;  // [s]
+
+TEST(TwoProcesses, ExchangeMessagesBothWays) {
+  ChildProcess peer{"peer", {"echo"}};
+  rt::Node node{"pinger"};
+  int got = 0;
+  const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
+  const auto pong =
+      node.create_subscription(rt::Topic<Twist>{"pong", rt::kLatched}, [&](const auto&) { ++got; });
+  ASSERT_TRUE(
+      spin_until([&] { return ping.matched() == 1 && pong.matched() == 1; }, kTimeout, node));
+  std::vector<double> one_way;
+  for (int i = 0; i < 300; ++i) {
+    const double start = rt::steady_seconds();
+    ping.publish(Twist{});
+    ASSERT_TRUE(spin_until([&] { return got == i + 1; }, kTimeout, node)) << i;
+    one_way.push_back((rt::steady_seconds() - start) / 2.0);
+  }
+  std::sort(one_way.begin(), one_way.end());
+  std::printf("one way: median %.0f us, p99 %.0f us\n", 1e6 * one_way[150], 1e6 * one_way[297]);
+  EXPECT_LT(one_way[150], 0.010);
+}
+
+TEST(TwoProcesses, ClientGetsTheFirstAnswerOfALateServer) {
+  rt::Node node{"asker"};
+  const auto client = node.create_client(rt::ServiceName<Trigger>{"trigger"});
+  std::string answer;
+  client.call(
+      {}, [&](const Trigger::Response& r) { answer = r.message(); }, kTimeout);
+  ChildProcess peer{"peer", {"trigger"}};
+  EXPECT_TRUE(spin_until([&] { return !answer.empty(); }, kTimeout, node));
+  EXPECT_EQ(answer, "from another process");
+}
+
+// What ROS 2 users say about how far discovery reaches.
+struct Reach {
+  const char* name;
+  std::vector<std::pair<const char*, const char*>> environment;
+  bool found;  // by another process of this host
+};
+
+class DiscoveryRange : public testing::TestWithParam<Reach> {
+ protected:
+  void SetUp() override {
+    unsetenv("ROS_LOCALHOST_ONLY");
+    for (const auto& [name, value] : GetParam().environment) setenv(name, value, 1);
+  }
+  void TearDown() override {
+    for (const auto& [name, value] : GetParam().environment) unsetenv(name);
+    setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  }
+};
+
+TEST_P(DiscoveryRange, ReachesAnotherProcessOfThisHost) {
+  ChildProcess peer{"peer", {"echo"}};
+  rt::Node node{"seeker"};
+  const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
+  const double timeout = GetParam().found ? kTimeout : 1.0;
+  EXPECT_EQ(spin_until([&] { return ping.matched() == 1; }, timeout, node), GetParam().found);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Environments, DiscoveryRange,
+    testing::Values(Reach{"Default", {}, true},
+                    Reach{"Subnet", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"}}, true},
+                    Reach{"Localhost", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"}}, true},
+                    Reach{"Off", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"}}, false},
+                    Reach{"LocalhostWithPeer",
+                          {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"},
+                           {"ROS_STATIC_PEERS", "192.0.2.1"}},
+                          true},
+                    Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true}),
+    [](const auto& reach) { return reach.param.name; });
+
+class SignalledPeer : public testing::TestWithParam<int> {};
+
+TEST_P(SignalledPeer, EndsWithStatusZeroWithinASecond) {
+  ChildProcess peer{"peer", {"echo"}};
+  rt::Node node{"watcher"};
+  const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
+  ASSERT_TRUE(spin_until([&] { return ping.matched() == 1; }, kTimeout, node));
+  peer.send(GetParam());
+  EXPECT_EQ(peer.wait(1.0), 0);
+  EXPECT_TRUE(spin_until([&] { return ping.matched() == 0; }, kTimeout, node));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, SignalledPeer, testing::Values(SIGINT, SIGTERM));
+
+TEST(ThrowingCallback, EndsTheProcess) {
+  ChildProcess peer{"peer", {"throw"}};
+  EXPECT_EQ(peer.wait(kTimeout), 1);
+}
+
+}  // namespace
+}  // namespace tandem

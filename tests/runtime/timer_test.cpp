@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "runtime/node.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+
+namespace tandem {
+namespace {
+
+using test::spin_until;
+
+constexpr double kTimeout = 10.0;  // [s]
+const rt::Topic<rosgraph_msgs::msg::Clock> kClockTopic{"/clock", rt::kClock};
+
+TEST(Beat, SkipsMissedBeatsAndKeepsItsGrid) {
+  rt::Beat beat{0.0, 0.1};
+  EXPECT_FALSE(beat.due(0.09));
+  EXPECT_TRUE(beat.due(0.1));
+  EXPECT_FALSE(beat.due(0.15));
+  EXPECT_TRUE(beat.due(5.03));  // 49 beats late: one
+  EXPECT_FALSE(beat.due(5.03));
+  EXPECT_NEAR(beat.next(), 5.1, 1e-9);
+}
+
+TEST(Beat, StartsAnewWhenTheClockIsSetBack) {
+  rt::Beat beat{100.0, 0.1};
+  EXPECT_FALSE(beat.due(0.0));
+  EXPECT_TRUE(beat.due(0.1));
+}
+
+TEST(Beat, RefusesAPeriodThatIsNotPositive) {
+  EXPECT_THROW(rt::Beat(0.0, 0.0), std::invalid_argument);
+  EXPECT_THROW(rt::Beat(0.0, -1.0), std::invalid_argument);
+  EXPECT_THROW(rt::Beat(0.0, 0.0 / 0.0), std::invalid_argument);
+}
+
+TEST(Timer, FiresAtItsRate) {
+  rt::Node node{"timed"};
+  int beats = 0;
+  const auto timer = node.create_timer(0.01, [&] { ++beats; });
+  const double start = rt::steady_seconds();
+  ASSERT_TRUE(spin_until([&] { return beats == 20; }, kTimeout, node));
+  EXPECT_GE(rt::steady_seconds() - start, 0.199);
+}
+
+TEST(Timer, StopsWhenItsHandleGoes) {
+  rt::Node node{"brief"};
+  int beats = 0, others = 0;
+  rt::Timer timer;
+  timer = node.create_timer(0.005, [&] {
+    ++beats;
+    timer = {};
+  });
+  const auto other = node.create_timer(0.01, [&] { ++others; });
+  ASSERT_TRUE(spin_until([&] { return others == 3; }, kTimeout, node));
+  EXPECT_EQ(beats, 1);
+}
+
+class SimTime : public testing::Test {
+ protected:
+  void set_clock(double seconds) {
+    rosgraph_msgs::msg::Clock message;
+    message.clock(rt::to_stamp(static_cast<std::int64_t>(seconds * 1e9)));
+    clock_.publish(message);
+  }
+
+  rt::Node source_{"clock_source"};
+  rt::Publisher<rosgraph_msgs::msg::Clock> clock_{source_.create_publisher(kClockTopic)};
+  rt::Node node_{rt::NodeOptions{.name = "simulated", .use_sim_time = true}};
+};
+
+TEST_F(SimTime, IsZeroBeforeTheFirstClockThenFollowsIt) {
+  EXPECT_EQ(node_.now(), 0.0);
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  set_clock(12.5);
+  ASSERT_TRUE(spin_until([&] { return node_.now() > 0.0; }, kTimeout, node_));
+  EXPECT_EQ(node_.now(), 12.5);
+  EXPECT_EQ(node_.stamp().sec(), 12);
+  EXPECT_EQ(node_.stamp().nanosec(), 500'000'000U);
+  const double silence = node_.clock_silence();
+  EXPECT_TRUE(spin_until([&] { return node_.clock_silence() > silence + 0.02; }, kTimeout, node_));
+}
+
+TEST_F(SimTime, DrivesTimersButNotWallTimers) {
+  int beats = 0, wall_beats = 0;
+  const auto timer = node_.create_timer(0.1, [&] { ++beats; });
+  const auto wall = node_.create_wall_timer(0.01, [&] { ++wall_beats; });
+  ASSERT_TRUE(spin_until([&] { return wall_beats > 20; }, kTimeout, node_));
+  EXPECT_EQ(beats, 0);
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  for (int i = 1; i <= 10; ++i) {
+    set_clock(0.1 * i + 0.001);
+    ASSERT_TRUE(spin_until([&] { return beats == i; }, kTimeout, node_)) << i;
+  }
+}
+
+TEST(Node, UseSimTimeIsAParameter) {
+  rt::NodeOptions options{.name = "by_parameter"};
+  options.parameters.values["use_sim_time"] = {"true", "test"};
+  rt::Node node{options};
+  EXPECT_TRUE(node.use_sim_time());
+  EXPECT_NO_THROW(node.check_parameters());
+}
+
+TEST(Node, StopEndsSpinFromACallback) {
+  rt::Node node{"stopped"};
+  const auto timer = node.create_timer(0.02, [&] { node.stop(); });
+  node.spin();
+  EXPECT_TRUE(node.stopped());
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// Somebody who wants the robot to hit something, and a robot that is as bad as its bounds allow.
+#pragma once
+
+#include "scenes.hpp"
+
+namespace tandem::test {
+
+enum class Malice { kRandom, kTowardNearest, kBangBang, kTurnInPlace, kConstant, kPushAndTurn };
+inline constexpr int kMalices = 6;
+
+/// Full-speed commands, by knowledge of the true pose.
+class Adversary {
+ public:
+  Adversary(Malice malice, const RobotParams& robot, Random& random)
+      : malice_{malice}, robot_{robot}, random_{random}, held_{any()} {}
+
+  Twist2 command(const Pose2& X_MB, const Footprint& footprint, const StaticMap& map) {
+    ++tick_;
+    switch (malice_) {
+      case Malice::kRandom:
+        return any();
+      case Malice::kTowardNearest:
+        return toward_nearest(X_MB, footprint, map);
+      case Malice::kBangBang:
+        return {tick_ % 4 < 2 ? v(1) : v(-1), tick_ % 2 ? w(1) : w(-1)};
+      case Malice::kTurnInPlace:
+        return {0.0, held_.w >= 0.0 ? w(1) : w(-1)};
+      case Malice::kConstant:
+        return held_;
+      case Malice::kPushAndTurn: {
+        Twist2 twist = toward_nearest(X_MB, footprint, map);
+        if (tick_ % 3 == 0) twist = {0.0, w(pick(random_, 2) ? 1 : -1)};
+        return twist;
+      }
+    }
+    return {};
+  }
+
+ private:
+  [[nodiscard]] double v(int sign) const { return sign > 0 ? robot_.v_max : robot_.v_min; }
+  [[nodiscard]] double w(int sign) const { return sign * robot_.w_max; }
+  Twist2 any() {
+    return {v(pick(random_, 2) ? 1 : -1) * (pick(random_, 3) ? 1.0 : uniform(random_, 0.0, 1.0)),
+            uniform(random_, -1.0, 1.0) * robot_.w_max};
+  }
+
+  // Signs that move the outline's point next to the nearest cell straight at it.
+  Twist2 toward_nearest(const Pose2& X_MB, const Footprint& footprint, const StaticMap& map) {
+    double nearest = 1e9;
+    Eigen::Vector2d p_BC{1.0, 0.0};
+    for (const auto& p_MC : map.cells_near(X_MB.position(), circumradius(footprint) + 0.8)) {
+      const Pose2 X_BM = inverse(X_MB);
+      const Eigen::Vector2d q = transform(X_BM, p_MC);
+      const double d = distance(footprint, q);
+      if (d >= nearest) continue;
+      nearest = d;
+      p_BC = q;
+    }
+    if (nearest > 0.8) return held_;
+    Eigen::Vector2d low = footprint.p_BV[0], high = low;
+    for (const auto& p : footprint.p_BV) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    const Eigen::Vector2d p_BP = p_BC.cwiseMax(low).cwiseMin(high);
+    const Eigen::Vector2d to = p_BC - p_BP;
+    const double turn = p_BP.x() * to.y() - p_BP.y() * to.x();
+    const double forward = std::abs(to.x()) > 0.1 * std::abs(to.y()) ? to.x() : held_.v;
+    return {v(forward > 0.0 ? 1 : -1), w(turn > 0.0 ? 1 : -1)};
+  }
+
+  Malice malice_;
+  RobotParams robot_;
+  Random& random_;
+  Twist2 held_;
+  int tick_ = 0;
+};
+
+/// Filter and simulated base in closed loop with the worst measurements that the bounds allow.
+class ClosedLoop {
+ public:
+  ClosedLoop(const SafetyFilterParams& filter, const RobotParams& robot,
+             const DiffDriveSimParams& sim, std::shared_ptr<const StaticMap> map, Random& random)
+      : robot_{robot},
+        params_{filter},
+        map_{map},
+        random_{random},
+        filter_{filter, robot},
+        sim_{sim, robot, map, static_cast<unsigned>(random())} {
+    filter_.on_map(map);
+  }
+
+  void start_at(const Pose2& X_MB) { sim_.reset(X_MB, static_cast<unsigned>(random_())); }
+
+  /// A bias that stays, or fresh noise in every tick.
+  void draw_pose_error(bool fresh) {
+    fresh_error_ = fresh;
+    const double angle = uniform(random_, -std::numbers::pi, std::numbers::pi);
+    const double size = fraction(random_) * params_.position_error;
+    error_ = {size * std::cos(angle), size * std::sin(angle),
+              uniform(random_, -1.0, 1.0) * params_.heading_error};
+  }
+
+  /// One control period of length `period`: measure (late), filter, send.
+  Filtered tick(const Twist2& command, double period) {
+    const double age = fraction(random_) * 0.4 * period;
+    sim_.advance_to(now_ + period - age);
+    const OdometryReport report = sim_.odometry();
+    const double heard = now_ + period - age;
+    sim_.advance_to(now_ + period);
+    now_ += period;
+
+    if (fresh_error_) draw_pose_error(true);
+    Pose2 X_MB = compose(report.X_MW, report.X_WB);
+    X_MB = {X_MB.x + error_.x, X_MB.y + error_.y, X_MB.theta + error_.theta};
+    filter_.on_command(command, now_);
+    const Filtered out = filter_.update(RobotState{X_MB, report.twist, heard}, now_);
+    sim_.command(out.twist, now_);
+    return out;
+  }
+
+  /// The filter is dead: nobody sends anything.
+  void be_silent(double duration) {
+    now_ += duration;
+    sim_.advance_to(now_);
+  }
+
+  [[nodiscard]] bool stands() const {
+    const Twist2 twist = sim_.state().twist;
+    return std::abs(twist.v) < 1e-3 && std::abs(twist.w) < 1e-3;
+  }
+
+  [[nodiscard]] const DiffDriveSim& sim() const { return sim_; }
+  [[nodiscard]] const SafetyFilter& filter() const { return filter_; }
+  [[nodiscard]] double now() const { return now_; }
+
+ private:
+  RobotParams robot_;
+  SafetyFilterParams params_;
+  std::shared_ptr<const StaticMap> map_;
+  Random& random_;
+  SafetyFilter filter_;
+  DiffDriveSim sim_;
+  Pose2 error_;
+  bool fresh_error_ = false;
+  double now_ = 0.0;
+};
+
+}  // namespace tandem::test

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "safety_filter/safety_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "adversary.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kBumper = 0.038 + 0.445;  // of the MiR 100, ahead of base_link [m]
+
+const RobotParams kMir{};
+
+// A wall of which the near face is the line x = 1.5.
+std::shared_ptr<const StaticMap> wall_ahead() {
+  Grid grid = free_grid(8.0);
+  occupy(grid, [](double x, double) { return x > 1.5 && x < 1.7; });
+  return as_map(std::move(grid));
+}
+
+SafetyFilter filter_on(std::shared_ptr<const StaticMap> map,
+                       const SafetyFilterParams& params = {}) {
+  SafetyFilter filter(params, kMir);
+  filter.on_map(std::move(map));
+  return filter;
+}
+
+RobotState at(double x, double y = 0.0, double theta = 0.0, Twist2 twist = {}) {
+  return {{x, y, theta}, twist, 0.0};
+}
+
+// Pose with the bumper `gap` before the wall.
+RobotState facing_wall(double gap, Twist2 twist = {}) {
+  return at(1.5 - kBumper - gap, 0.0, 0.0, twist);
+}
+
+Filtered once(const Twist2& command, const RobotState& state,
+              std::shared_ptr<const StaticMap> map = wall_ahead()) {
+  SafetyFilter filter = filter_on(std::move(map));
+  filter.on_command(command, 0.0);
+  return filter.update(state, 0.0);
+}
+
+TEST(SafetyFilter, PassesAClearCommandUnchanged) {
+  for (const Twist2 command : {Twist2{0.8, 0.3}, Twist2{-0.4, -1.0}, Twist2{0.0, 1.0}}) {
+    const Filtered out = once(command, at(-2.0));
+    EXPECT_EQ(out.reason, FilterReason::kClear);
+    EXPECT_EQ(out.twist, command);
+    EXPECT_EQ(out.scale, 1.0);
+  }
+}
+
+TEST(SafetyFilter, SlowsAlongTheSameArc) {
+  const Twist2 command{0.8, 0.2};
+  const Filtered out = once(command, facing_wall(0.15));
+  EXPECT_EQ(out.reason, FilterReason::kSlowed);
+  EXPECT_GT(out.twist.v, 0.05);
+  EXPECT_LT(out.twist.v, 0.7);
+  EXPECT_NEAR(out.twist.w / out.twist.v, command.w / command.v, 1e-12);
+  EXPECT_NEAR(out.twist.v, out.scale * command.v, 1e-12);
+}
+
+TEST(SafetyFilter, AllowsMoreSpeedFurtherAway) {
+  double last = 0.0;
+  for (double gap = 0.03; gap < 1.0; gap += 0.01) {
+    const double v = once({0.8, 0.0}, facing_wall(gap)).twist.v;
+    EXPECT_GE(v, last) << gap;
+    last = v;
+  }
+  EXPECT_EQ(last, 0.8);
+}
+
+TEST(SafetyFilter, ClipsACommandBeyondTheRobotsLimits) {
+  const Filtered out = once({1e300, 0.0}, at(-2.0));
+  EXPECT_EQ(out.reason, FilterReason::kSlowed);
+  EXPECT_EQ(out.twist, (Twist2{kMir.v_max, 0.0}));
+}
+
+TEST(SafetyFilter, CountsTheMeasuredSpeedNotOnlyTheCommand) {
+  const RobotState slow = facing_wall(0.3), fast = facing_wall(0.3, {0.8, 0.0});
+  EXPECT_EQ(once({0.3, 0.0}, slow).reason, FilterReason::kClear);
+  EXPECT_EQ(once({0.3, 0.0}, fast).reason, FilterReason::kStopped);
+}
+
+TEST(SafetyFilter, LimitsTurningInPlaceBesideAWall) {
+  Grid grid = free_grid(6.0);
+  occupy(grid, [](double, double y) { return y > 0.35; });  // 0.06 m beside the robot
+  const Filtered out = once({0.0, 1.0}, at(0.0), as_map(std::move(grid)));
+  EXPECT_LT(out.twist.w, 0.5);
+}
+
+TEST(SafetyFilter, TurnsWhenTheWayAheadIsBlocked) {
+  Grid grid = free_grid(6.0);
+  occupy(grid, [](double x, double y) { return x > 0.5 && x < 0.55 && std::abs(y) < 0.05; });
+  const Filtered out = once({0.8, 0.4}, at(0.5 - kBumper - 0.026), as_map(std::move(grid)));
+  EXPECT_EQ(out.reason, FilterReason::kDeflected);
+  EXPECT_EQ(out.twist.v, 0.0);
+  EXPECT_GT(out.twist.w, 0.05);
+}
+
+TEST(SafetyFilter, BacksOutFromInsideTheMargin) {
+  const RobotState state = facing_wall(0.01);
+  EXPECT_EQ(once({0.8, 0.0}, state).twist, Twist2{});
+  const Filtered out = once({-0.4, 0.0}, state);
+  EXPECT_EQ(out.reason, FilterReason::kBackingOut);
+  EXPECT_EQ(out.twist, (Twist2{-0.4, 0.0}));
+  const Filtered arc = once({-0.4, 0.3}, state);  // would swing a corner if v came later than w
+  EXPECT_EQ(arc.reason, FilterReason::kDeflected);
+  EXPECT_EQ(arc.twist, (Twist2{-0.4, 0.0}));
+}
+
+TEST(SafetyFilter, BacksOutOfAMeasuredContact) {
+  const RobotState state = facing_wall(-0.02);
+  EXPECT_EQ(once({0.8, 0.0}, state).twist, Twist2{});
+  EXPECT_EQ(once({0.1, 0.0}, state).twist, Twist2{});
+  EXPECT_EQ(once({-0.4, 0.0}, state).twist, (Twist2{-0.4, 0.0}));
+}
+
+TEST(SafetyFilter, StopsWithoutACommandAMapOrAPose) {
+  SafetyFilter filter(SafetyFilterParams{}, kMir);
+  EXPECT_EQ(filter.update(at(0.0), 0.0).reason, FilterReason::kNoCommand);
+  filter.on_command({0.5, 0.0}, 0.0);
+  EXPECT_EQ(filter.update(at(0.0), 0.0).reason, FilterReason::kNoMap);
+  filter.on_map(wall_ahead());
+  EXPECT_EQ(filter.update(std::nullopt, 0.0).reason, FilterReason::kNotLocalized);
+  EXPECT_EQ(filter.update(std::nullopt, 0.0).twist, Twist2{});
+  EXPECT_EQ(filter.update(at(-2.0), 0.0).reason, FilterReason::kClear);
+  EXPECT_EQ(filter.update(at(-2.0), 0.16).reason, FilterReason::kNoCommand);
+  EXPECT_EQ(filter.update(at(-2.0), 0.16).twist, Twist2{});
+}
+
+TEST(SafetyFilter, StopsOnAStaleState) {
+  SafetyFilter filter = filter_on(wall_ahead());
+  filter.on_command({0.5, 0.0}, 1.0);
+  const Filtered out = filter.update(at(-2.0), 1.0);  // measured at 0
+  EXPECT_EQ(out.reason, FilterReason::kNotLocalized);
+  EXPECT_EQ(out.twist, Twist2{});
+}
+
+TEST(SafetyFilter, RefusesWhatIsNotFinite) {
+  for (const Twist2 command : {Twist2{kNaN, 0.0}, Twist2{0.1, kNaN}, Twist2{kInf, 0.0}}) {
+    EXPECT_EQ(once(command, at(-2.0)).reason, FilterReason::kNotFinite);
+    EXPECT_EQ(once(command, at(-2.0)).twist, Twist2{});
+  }
+  EXPECT_EQ(once({0.1, 0.0}, at(kNaN)).twist, Twist2{});
+  EXPECT_EQ(once({0.1, 0.0}, at(-2.0, 0.0, 0.0, {kNaN, 0.0})).twist, Twist2{});
+}
+
+TEST(SafetyFilter, OnlyReportsWhileNotEnforcing) {
+  SafetyFilter filter = filter_on(wall_ahead(), {.enforce = false});
+  filter.on_command({0.8, 0.0}, 0.0);
+  const Filtered out = filter.update(facing_wall(0.05), 0.0);
+  EXPECT_EQ(out.twist, (Twist2{0.8, 0.0}));
+  EXPECT_LT(out.safe.v, 0.2);
+  EXPECT_EQ(out.reason, FilterReason::kSlowed);
+  EXPECT_EQ(filter.update(facing_wall(0.05), 0.2).twist, Twist2{});  // silence still stops
+  filter.on_command({kNaN, 0.0}, 0.3);
+  EXPECT_EQ(filter.update(facing_wall(0.05), 0.3).twist, Twist2{});
+}
+
+TEST(SafetyFilterParams, RejectsAParameterOutsideItsRange) {
+  EXPECT_THROW(SafetyFilter({.slip = -0.1}, kMir), std::invalid_argument);
+  RobotParams robot;
+  robot.a_brake = 0.0;
+  EXPECT_THROW(SafetyFilter({}, robot), std::invalid_argument);
+}
+
+// --- in closed loop with the simulated base ------------------------------------------------------
+
+// At speed it stops before the band; pushed on, it creeps up to the hard margin and no further.
+TEST(SafetyFilterLoop, StopsBeforeAWallCloseToTheMargin) {
+  Random random(1);
+  ClosedLoop loop({}, kMir, {}, wall_ahead(), random);
+  loop.start_at({0.0, 0.0, 0.0});
+  for (int i = 0; i < 120; ++i) (void)loop.tick({0.8, 0.0}, 0.05);  // 6 s for 1 m
+  EXPECT_TRUE(loop.stands());
+  const double gap = 1.5 - kBumper - loop.sim().state().X_MB.x;
+  EXPECT_GE(gap, loop.filter().hard_margin());
+  EXPECT_LE(gap, loop.filter().hard_margin() + loop.filter().params().band + 0.005);
+}
+
+TEST(SafetyFilterLoop, HugsAWallWithoutGettingStuck) {
+  Grid grid = free_grid(8.0);
+  occupy(grid, [](double, double y) { return y > 0.5 && y < 0.7; });
+  Random random(2);
+  ClosedLoop loop({}, kMir, {}, as_map(std::move(grid)), random);
+  loop.start_at({-3.0, 0.0, 0.1});
+  for (int i = 0; i < 400; ++i) {  // 20 s, always pushed against the wall on the left
+    const double steer = 1.0 * (0.05 - loop.sim().state().X_MB.theta);
+    (void)loop.tick({0.5, steer}, 0.05);
+  }
+  EXPECT_EQ(loop.sim().contacts().count, 0u);
+  const double stuck_at = loop.sim().state().X_MB.x;
+  for (int i = 0; i < 100; ++i) {  // 5 s straight on and away
+    const double steer = 1.0 * (-0.1 - loop.sim().state().X_MB.theta);
+    (void)loop.tick({0.3, steer}, 0.05);
+  }
+  EXPECT_GT(loop.sim().state().X_MB.x - stuck_at, 0.5);
+}
+
+// Steers along y = 0 with a noisy hand, through a door 0.80 m wide in a wall 0.2 m thick.
+TEST(SafetyFilterLoop, LetsAMirThroughADoorItIsSteeredThrough) {
+  Grid grid = free_grid(8.0);
+  occupy(grid, [](double x, double y) { return std::abs(x) < 0.1 && std::abs(y) > 0.4; });
+  const auto map = as_map(std::move(grid));
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    ClosedLoop loop({}, kMir, {}, map, random);
+    loop.start_at({-2.0, 0.02, 0.02});
+    int changed = 0, ticks = 0;
+    for (; ticks < 200 && loop.sim().state().X_MB.x < 1.0; ++ticks) {
+      const Pose2 X = loop.sim().state().X_MB;
+      const double w = -1.5 * X.theta - 1.5 * X.y + uniform(random, -0.1, 0.1);
+      changed += loop.tick({0.5, w}, 0.05).scale < 1.0 ? 1 : 0;
+    }
+    EXPECT_GE(loop.sim().state().X_MB.x, 1.0) << seed;
+    EXPECT_EQ(loop.sim().contacts().count, 0u);
+    EXPECT_LE(changed, ticks / 20) << seed;
+  }
+}
+
+// Noise, slip and an adversary for a minute each: where measured clearance is below the margin,
+// nothing may add up to a contact.
+TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
+  const auto map = wall_ahead();
+  SafetyFilterParams params;
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    Random random(seed);
+    DiffDriveSimParams sim;
+    sim.max_step = 0.01;
+    sim.drive.slip = params.slip;
+    ClosedLoop loop(params, kMir, sim, map, random);
+    const double side = seed % 2 ? 0.0 : 0.5 * std::numbers::pi;  // nose to the wall, or alongside
+    const double reach = seed % 2 ? kBumper : 0.29;
+    loop.start_at({1.5 - reach - 0.02, 0.0, side});
+    loop.draw_pose_error(true);
+    Adversary adversary(static_cast<Malice>(seed % kMalices), kMir, random);
+    for (int i = 0; i < 1200; ++i)
+      (void)loop.tick(adversary.command(loop.sim().state().X_MB, loop.sim().footprint(), *map),
+                      0.05);
+    EXPECT_EQ(loop.sim().contacts().count, 0u) << seed;
+    EXPECT_GT(loop.sim().min_clearance(), 0.002) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/time.hpp"
+
+namespace tandem::test {
+
+/// A program of the tests' own folder, killed when this goes.
+class ChildProcess {
+ public:
+  ChildProcess(const std::string& program, std::vector<std::string> arguments) {
+    std::string path = folder() + "/" + program;
+    std::vector<char*> argv{path.data()};
+    for (auto& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      execv(path.c_str(), argv.data());
+      _exit(127);
+    }
+  }
+  ~ChildProcess() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  void send(int signal_number) const { kill(pid_, signal_number); }
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+  /// Its exit status if it ends within `timeout` [s]; 128 + n if signal n killed it.
+  [[nodiscard]] std::optional<int> wait(double timeout) {
+    const double end = runtime::steady_seconds() + timeout;
+    int status = 0;
+    while (waitpid(pid_, &status, WNOHANG) != pid_) {
+      if (runtime::steady_seconds() > end) return std::nullopt;
+      usleep(1000);
+    }
+    pid_ = -1;
+    return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  }
+
+  [[nodiscard]] static std::string folder() {
+    char path[4096];
+    const auto size = readlink("/proc/self/exe", path, sizeof path);
+    const std::string program(path, size > 0 ? static_cast<std::size_t>(size) : 0);
+    return program.substr(0, program.rfind('/'));
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+}  // namespace tandem::test

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "support/captured_log.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kStart = -3.2;      // [m] x of the start, heading for the pole at (−2, −2)
+constexpr double kPoleRim = -2.225;  // [m]
+constexpr double kFront = 0.483;     // [m] of the MiR, ahead of base_link
+
+class SimOverDds : public OneComponent {
+ protected:
+  SimOverDds() {
+    odom_in_ = node_.create_subscription(topics::odom, [this](const auto& msg) {
+      odom_ = from_msg(msg).value();
+      frames_ = msg.header().frame_id() + " " + msg.child_frame_id();
+    });
+    truth_in_ = node_.create_subscription(topics::ground_truth, [this](const auto& msg) {
+      truth_ = from_msg(msg).value();
+      ++truths_;
+    });
+    collision_in_ =
+        node_.create_subscription(topics::collision, [this](const auto& msg) { collision_ = msg; });
+    beat_ = node_.create_wall_timer(0.02, [this] {
+      if (push_) command_.publish(to_msg(*push_));
+    });
+  }
+
+  [[nodiscard]] bool stands() const { return std::abs(truth_.twist.v) < 1e-3; }
+  [[nodiscard]] bool wait_until_at_start() {
+    return wait_until([&] {
+      return truths_ > 0 && stands() && is_near(truth_.X.x, kStart) && is_near(odom_.X.x, 0.0);
+    });
+  }
+
+  CapturedLog log_;
+  rt::RunningComponent sim_ =
+      load("diff_drive_sim", {{"map", TANDEM_SOURCE_DIR "/maps/forest.bt"},
+                              {"start", "[" + std::to_string(kStart) + ", -2.0, 0.0]"},
+                              {"command_timeout", "0.4"}});
+  rt::Publisher<geometry_msgs::msg::Twist> command_ = node_.create_publisher(topics::cmd_vel);
+  rt::Subscription odom_in_, truth_in_, collision_in_;
+  rt::Timer beat_;
+
+  std::optional<Twist2> push_;
+  Odometry odom_, truth_;
+  std::string frames_;
+  long truths_ = 0;
+  tandem_msgs::msg::Collision collision_;
+};
+
+TEST_F(SimOverDds, ObeysACommandAndStopsWhenCommandsFallSilent) {
+  ASSERT_TRUE(wait_until_at_start());
+  EXPECT_EQ(frames_, "odom base_link");
+  push_ = {-0.3, 0.5};
+  ASSERT_TRUE(wait_until([&] { return odom_.X.x < -0.1 && odom_.X.theta > 0.1; }));
+  EXPECT_LT(odom_.twist.v, 0.0);
+  push_ = {};
+  EXPECT_TRUE(wait_until([&] { return stands(); }));
+}
+
+TEST_F(SimOverDds, ACommandThatIsNotANumberIsNone) {
+  ASSERT_TRUE(wait_until_at_start());
+  push_ = {-0.3, 0.0};
+  ASSERT_TRUE(wait_until([&] { return truth_.twist.v < -0.2; }));
+  push_ = {kNaN, 0.0};
+  EXPECT_TRUE(wait_until([&] { return stands(); }));
+  EXPECT_GE(log_.lines("cmd_vel is not finite: dropped"), 1);
+  EXPECT_TRUE(std::isfinite(truth_.X.x));
+}
+
+TEST_F(SimOverDds, ResetPutsTheRobotBackToItsStart) {
+  ASSERT_TRUE(wait_until_at_start());
+  push_ = {-0.4, 0.0};
+  ASSERT_TRUE(wait_until([&] { return odom_.X.x < -0.1; }));
+  push_ = {};
+  ASSERT_TRUE(wait_until([&] { return stands(); }));  // no command is under way any more
+  const auto reset =
+      node_.create_client(rt::ServiceName<std_srvs::srv::Trigger>{"/diff_drive_sim/reset"});
+  std::string answer;
+  reset.call({}, [&](const auto& response) {
+    EXPECT_TRUE(response.success());
+    answer = response.message();
+  });
+  ASSERT_TRUE(wait_until([&] { return !answer.empty(); }));
+  EXPECT_EQ(answer, "at the start");
+  EXPECT_TRUE(wait_until_at_start());
+}
+
+TEST_F(SimOverDds, AnInitialPoseMovesTheRobotUnlessItIsNotANumber) {
+  ASSERT_TRUE(wait_until_at_start());
+  const auto put = node_.create_publisher(topics::initial_pose, rt::kLatched);
+  geometry_msgs::msg::PoseWithCovarianceStamped msg;
+  msg.pose().pose(to_msg(Pose2{1.0, kNaN, 0.0}));
+  put.publish(msg);
+  ASSERT_TRUE(wait_until([&] { return log_.lines("initialpose is not finite: dropped") == 1; }));
+  EXPECT_TRUE(is_near(truth_.X.x, kStart));
+  msg.pose().pose(to_msg(Pose2{-4.0, -3.0, 1.0}));
+  put.publish(msg);
+  EXPECT_TRUE(wait_until([&] { return is_near(truth_.X.y, -3.0); }));
+  EXPECT_NEAR(truth_.X.theta, 1.0, 1e-6);
+}
+
+TEST_F(SimOverDds, ReportsAContactUntilTheRobotIsClearAgain) {
+  ASSERT_TRUE(wait_until_at_start());
+  EXPECT_FALSE(collision_.in_contact());
+  push_ = {0.6, 0.0};
+  ASSERT_TRUE(wait_until([&] { return collision_.in_contact(); }));
+  EXPECT_EQ(collision_.count(), 1u);
+  EXPECT_NEAR(collision_.point().x(), kPoleRim, 0.06);  // a cell
+  EXPECT_NEAR(collision_.point().y(), -2.0, 0.3);
+  ASSERT_TRUE(wait_until([&] { return stands(); }));  // pushed on against the pole
+  EXPECT_NEAR(truth_.X.x + kFront, kPoleRim, 0.06);
+  push_ = {-0.4, 0.0};
+  EXPECT_TRUE(wait_until([&] { return !collision_.in_contact(); }));
+  EXPECT_EQ(collision_.count(), 1u);
+}
+
+TEST_F(SimOverDds, ShowsItsClockItsFramesAndWhatItsScannerSees) {
+  std::vector<double> clock;
+  std::optional<Pose2> X_MW, X_WB;
+  sensor_msgs::msg::LaserScan scan;
+  const auto clock_in = node_.create_subscription(
+      topics::clock, [&](const auto& msg) { clock.push_back(rt::to_seconds(msg.clock())); });
+  const auto tf_in = node_.create_subscription(topics::tf, [&](const auto& msg) {
+    X_MW = find_transform(msg, "map", "odom");
+    X_WB = find_transform(msg, "odom", "base_link");
+  });
+  const auto scan_in =
+      node_.create_subscription(topics::scan, [&](const auto& msg) { scan = msg; });
+  ASSERT_TRUE(wait_until([&] { return clock.size() > 10 && X_MW && !scan.ranges().empty(); }));
+  EXPECT_TRUE(std::is_sorted(clock.begin(), clock.end()));
+  ASSERT_TRUE(X_WB);
+  const Pose2 X_MB = compose(*X_MW, *X_WB);
+  EXPECT_NEAR(X_MB.x, kStart, 1e-6);
+  EXPECT_NEAR(X_MB.y, -2.0, 1e-6);
+  EXPECT_EQ(scan.header().frame_id(), "base_link");
+  ASSERT_EQ(scan.ranges().size(), 360u);
+  EXPECT_NEAR(scan.ranges()[180], kPoleRim - kStart, 0.06);  // straight ahead: the pole
+  EXPECT_NEAR(scan.ranges()[0], 5.0 + kStart, 0.06);         // behind: the wall
+}
+
+}  // namespace
+}  // namespace tandem::test

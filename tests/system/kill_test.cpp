@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// A component dies while the robot drives: the robot must stand in time.
+#include "system/system_under_test.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kZeroWithin = 0.2;   // [s] from the kill to a command of zero
+constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
+constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
+constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
+
+class Kill : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Kill, StopsTheRobotInTime) {
+  test::SystemUnderTest system;
+  system.start_all();
+  ASSERT_TRUE(system.wait_until_driving());
+  const double killed_at = system.sim_time, v = system.truth.twist.v, w = system.truth.twist.w;
+  const std::string victim = GetParam();
+  system.kill_hard(victim);
+
+  if (victim != "safety_filter") {  // after the filter nobody speaks: the base's own time-out acts
+    ASSERT_TRUE(system.wait_until([&] { return system.command == Twist2{}; }, 5.0));
+    EXPECT_LE(system.sim_time - killed_at, kZeroWithin + kOdomPeriod);
+  }
+  ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, 5.0));
+  const double braking = std::max(std::abs(v) / kBraking, std::abs(w) / kTurnBraking);
+  EXPECT_LE(system.sim_time - killed_at, kZeroWithin + braking + 2 * kOdomPeriod);
+  EXPECT_EQ(system.collisions, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Components, Kill,
+                         ::testing::Values("teleop", "local_planner", "obstacle_extractor",
+                                           "arbitration", "safety_filter"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(KillMapServer, ChangesNothing) {
+  test::SystemUnderTest system;
+  system.start_all();
+  ASSERT_TRUE(system.wait_until_driving());
+  system.kill_hard("map_server");
+  const double killed_at = system.sim_time;
+  const Pose2 there = system.truth.X;
+  ASSERT_TRUE(system.wait_until([&] { return system.sim_time > killed_at + 3.0; }, 20.0));
+  EXPECT_GT((system.truth.X.position() - there.position()).norm(), 0.5);
+  EXPECT_EQ(system.collisions, 0u);
+}
+
+TEST(KillPlanner, TheOthersSayWhyAndARestartDrivesOn) {
+  test::SystemUnderTest system;
+  system.start_all();
+  ASSERT_TRUE(system.wait_until_driving());
+  system.kill_hard("local_planner");
+  ASSERT_TRUE(system.wait_until(
+      [&] { return system.reason == "cmd_vel_shared is silent" && system.stands(); }, 5.0));
+  system.start("local_planner");
+  EXPECT_TRUE(system.wait_until_driving());
+}
+
+TEST(Terminate, EveryComponentEndsCleanlyOnSigterm) {
+  test::SystemUnderTest system;
+  system.start_all();
+  ASSERT_TRUE(system.wait_until_driving());
+  for (const char* name : test::kComponents) system.process(name).send(SIGTERM);
+  for (const char* name : test::kComponents) EXPECT_EQ(system.process(name).wait(5.0), 0) << name;
+}
+
+}  // namespace
+}  // namespace tandem

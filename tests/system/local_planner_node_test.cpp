@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "support/captured_log.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kBeat = 0.02;  // [s] between two odometries and lists of obstacles
+
+// The planner and, in place of a robot, an integrator of its commands.
+class PlannerOverDds : public OneComponent {
+ protected:
+  // Patient: a busy machine must not look like a silent input. Unlimited: nor like a slow solver.
+  explicit PlannerOverDds(const Values& values = {{"method", "goal"}}) {
+    Values all{{"map_is_odom", "true"}, {"odom_timeout", "0.4"},    {"obstacle_timeout", "0.4"},
+               {"user_timeout", "0.4"}, {"command_timeout", "0.4"}, {"time_budget", "0.0"},
+               {"a_max", "1.0"}};
+    for (const auto& [key, value] : values) all[key] = value;
+    planner_ = std::make_unique<rt::RunningComponent>(load("local_planner", all));
+    command_in_ = node_.create_subscription(topics::cmd_vel_shared, [this](const auto& msg) {
+      command_ = from_msg(msg).value();
+      command_out_.publish(msg);
+    });
+    status_in_ = node_.create_subscription(topics::planner_status,
+                                           [this](const auto& msg) { says_ = msg.status_text(); });
+    beat_ = node_.create_wall_timer(kBeat, [this] { beat(); });
+  }
+
+  void beat() {
+    X_ = integrate(X_, command_, kBeat);
+    const Odometry odometry{sees_nan_ ? Pose2{kNaN, 0.0, 0.0} : X_, command_};
+    odom_.publish(to_msg(odometry, header({}, "odom"), "base_link"));
+    if (sees_obstacles_) obstacles_.publish(to_msg(around_, header({}, "map")));
+    if (user_) user_out_.publish(to_msg(*user_));
+  }
+  // A wall across the way, 8 m wide and 1 m thick.
+  static Obstacle wall_at(double x) {
+    return {.p_MO = {x, 0.0}, .a = 4.0, .b = 0.5, .angle = 0.5 * std::numbers::pi};
+  }
+  void send_goal(const Pose2& X_MG) { goal_.publish(to_msg(X_MG, header({}, "map"))); }
+  [[nodiscard]] bool wait_until_driving() {
+    send_goal({5.0, 0.0, 0.0});
+    return wait_until([&] { return command_.v > 0.2; });
+  }
+  [[nodiscard]] bool wait_until_standing(const std::string& because) {
+    return wait_until(
+        [&] { return command_ == Twist2{} && says_.find(because) != std::string::npos; });
+  }
+
+  CapturedLog log_;
+  std::unique_ptr<rt::RunningComponent> planner_;
+  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
+  rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_ =
+      node_.create_publisher(topics::obstacles);
+  rt::Publisher<geometry_msgs::msg::PoseStamped> goal_ =
+      node_.create_publisher(topics::goal_pose, rt::kLatched);
+  rt::Publisher<geometry_msgs::msg::Twist> command_out_ = node_.create_publisher(topics::cmd_vel);
+  rt::Publisher<geometry_msgs::msg::Twist> user_out_ = node_.create_publisher(topics::cmd_vel_user);
+  rt::Subscription command_in_, status_in_;
+  rt::Timer beat_;
+
+  Pose2 X_;
+  Twist2 command_;
+  std::string says_;
+  bool sees_obstacles_ = true, sees_nan_ = false;
+  std::vector<Obstacle> around_;
+  std::optional<Twist2> user_;
+};
+
+TEST_F(PlannerOverDds, StandsUntilThereIsAGoalAndThenDrivesThere) {
+  ASSERT_TRUE(wait_until_standing("no goal_pose yet"));
+  EXPECT_EQ(X_, Pose2{});
+  std::size_t planned = 0;
+  const auto plan = node_.create_subscription(
+      topics::plan, [&](const auto& msg) { planned = msg.poses().size(); });
+  send_goal({0.8, 0.0, 0.0});
+  EXPECT_TRUE(wait_until([&] { return std::abs(X_.x - 0.8) < 0.1 && command_.v < 0.1; }));
+  EXPECT_TRUE(wait_until([&] { return planned == 16; }));  // the default horizon
+}
+
+// How well it keeps off a wall is asked of the core: a busy machine adds delays that no robot has.
+TEST_F(PlannerOverDds, SlowsDownForAWallInItsWay) {
+  around_ = {wall_at(2.0)};
+  send_goal({5.0, 0.0, 0.0});
+  ASSERT_TRUE(wait_until([&] { return X_.x > 0.4 && command_.v > 0.0; }));
+  EXPECT_TRUE(wait_until([&] { return command_.v < 0.25; }));
+  EXPECT_LT(X_.x, 2.0);
+}
+
+TEST_F(PlannerOverDds, SilentObstaclesAreAReasonToStand) {
+  ASSERT_TRUE(wait_until_driving());
+  sees_obstacles_ = false;
+  EXPECT_TRUE(wait_until_standing("obstacles are silent"));
+  sees_obstacles_ = true;
+  EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
+}
+
+TEST_F(PlannerOverDds, OdometryThatIsNotANumberIsNone) {
+  ASSERT_TRUE(wait_until_driving());
+  sees_nan_ = true;
+  EXPECT_TRUE(wait_until_standing("not localised"));
+  EXPECT_GE(log_.lines("odom is not finite: dropped"), 1);
+}
+
+TEST_F(PlannerOverDds, RefusesAGoalThatIsNotANumberAndKeepsTheOldOne) {
+  send_goal({kNaN, 0.0, 0.0});
+  ASSERT_TRUE(wait_until([&] { return log_.lines("goal_pose is not finite: dropped") == 1; }));
+  ASSERT_TRUE(wait_until_standing("no goal_pose yet"));
+  ASSERT_TRUE(wait_until_driving());
+  send_goal({5.0, 0.0, kNaN});
+  const double before = X_.x;
+  EXPECT_TRUE(wait_until([&] { return X_.x > before + 0.5 && command_.v > 0.2; }));
+}
+
+TEST_F(PlannerOverDds, AnObstacleThatIsNotANumberIsDroppedAndTheOthersStay) {
+  ASSERT_TRUE(wait_until_driving());
+  around_ = {{.p_MO = {kNaN, 0.0}, .a = 1.0, .b = 1.0}, wall_at(X_.x + 2.5)};
+  const double wall = X_.x + 2.5;
+  ASSERT_TRUE(wait_until([&] { return log_.lines("1 obstacles are not finite") > 0; }));
+  EXPECT_TRUE(wait_until([&] { return command_.v < 0.25; }));
+  EXPECT_LT(X_.x, wall);
+}
+
+class PlannerWithLocaliser : public PlannerOverDds {
+ protected:
+  PlannerWithLocaliser() : PlannerOverDds{{{"method", "goal"}, {"map_is_odom", "false"}}} {}
+};
+
+TEST_F(PlannerWithLocaliser, StandsUntilTheRobotIsLocalised) {
+  send_goal({5.0, 0.0, 0.0});
+  ASSERT_TRUE(wait_until_standing("not localised"));
+  EXPECT_EQ(X_, Pose2{});
+  const auto tf = node_.create_publisher(topics::tf);
+  tf2_msgs::msg::TFMessage msg;
+  msg.transforms().push_back(to_transform({}, header({}, "map"), "odom"));
+  const auto localiser = node_.create_wall_timer(kBeat, [&] { tf.publish(msg); });
+  EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
+}
+
+class IntentionOverDds : public PlannerOverDds {
+ protected:
+  IntentionOverDds() : PlannerOverDds{{{"method", "intention"}}} {}
+};
+
+TEST_F(IntentionOverDds, DoesWhatThePersonAsksAndStandsWhenTheyFallSilent) {
+  ASSERT_TRUE(wait_until_standing("cmd_vel_user is silent"));
+  user_ = {0.4, 0.0};
+  ASSERT_TRUE(wait_until([&] { return std::abs(command_.v - 0.4) < 0.02; }));
+  user_ = {kNaN, 0.0};  // no command at all
+  EXPECT_TRUE(wait_until_standing("cmd_vel_user is silent"));
+}
+
+class LeaderOverDds : public PlannerOverDds {
+ protected:
+  LeaderOverDds() : PlannerOverDds{{{"method", "leader"}}} {}
+};
+
+TEST_F(LeaderOverDds, FollowsTheLeaderAndStandsWhenItFallsSilent) {
+  ASSERT_TRUE(wait_until_standing("leader_pose is silent"));
+  const auto leader = node_.create_publisher(topics::leader_pose);
+  auto lead = node_.create_wall_timer(kBeat, [&] {
+    leader.publish(to_msg(Pose2{X_.x + 1.0, 0.0, 0.0}, header({}, "map")));
+  });
+  ASSERT_TRUE(wait_until([&] { return command_.v > 0.2; }));
+  lead = {};
+  EXPECT_TRUE(wait_until_standing("leader_pose is silent"));
+}
+
+}  // namespace
+}  // namespace tandem::test

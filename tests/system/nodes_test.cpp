@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Single nodes over real DDS: what they do with what arrives, good and bad.
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "map/octomap_file.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+class ArbitrationOverDds : public OneComponent {
+ protected:
+  ArbitrationOverDds() {
+    out_ = node_.create_subscription(topics::cmd_vel_arbitrated, [this](const auto& msg) {
+      v_ = msg.linear().x();
+      ++commands_;
+    });
+    status_ = node_.create_subscription(topics::arbitration_status,
+                                        [this](const auto& msg) { reason_ = msg.reason(); });
+    push_ = node_.create_wall_timer(0.03, [this] { user_.publish(to_msg(Twist2{push_v_, 0.0})); });
+  }
+
+  rt::RunningComponent arbitration_ = rt::load_component(
+      "arbitration", options("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}}));
+  rt::Publisher<geometry_msgs::msg::Twist> user_ = node_.create_publisher(topics::cmd_vel_user);
+  rt::Subscription out_, status_;
+  rt::Timer push_;
+  double push_v_ = 0.5, v_ = 0.0;
+  long commands_ = 0;
+  std::string reason_;
+};
+
+TEST_F(ArbitrationOverDds, PassesThePersonOnAndStopsWhenTheyFallSilent) {
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
+  push_ = {};
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0; }));
+  EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
+}
+
+TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsNoCommand) {
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
+  push_v_ = kNaN;
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
+}
+
+TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
+  const rt::Client<std_srvs::srv::Trigger> client = node_.create_client(
+      rt::ServiceName<std_srvs::srv::Trigger>{"/arbitration/release_emergency_stop"});
+  for (const rt::QoS& qos : {rt::kLatched, rt::kDefault, rt::kBestEffort(1)}) {
+    ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
+    const auto button = node_.create_publisher(topics::e_stop, qos);
+    ASSERT_TRUE(wait_until([&] { return button.matched() > 0; }));
+    std_msgs::msg::Bool pressed;
+    pressed.data(true);
+    button.publish(pressed);
+    ASSERT_TRUE(wait_until([&] { return v_ == 0.0; }));
+    EXPECT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+    pressed.data(false);
+    button.publish(pressed);
+    bool released = false;
+    while (!released) {  // `false` and the request travel on different topics
+      bool answered = false;
+      client.call({}, [&](const auto& response) {
+        released = response.success();
+        answered = true;
+      });
+      ASSERT_TRUE(wait_until([&] { return answered; }));
+    }
+  }
+}
+
+TEST_F(ArbitrationOverDds, PolicyChangesByServiceAndABadOneIsRefused) {
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
+  const auto client =
+      node_.create_client(rt::ServiceName<tandem_msgs::srv::SetPolicy>{"/arbitration/set_policy"});
+  tandem_msgs::srv::SetPolicy_Request request;
+  std::string answer;
+  request.policy("anarchy");
+  client.call(request, [&](const auto& response) { answer = response.message(); });
+  ASSERT_TRUE(wait_until([&] { return !answer.empty(); }));
+  EXPECT_NE(answer.find("manual, shared, blend, autonomous"), std::string::npos);
+  EXPECT_EQ(v_, 0.5);
+  request.policy("shared");
+  client.call(request, [](const auto&) {});
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));  // no planner here
+}
+
+class FilterOverDds : public OneComponent {
+ protected:
+  FilterOverDds() {
+    out_ = node_.create_subscription(topics::cmd_vel,
+                                     [this](const auto& msg) { v_ = msg.linear().x(); });
+    status_ = node_.create_subscription(topics::filter_status,
+                                        [this](const auto& msg) { reason_ = msg.reason(); });
+    beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
+  }
+  void beat() {
+    odom_.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
+    command_.publish(to_msg(Twist2{push_v_, 0.0}));
+  }
+  void send_map(std::vector<std::int8_t> data) {
+    octomap_msgs::msg::Octomap msg;
+    msg.binary(true);
+    msg.id("OcTree");
+    msg.resolution(0.05);
+    msg.data(std::move(data));
+    map_.publish(msg);
+  }
+
+  rt::RunningComponent filter_ =
+      rt::load_component("safety_filter", options("safety_filter", {{"map_is_odom", "true"}}));
+  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
+  rt::Publisher<geometry_msgs::msg::Twist> command_ =
+      node_.create_publisher(topics::cmd_vel_arbitrated);
+  rt::Publisher<octomap_msgs::msg::Octomap> map_ = node_.create_publisher(topics::octomap_binary);
+  rt::Subscription out_, status_;
+  rt::Timer beat_;
+  double push_v_ = 0.3, v_ = -1.0;
+  std::string reason_;
+};
+
+TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "no map"; }));
+  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
+}
+
+TEST_F(FilterOverDds, KeepsTheOldMapWhenTheNewOneIsBroken) {
+  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  send_map(std::vector<std::int8_t>(1000, 0x55));
+  v_ = -1.0;
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.3; }));
+}
+
+TEST_F(FilterOverDds, StopsForACommandThatIsNotANumberAndForLostOdometry) {
+  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  push_v_ = kNaN;
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0; }));
+  push_v_ = 0.3;
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  beat_ = node_.create_wall_timer(0.02, [this] { command_.publish(to_msg(Twist2{0.3, 0.0})); });
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
+}
+
+TEST_F(OneComponent, ARobotNeverRunsWithoutItsFilterEnforcing) {
+  EXPECT_THROW(
+      (void)rt::load_component("safety_filter", options("safety_filter", {{"enforce", "false"}})),
+      std::invalid_argument);
+}
+
+TEST_F(OneComponent, AParameterOutOfRangeStopsTheStartAndNamesIt) {
+  try {
+    (void)rt::load_component("local_planner", options("local_planner", {{"v_max", "99.0"}}));
+    FAIL() << "started";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("v_max"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(OneComponent, AMapThatIsMissingStopsTheStart) {
+  EXPECT_THROW(
+      (void)rt::load_component("map_server", options("map_server", {{"map", "/no/such.bt"}})),
+      std::runtime_error);
+}
+
+}  // namespace
+}  // namespace tandem::test

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "map/octomap_file.hpp"
+#include "support/captured_log.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+const Pose2 kRobot{-3.0, -3.0, 0.0};
+const Eigen::Vector2d kPole{-2.0, -2.0}, kFarPole{3.0, 4.0};  // of the forest
+
+class ExtractorOverDds : public OneComponent {
+ protected:
+  ExtractorOverDds() {
+    lists_in_ = node_.create_subscription(topics::obstacles, [this](const auto& msg) {
+      seen_ = from_msg(msg).all;
+      frame_ = msg.header().frame_id();
+      ++lists_;
+    });
+    beat_ = node_.create_wall_timer(0.02, [this] { odom_.publish(odometry_); });
+  }
+
+  static nav_msgs::msg::Odometry odometry(const Pose2& X) {
+    return to_msg(Odometry{X, {}}, header({}, "odom"), "base_link");
+  }
+  static octomap_msgs::msg::Octomap octomap(std::vector<std::int8_t> data) {
+    octomap_msgs::msg::Octomap msg;
+    msg.binary(true);
+    msg.id("OcTree");
+    msg.resolution(0.05);
+    msg.data(std::move(data));
+    return msg;
+  }
+  static octomap_msgs::msg::Octomap forest() {
+    return octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/forest.bt")));
+  }
+  [[nodiscard]] bool covered(const Eigen::Vector2d& p_MQ) const {
+    return std::any_of(seen_.begin(), seen_.end(),
+                       [&](const Obstacle& o) { return level(o, p_MQ) <= 1.0; });
+  }
+  [[nodiscard]] bool wait_for_lists(long more) {
+    const long before = lists_;
+    return wait_until([&] { return lists_ >= before + more; });
+  }
+
+  CapturedLog log_;
+  rt::RunningComponent extractor_ = load("obstacle_extractor", {{"map_is_odom", "true"}});
+  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
+  rt::Publisher<octomap_msgs::msg::Octomap> map_ = node_.create_publisher(topics::octomap_binary);
+  rt::Subscription lists_in_;
+  rt::Timer beat_;
+  nav_msgs::msg::Odometry odometry_ = odometry(kRobot);
+
+  std::vector<Obstacle> seen_;
+  std::string frame_;
+  long lists_ = 0;
+};
+
+TEST_F(ExtractorOverDds, ListsWhatTheMapHoldsNearTheRobot) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  EXPECT_EQ(frame_, "map");
+  EXPECT_TRUE(covered(kPole));
+  EXPECT_FALSE(covered(kRobot.position()));
+  EXPECT_FALSE(covered(kFarPole));
+  odometry_ = odometry({2.0, 3.0, 0.0});
+  EXPECT_TRUE(wait_until([&] { return covered(kFarPole); }));
+}
+
+TEST_F(ExtractorOverDds, DrawsWhatItLists) {
+  std::size_t drawn = 0;
+  const auto markers = node_.create_subscription(
+      topics::obstacle_markers, [&](const auto& msg) { drawn = msg.markers().size(); });
+  map_.publish(forest());
+  ASSERT_TRUE(wait_until([&] { return drawn > 0 && lists_ > 0; }));
+  EXPECT_EQ(drawn, seen_.size() + 1);  // one deletes the old ones
+}
+
+TEST_F(ExtractorOverDds, IsSilentWithoutAMap) {
+  EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: no map yet") > 0; }));
+  EXPECT_EQ(lists_, 0);
+}
+
+struct Damage {
+  const char* name;
+  octomap_msgs::msg::Octomap (*to)(octomap_msgs::msg::Octomap forest);
+};
+
+class BrokenMap : public ExtractorOverDds, public ::testing::WithParamInterface<Damage> {};
+
+TEST_P(BrokenMap, IsRefusedWithOneErrorAndTheOldOneStays) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  map_.publish(GetParam().to(forest()));
+  ASSERT_TRUE(wait_until([&] { return log_.lines("octomap_binary refused: ") == 1; }));
+  ASSERT_TRUE(wait_for_lists(15));  // more than were under way
+  EXPECT_EQ(log_.lines("[error]"), 1) << log_.text();
+  EXPECT_TRUE(covered(kPole));
+}
+
+INSTANTIATE_TEST_SUITE_P(Damages, BrokenMap,
+                         ::testing::Values(Damage{"other_type",
+                                                  [](auto map) {
+                                                    map.id("ColorOcTree");
+                                                    return map;
+                                                  }},
+                                           Damage{"resolution_nan",
+                                                  [](auto map) {
+                                                    map.resolution(kNaN);
+                                                    return map;
+                                                  }},
+                                           Damage{"cut_off",
+                                                  [](auto map) {
+                                                    map.data().resize(map.data().size() / 2);
+                                                    return map;
+                                                  }},
+                                           Damage{"empty",
+                                                  [](auto map) {
+                                                    map.data().clear();
+                                                    return map;
+                                                  }},
+                                           Damage{"noise",
+                                                  [](auto map) {
+                                                    map.data().assign(1000, 0x55);
+                                                    return map;
+                                                  }}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(ExtractorOverDds, FallsSilentWithOdometry) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  beat_ = {};
+  const std::string reason = "no obstacles: not localised";
+  const int said = log_.lines(reason);  // on a busy machine the map may have come before odometry
+  ASSERT_TRUE(wait_until([&] { return log_.lines(reason) == said + 1; }));
+  const long heard = lists_;
+  ASSERT_TRUE(wait_until([&] { return log_.lines(reason) == said + 2; }));  // a second later
+  EXPECT_LT(lists_, heard + 20);  // those under way; who goes on says 40 in that time
+}
+
+TEST_F(ExtractorOverDds, OdometryThatIsNotANumberIsNone) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  odometry_ = odometry({kNaN, 0.0, 0.0});
+  EXPECT_TRUE(wait_until([&] { return log_.lines("odom is not finite: dropped") > 0; }));
+  EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: not localised") > 0; }));
+}
+
+}  // namespace
+}  // namespace tandem::test

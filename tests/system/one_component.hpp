@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// One component over real DDS in this process, and a node beside it that talks to it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "convert.hpp"
+#include "runtime/component.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+#include "topics.hpp"
+
+namespace tandem::test {
+
+inline constexpr double kTimeout = 10.0;  // [s]
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+using Values = std::map<std::string, std::string>;
+
+inline rt::NodeOptions options(const std::string& name, const Values& parameters = {}) {
+  rt::NodeOptions options;
+  options.name = name;
+  for (const auto& [key, value] : parameters) options.parameters.values[key] = {value, "test"};
+  return options;
+}
+
+class OneComponent : public ::testing::Test {
+ protected:
+  OneComponent() { setenv("TANDEM_COMPONENT_PATH", TANDEM_BINARY_DIR, 1); }
+
+  [[nodiscard]] static rt::RunningComponent load(const std::string& name, const Values& values) {
+    return rt::load_component(name, options(name, values));
+  }
+
+  template <class Predicate>
+  [[nodiscard]] bool wait_until(Predicate predicate) {
+    return spin_until(predicate, kTimeout, node_);
+  }
+
+  rt::Node node_{"tester"};
+};
+
+inline bool is_near(double a, double b) { return std::abs(a - b) < 1e-6; }
+
+}  // namespace tandem::test

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as its user runs it: scenarios over DDS and in lockstep, and what it says of bad
+// input.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/captured_log.hpp"
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ScenarioProgram : public ::testing::Test {
+ protected:
+  ScenarioProgram() { fs::create_directories(folder_); }
+  ~ScenarioProgram() override { fs::remove_all(folder_); }
+
+  // Runs `tandem scenario` and returns its exit status.
+  int run(const std::string& scenario, std::vector<std::string> options, double timeout = 150.0) {
+    std::vector<std::string> arguments{"scenario",
+                                       TANDEM_SOURCE_DIR "/bringup/scenarios/" + scenario + ".yaml",
+                                       "--json", json_file().string()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    test::ChildProcess program{"../tandem", arguments};
+    return program.wait(timeout).value_or(-1);
+  }
+  [[nodiscard]] nlohmann::json json() const {
+    std::ifstream in{json_file()};
+    return nlohmann::json::parse(in);
+  }
+  [[nodiscard]] fs::path json_file() const { return folder_ / "result.json"; }
+
+  fs::path folder_ = fs::temp_directory_path() / ("tandem_scenario_" + std::to_string(getpid()));
+};
+
+TEST_F(ScenarioProgram, LeaderReachesTheRegionOverDds) {
+  ASSERT_EQ(run("forest_task2", {"--dds", "--picture", folder_.string()}), 0);
+  const auto drive = json().at(0);
+  EXPECT_EQ(drive.at("reached"), true);
+  EXPECT_EQ(drive.at("collisions"), 0);
+  EXPECT_EQ(drive.at("lockstep"), false);
+  EXPECT_GT(drive.at("plan_ms").at("p50"), 0.0);
+  EXPECT_GT(fs::file_size(folder_ / "forest_task2_leader_1.png"), 10'000u);
+}
+
+struct Drive {
+  const char *scenario, *method, *speed;
+};
+
+// One seed of each scenario by the real nodes. The long one runs at twice real time by /clock.
+class OverDds : public ScenarioProgram, public ::testing::WithParamInterface<Drive> {};
+
+TEST_P(OverDds, HoldsWhatTheScenarioExpects) {
+  const Drive& drive = GetParam();
+  ASSERT_EQ(run(drive.scenario, {"--dds", "--method", drive.method, "--speed", drive.speed}), 0);
+  const auto result = json().at(0);
+  EXPECT_EQ(result.at("collisions"), 0);
+  if (result.at("plans") == 0) return;
+  EXPECT_LE(result.at("plan_fallbacks").get<double>(), 0.01 * result.at("plans").get<double>());
+  EXPECT_EQ(result.at("plan_overruns"), 0);
+}
+
+#if defined(__SANITIZE_ADDRESS__)  // slow code misses its deadlines: only that it drives
+INSTANTIATE_TEST_SUITE_P(Sanitized, OverDds,
+                         ::testing::Values(Drive{"corridor", "safety_filter", "1"}),
+                         [](const auto&) { return "corridor"; });
+#else
+INSTANTIATE_TEST_SUITE_P(
+    Scenarios, OverDds,
+    ::testing::Values(Drive{"forest_task2", "intention", "1"}, Drive{"forest_task2", "blend", "1"},
+                      Drive{"forest_task1", "leader", "2"}, Drive{"corridor", "leader", "1"},
+                      Drive{"corridor", "safety_filter", "1"}, Drive{"slalom", "leader", "1"},
+                      Drive{"table_3_1", "goal", "1"}, Drive{"table_3_2", "goal", "1"}),
+    [](const auto& test) { return std::string(test.param.scenario) + "_" + test.param.method; });
+#endif
+
+TEST_F(ScenarioProgram, SameSeedGivesTheSameDriveBitForBit) {
+  ASSERT_EQ(run("forest_task2", {"--lockstep", "--seed", "3"}), 0);
+  const auto first = json().at(0);
+  ASSERT_EQ(run("forest_task2", {"--lockstep", "--seed", "3"}), 0);
+  const auto second = json().at(0);
+  for (const char* key : {"time_to_goal_s", "min_clearance_m", "path_length_m", "obedience_rms"})
+    EXPECT_EQ(first.at(key).get<double>(), second.at(key).get<double>()) << key;
+}
+
+TEST_F(ScenarioProgram, WritesEveryMeasureItPromises) {
+  ASSERT_EQ(run("forest_task2", {"--lockstep", "--method", "safety_filter"}), 0);
+  const auto drive = json().at(0);
+  for (const char* key :
+       {"scenario", "map", "method", "driver", "seed", "lockstep", "reached", "time_to_goal_s",
+        "simulated_s", "wall_s", "collisions", "min_clearance_m", "path_length_m", "obedience_rms",
+        "filter_interventions", "stuck_s", "final_position_error_m", "plan_ms", "plan_fallbacks"})
+    EXPECT_TRUE(drive.contains(key)) << key;
+  for (const char* key : {"p50", "p95", "p99", "max"})
+    EXPECT_TRUE(drive.at("plan_ms").at(key).is_number()) << key;
+}
+
+TEST_F(ScenarioProgram, TheLastPictureFolderNamedIsTheOneThatCounts) {
+  const fs::path first = folder_ / "first", last = folder_ / "last";
+  ASSERT_EQ(run("forest_task2", {"--lockstep", "--method", "safety_filter", "--picture",
+                                 first.string(), "--picture", last.string()}),
+            0);
+  EXPECT_TRUE(fs::exists(last / "forest_task2_safety_filter_1.png"));
+  EXPECT_FALSE(fs::exists(first));
+}
+
+TEST_F(ScenarioProgram, ExitsWithOneWhenWhatMustHoldDidNot) {
+  const fs::path file = folder_ / "impossible.yaml";
+  std::ofstream{file} << "scenario: impossible\nmap: " TANDEM_SOURCE_DIR
+                         "/maps/forest.bt\n"
+                         "robot: " TANDEM_SOURCE_DIR
+                         "/bringup/robots/mir100.yaml\n"
+                         "start: [-4, -4, 0]\ngoal: {region: [3, 1.5, 5, 3.5]}\n"
+                         "method: safety_filter\nduration: 1\n"
+                         "parameters: {driver: {route: [4, 2.5]}}\n";
+  test::ChildProcess program{"../tandem", {"scenario", file.string(), "--lockstep"}};
+  EXPECT_EQ(program.wait(20.0), 1);
+}
+
+TEST_F(ScenarioProgram, RefusesFilesThatAreNotThere) {
+  EXPECT_EQ(run("nowhere", {"--lockstep"}, 20.0), 1);
+  EXPECT_EQ(run("forest_task2", {"--lockstep", "--map", "/nowhere.bt"}, 20.0), 1);
+  for (const char* command : {"run", "map"}) {
+    test::ChildProcess program{"../tandem", {command, "/nowhere.yaml"}};
+    EXPECT_EQ(program.wait(20.0), 1) << command;
+  }
+}
+
+struct BadOption {
+  const char* name;
+  std::vector<std::string> words;
+  const char* complaint;
+};
+
+class BadOptions : public ScenarioProgram, public ::testing::WithParamInterface<BadOption> {};
+
+TEST_P(BadOptions, AreRefusedInOneLineBeforeAnythingMoves) {
+  const test::CapturedLog log;
+  EXPECT_EQ(run("forest_task2", GetParam().words, 20.0), 1);
+  EXPECT_NE(log.text().find(GetParam().complaint), std::string::npos) << log.text();
+  EXPECT_EQ(log.lines("tandem: "), 1) << log.text();
+  EXPECT_FALSE(fs::exists(json_file()));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Words, BadOptions,
+    ::testing::Values(
+        BadOption{"method", {"--lockstep", "--method", "magic"}, "method `magic` is none of"},
+        BadOption{"goal_without_pose", {"--method", "goal"}, "method `goal` needs goal: {pose:"},
+        BadOption{"seed", {"--lockstep", "--seed", "4294967295"}, "above the largest, 2147483647"},
+        BadOption{"seeds", {"--lockstep", "--seeds", "1-2x"}, "--seeds 1-2x: expected A-B"},
+        BadOption{"many_seeds", {"--lockstep", "--seeds", "1-4000000000"}, "100000 at most"},
+        BadOption{"speed", {"--speed", "0"}, "speed_factor = 0 outside"},
+        BadOption{"picture", {"--picture", "/dev/null"}, "--picture /dev/null: "}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(ScenarioProgram, KnowsBeforeTheDriveThatItsResultCannotBeWritten) {
+  const test::CapturedLog log;
+  test::ChildProcess program{"../tandem",
+                             {"scenario", TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml",
+                              "--json", "/no/such/folder.json"}};
+  EXPECT_EQ(program.wait(20.0), 1);
+  EXPECT_EQ(log.lines("--json /no/such/folder.json: cannot be written"), 1) << log.text();
+}
+
+TEST_F(ScenarioProgram, NamesACommandThatDoesNotExist) {
+  const test::CapturedLog log;
+  for (const auto& words : std::vector<std::vector<std::string>>{{"scenarios"}, {"map", "draw"}}) {
+    test::ChildProcess program{"../tandem", words};
+    EXPECT_EQ(program.wait(20.0), 1);
+    EXPECT_EQ(log.lines("tandem: no command '" + words.back() + "'"), 1) << log.text();
+  }
+}
+
+class BrokenMap : public ScenarioProgram, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
+  const fs::path map = folder_ / "broken.bt";
+  const std::string kind = GetParam();
+  if (kind == "empty") std::ofstream{map};
+  if (kind == "text") std::ofstream{map} << "not a map\n";
+  if (kind == "truncated") {
+    std::ifstream in{TANDEM_SOURCE_DIR "/maps/forest.bt", std::ios::binary};
+    std::string bytes{std::istreambuf_iterator<char>{in}, {}};
+    std::ofstream{map, std::ios::binary} << bytes.substr(0, bytes.size() / 2);
+  }
+  EXPECT_EQ(run("forest_task2", {"--lockstep", "--map", map.string()}, 20.0), 1);
+  EXPECT_EQ(run("forest_task2", {"--dds", "--map", map.string()}, 20.0), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::Values("empty", "text", "truncated"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace tandem

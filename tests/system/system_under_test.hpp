@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The forest system, one process per component, and a watcher beside it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "convert.hpp"
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+#include "topics.hpp"
+
+namespace tandem::test {
+
+inline const char* const kComponents[] = {"map_server",         "driver",        "teleop",
+                                          "obstacle_extractor", "local_planner", "arbitration",
+                                          "safety_filter",      "diff_drive_sim"};
+
+class SystemUnderTest {
+ public:
+  SystemUnderTest() {
+    cmd_vel_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
+      const auto twist = from_msg(msg);
+      if (twist) command = *twist;
+      ++commands;
+    });
+    truth_ = node_.create_subscription(topics::ground_truth, [this](const auto& msg) {
+      const auto odometry = from_msg(msg);
+      if (odometry) truth = *odometry;
+      sim_time = rt::to_seconds(msg.header().stamp());
+    });
+    collision_ = node_.create_subscription(topics::collision,
+                                           [this](const auto& msg) { collisions = msg.count(); });
+    arbitration_ = node_.create_subscription(topics::arbitration_status,
+                                             [this](const auto& msg) { reason = msg.reason(); });
+    planner_ = node_.create_subscription(
+        topics::planner_status, [this](const auto& msg) { planner_says = msg.status_text(); });
+  }
+
+  void start_all() {
+    for (const char* name : kComponents) start(name);
+  }
+  void start(const std::string& name) {
+    children_[name] = std::make_unique<ChildProcess>(
+        "../tandem", std::vector<std::string>{
+                         "run", TANDEM_SOURCE_DIR "/bringup/systems/forest.yaml", "--only", name});
+  }
+  void kill_hard(const std::string& name) {
+    children_.at(name)->send(SIGKILL);
+    (void)children_.at(name)->wait(2.0);
+  }
+  [[nodiscard]] ChildProcess& process(const std::string& name) { return *children_.at(name); }
+
+  [[nodiscard]] bool wait_until(const std::function<bool()>& done, double timeout) {
+    return spin_until(done, timeout, node_);
+  }
+  /// Waits until the robot drives straight enough and fast enough to be worth stopping.
+  [[nodiscard]] bool wait_until_driving() {
+    return wait_until([this] { return truth.twist.v > 0.4 && command.v > 0.4; }, 40.0);
+  }
+  [[nodiscard]] bool stands() const {
+    return std::abs(truth.twist.v) < 0.03 && std::abs(truth.twist.w) < 0.05;
+  }
+
+  Twist2 command;
+  long commands = 0;
+  Odometry truth;
+  double sim_time = 0.0;
+  unsigned collisions = 0;
+  std::string reason, planner_says;
+
+ private:
+  rt::Node node_{"watcher"};
+  rt::Subscription cmd_vel_, truth_, collision_, arbitration_, planner_;
+  std::map<std::string, std::unique_ptr<ChildProcess>> children_;
+};
+
+}  // namespace tandem::test

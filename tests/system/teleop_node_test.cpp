@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <vector>
+
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kLeash = 0.4;      // [m]
+constexpr double kScale = 0.8;      // of either axis, the default
+const Pose2 kRobot{1.0, 2.0, 0.0};  // where odometry says it stands
+
+class TeleopOverDds : public OneComponent {
+ protected:
+  explicit TeleopOverDds(const Values& values = {{"map_is_odom", "true"}}) {
+    Values all{{"leash", std::to_string(kLeash)}, {"joy_timeout", "0.3"}};
+    all.insert(values.begin(), values.end());
+    teleop_ = std::make_unique<rt::RunningComponent>(load("teleop", all));
+    user_ = node_.create_subscription(topics::cmd_vel_user, [this](const auto& msg) {
+      twist_ = {msg.linear().x(), msg.angular().z()};
+      ++commands_;
+    });
+    leader_ = node_.create_subscription(topics::leader_pose, [this](const auto& msg) {
+      leads_.push_back(from_msg(msg.pose()).value());
+      leader_frame_ = msg.header().frame_id();
+    });
+    markers_ = node_.create_subscription(topics::leader_markers,
+                                         [this](const auto& msg) { drawn_ = msg; });
+    end_ = node_.create_subscription(topics::end_sim,
+                                     [this](const auto& msg) { ends_ += msg.data() ? 1 : 0; });
+    beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
+  }
+
+  void beat() {
+    odom_.publish(to_msg(Odometry{kRobot, {}}, header({}, "odom"), "base_link"));
+    sensor_msgs::msg::Joy msg;
+    msg.axes(axes_);
+    msg.buttons(buttons_);
+    if (holds_joystick_) joy_.publish(msg);
+  }
+  [[nodiscard]] bool wait_for(double v, double w) {
+    return wait_until([&] { return is_near(twist_.v, v) && is_near(twist_.w, w); });
+  }
+
+  std::unique_ptr<rt::RunningComponent> teleop_;
+  rt::Publisher<sensor_msgs::msg::Joy> joy_ = node_.create_publisher(topics::joy);
+  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
+  rt::Subscription user_, leader_, markers_, end_;
+  rt::Timer beat_;
+
+  bool holds_joystick_ = true;
+  std::vector<float> axes_{-0.5f, 1.0f};  // right, ahead
+  std::vector<int> buttons_{1, 0};        // dead-man, end
+  Twist2 twist_;
+  long commands_ = 0;
+  int ends_ = 0;
+  std::vector<Pose2> leads_;
+  std::string leader_frame_;
+  visualization_msgs::msg::MarkerArray drawn_;
+};
+
+TEST_F(TeleopOverDds, DrivesWhileTheDeadManIsHeldAndSaysOneZeroAtItsRelease) {
+  axes_ = {-1.0f, 1.0f};
+  ASSERT_TRUE(wait_for(kScale, -kScale));
+  buttons_ = {0, 0};
+  ASSERT_TRUE(wait_for(0.0, 0.0));
+  const long until_release = commands_;
+  buttons_ = {0, 1};  // the answer to it shows that released sticks were heard since
+  ASSERT_TRUE(wait_until([&] { return ends_ > 0; }));
+  EXPECT_EQ(commands_, until_release);
+}
+
+TEST_F(TeleopOverDds, AnAxisThatIsNotANumberIsAtRest) {
+  axes_ = {1.0f, 1.0f};
+  ASSERT_TRUE(wait_for(kScale, kScale));
+  axes_ = {1.0f, static_cast<float>(kNaN)};
+  EXPECT_TRUE(wait_for(0.0, kScale));
+  axes_ = {std::numeric_limits<float>::infinity(), 1.0f};
+  EXPECT_TRUE(wait_for(kScale, 0.0));
+}
+
+TEST_F(TeleopOverDds, AxesAndButtonsThatAJoystickLacksAreAtRest) {
+  axes_ = {1.0f, 1.0f};
+  ASSERT_TRUE(wait_for(kScale, kScale));
+  axes_ = {1.0f};
+  EXPECT_TRUE(wait_for(0.0, kScale));
+  axes_ = {1.0f, 1.0f};
+  ASSERT_TRUE(wait_for(kScale, kScale));
+  buttons_ = {};
+  EXPECT_TRUE(wait_for(0.0, 0.0));
+}
+
+TEST_F(TeleopOverDds, ASilentJoystickIsAReleasedOne) {
+  axes_ = {0.0f, 1.0f};
+  ASSERT_TRUE(wait_for(kScale, 0.0));
+  holds_joystick_ = false;
+  EXPECT_TRUE(wait_for(0.0, 0.0));
+}
+
+TEST_F(TeleopOverDds, TheEndButtonEndsOncePerPress) {
+  ASSERT_TRUE(wait_until([&] { return commands_ > 0; }));
+  for (const int press : {1, 2}) {
+    buttons_ = {1, 1};
+    ASSERT_TRUE(wait_until([&] { return ends_ == press; }));
+    const long held_since = commands_;
+    ASSERT_TRUE(wait_until([&] { return commands_ > held_since + 5; }));
+    EXPECT_EQ(ends_, press);
+    buttons_ = {1, 0};
+    const long released_since = commands_;
+    ASSERT_TRUE(wait_until([&] { return commands_ > released_since + 15; }));  // more than queues
+  }
+}
+
+TEST_F(TeleopOverDds, TheLeaderRunsAheadToTheEndOfItsLeashAndIsDrawn) {
+  axes_ = {0.0f, 1.0f};
+  ASSERT_TRUE(
+      wait_until([&] { return !leads_.empty() && leads_.back().x > kRobot.x + kLeash - 1e-6; }));
+  for (const Pose2& X_ML : leads_) {
+    EXPECT_LE((X_ML.position() - kRobot.position()).norm(), kLeash + 1e-9);
+    EXPECT_NEAR(X_ML.y, kRobot.y, 1e-9);
+  }
+  EXPECT_EQ(leader_frame_, "map");
+  ASSERT_TRUE(wait_until([&] {
+    return drawn_.markers().size() == 2 &&
+           drawn_.markers()[0].pose().position().x() > kRobot.x + kLeash - 1e-6;
+  }));
+  const auto& leash = drawn_.markers()[1];
+  EXPECT_EQ(leash.header().frame_id(), "map");
+  ASSERT_EQ(leash.points().size(), 2u);
+  EXPECT_NEAR(leash.points()[0].x(), kRobot.x, 1e-9);
+  EXPECT_NEAR(leash.points()[1].x(), kRobot.x + kLeash, 1e-6);
+}
+
+class TeleopWithLocaliser : public TeleopOverDds {
+ protected:
+  TeleopWithLocaliser() : TeleopOverDds{{{"map_is_odom", "false"}}} {}
+};
+
+TEST_F(TeleopWithLocaliser, HasNoLeaderUntilTheRobotIsLocalised) {
+  ASSERT_TRUE(wait_until([&] { return commands_ > 10; }));
+  EXPECT_TRUE(leads_.empty());
+  const auto tf = node_.create_publisher(topics::tf);
+  tf2_msgs::msg::TFMessage msg;
+  msg.transforms().push_back(to_transform({-5.0, 0.0, 0.0}, header({}, "map"), "odom"));
+  const auto localiser = node_.create_wall_timer(0.02, [&] { tf.publish(msg); });
+  ASSERT_TRUE(wait_until([&] { return !leads_.empty(); }));
+  EXPECT_NEAR(leads_.front().x, kRobot.x - 5.0, kLeash);
+}
+
+}  // namespace
+}  // namespace tandem::test

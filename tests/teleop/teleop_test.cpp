@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/teleop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+namespace tandem {
+namespace {
+
+constexpr Pose2 kOrigin{};
+
+TEST(ReadStick, MapsAxesAndButtonsAsTheThesisDoes) {
+  const std::array<float, 4> axes{0.25f, 1.0f, 0.0f, 0.0f};
+  const std::array<int, 2> buttons{1, 0};
+  const Stick stick = read_stick(axes, buttons, {.deadzone = 0.0});
+  EXPECT_NEAR(stick.linear, 1.0, 1e-6);
+  EXPECT_NEAR(stick.angular, 0.25, 1e-6);
+  EXPECT_TRUE(stick.deadman);
+  EXPECT_FALSE(stick.end);
+}
+
+TEST(ReadStick, TakesMissingOrNonFiniteInputAsRest) {
+  const std::array<float, 2> axes{std::numeric_limits<float>::quiet_NaN(),
+                                  std::numeric_limits<float>::infinity()};
+  const Stick stick = read_stick(axes, {}, {});
+  EXPECT_EQ(stick.linear, 0.0);
+  EXPECT_EQ(stick.angular, 0.0);
+  EXPECT_FALSE(stick.deadman);
+}
+
+TEST(ReadStick, ClampsAnAxisThatExceedsItsTravel) {
+  const std::array<float, 2> axes{0.0f, 40.0f};
+  EXPECT_EQ(read_stick(axes, {}, {}).linear, 1.0);
+}
+
+TEST(Teleop, IsSilentWhileTheDeadManIsReleased) {
+  Teleop teleop{{}};
+  EXPECT_FALSE(teleop.on_stick({.linear = 1.0}, kOrigin, 0.0));
+}
+
+TEST(Teleop, SendsOneZeroAtRelease) {
+  Teleop teleop{{}};
+  ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 0.0));
+  const auto release = teleop.on_stick({.linear = 1.0}, kOrigin, 0.05);
+  ASSERT_TRUE(release);
+  EXPECT_EQ(release->twist, Twist2{});
+  EXPECT_FALSE(teleop.on_stick({.linear = 1.0}, kOrigin, 0.1));
+}
+
+TEST(Teleop, TakesASilentJoystickAsReleased) {
+  Teleop teleop{{}};
+  ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 0.0));
+  EXPECT_FALSE(teleop.update(0.1));
+  const auto release = teleop.update(0.2);
+  ASSERT_TRUE(release);
+  EXPECT_EQ(release->twist, Twist2{});
+  EXPECT_FALSE(teleop.update(0.3));
+}
+
+TEST(Teleop, LeaderStartsAtTheRobotAndIntegratesTheStick) {
+  Teleop teleop{{.leader_scale_linear = 0.9}};
+  const Pose2 X_MB{2.0, 1.0, 0.0};
+  ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, X_MB, 0.0)->X_ML);
+  const auto intent = teleop.on_stick({.linear = 1.0, .deadman = true}, X_MB, 0.1);
+  EXPECT_NEAR(intent->X_ML->x, 2.09, 1e-9);
+  EXPECT_NEAR(intent->X_ML->y, 1.0, 1e-9);
+}
+
+TEST(Teleop, LeaderNeverLeavesItsLeash) {
+  Teleop teleop{{.leash = 0.5}};
+  std::optional<Intent> intent;
+  for (double t = 0.0; t < 10.0; t += 0.05) {
+    intent = teleop.on_stick({.linear = 1.0, .angular = 0.3, .deadman = true}, kOrigin, t);
+    ASSERT_LE(intent->X_ML->position().norm(), 0.5 + 1e-9);
+  }
+  EXPECT_NEAR(intent->X_ML->position().norm(), 0.5, 1e-9);
+}
+
+TEST(Teleop, LeaderReturnsToTheRobotAfterRelease) {
+  Teleop teleop{{}};
+  for (double t = 0.0; t < 1.0; t += 0.05)
+    (void)teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, t);
+  (void)teleop.on_stick({}, kOrigin, 1.0);
+  const auto intent = teleop.on_stick({.deadman = true}, kOrigin, 1.05);
+  EXPECT_EQ(intent->X_ML->x, 0.0);
+}
+
+TEST(Teleop, HasNoLeaderWhileNobodyKnowsWhereTheRobotIs) {
+  Teleop teleop{{}};
+  const auto intent = teleop.on_stick({.linear = 1.0, .deadman = true}, std::nullopt, 0.0);
+  ASSERT_TRUE(intent);
+  EXPECT_FALSE(intent->X_ML);
+  EXPECT_NEAR(intent->twist.v, 0.8, 1e-12);
+}
+
+}  // namespace
+}  // namespace tandem
