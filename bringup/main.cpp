@@ -9,6 +9,7 @@
 #include "bringup/map_command.hpp"
 #include "bringup/run_command.hpp"
 #include "bringup/scenario_command.hpp"
+#include "bringup/tune_command.hpp"
 
 namespace {
 
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
   tandem::add_scenario_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);
+  tandem::add_tune_command(app);
   try {
     app.parse(argc, argv);
     return status;

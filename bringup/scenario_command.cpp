@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/scenario_command.hpp"
 
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "bringup/drive_jobs.hpp"
 #include "bringup/lockstep.hpp"
 #include "bringup/over_dds.hpp"
 #include "bringup/report.hpp"
@@ -23,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned kMostSeeds = 100000;
-
 struct Request {
   std::vector<std::string> files;
   std::string method, map, json, picture, seeds;
@@ -34,26 +32,11 @@ struct Request {
   unsigned jobs = 1;
 };
 
-struct Job {
-  Scenario scenario;
-  DriveOptions options;
-};
-
-std::pair<unsigned, unsigned> seed_range(const Request& request) {
-  if (request.seeds.empty()) return {request.seed, request.seed};
-  unsigned first = 0, last = 0;
-  char rest = '\0';
-  if (std::sscanf(request.seeds.c_str(), "%u-%u%c", &first, &last, &rest) != 2 || first == 0 ||
-      last < first || last - first >= kMostSeeds)
-    throw std::invalid_argument("--seeds " + request.seeds + ": expected A-B with 1 <= A <= B, " +
-                                std::to_string(kMostSeeds) + " at most");
-  return {first, last};
-}
-
 // Every drive, checked before the first begins.
-std::vector<Job> jobs_of(const Request& request) {
-  const auto [first, last] = seed_range(request);
-  std::vector<Job> jobs;
+std::vector<DriveJob> jobs_of(const Request& request) {
+  const auto [first, last] = request.seeds.empty() ? SeedRange{request.seed, request.seed}
+                                                   : seed_range("--seeds", request.seeds);
+  std::vector<DriveJob> jobs;
   for (const auto& file : request.files) {
     const Scenario scenario = load_scenario(file);
     const auto methods =
@@ -109,7 +92,7 @@ class Display {
   double next_ = 0.0;
 };
 
-DriveResult drive(const Job& job, const Request& request) {
+DriveResult drive(const DriveJob& job, const Request& request) {
   Display display{request.quiet};
   const auto show = [&](const Progress& progress) { display.show(progress); };
   DriveLog log = job.options.lockstep ? drive_in_lockstep(job.scenario, job.options, show)
@@ -123,66 +106,13 @@ DriveResult drive(const Job& job, const Request& request) {
   return log.result;
 }
 
-// The solver serves one thread per process, so drives run side by side in processes. Worker w takes
-// every jobs-th drive and leaves its results, a line of JSON each, in its file.
-[[noreturn]] void work(const std::vector<Job>& all, const Request& request, unsigned w,
-                       std::FILE* out) {
-  try {
-    for (std::size_t i = w; i < all.size(); i += request.jobs) {
-      const nlohmann::json result = drive(all[i], request);
-      std::fprintf(out, "%zu %s\n", i, result.dump().c_str());
-    }
-    std::fflush(nullptr);
-    std::_Exit(0);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "tandem: %s\n", error.what());
-    std::_Exit(1);
-  }
-}
-
-void collect(std::FILE* file, std::vector<DriveResult>& results) {
-  std::rewind(file);
-  std::string line;
-  for (int c = std::fgetc(file); c != EOF; c = std::fgetc(file)) {
-    if (c != '\n') {
-      line.push_back(static_cast<char>(c));
-      continue;
-    }
-    const auto space = line.find(' ');
-    results.at(std::stoul(line.substr(0, space))) = nlohmann::json::parse(line.substr(space + 1));
-    line.clear();
-  }
-  std::fclose(file);
-}
-
-std::vector<DriveResult> drive_in_workers(const std::vector<Job>& all, const Request& request) {
-  std::vector<std::pair<pid_t, std::FILE*>> workers;
-  std::fflush(nullptr);
-  for (unsigned w = 0; w < request.jobs; ++w) {
-    std::FILE* file = std::tmpfile();
-    if (file == nullptr) throw std::runtime_error("cannot make a temporary file");
-    const pid_t child = fork();
-    if (child == 0) work(all, request, w, file);
-    if (child < 0) throw std::runtime_error("cannot start a worker process");
-    workers.emplace_back(child, file);
-  }
-  bool failed = false;
-  std::vector<DriveResult> results(all.size());
-  for (const auto& [child, file] : workers) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    failed = failed || !WIFEXITED(status) || WEXITSTATUS(status) != 0;
-    collect(file, results);
-  }
-  if (failed) throw std::runtime_error("a worker did not finish its drives");
-  return results;
-}
-
-std::vector<DriveResult> drive_all(const std::vector<Job>& all, const Request& request) {
-  if (request.lockstep && request.jobs > 1) return drive_in_workers(all, request);
+std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Request& request) {
+  if (request.lockstep && request.jobs > 1)
+    return run_side_by_side(all, request.jobs,
+                            [&](const DriveJob& job) { return drive(job, request); });
   if (!request.lockstep) rt::install_signal_handlers();
   std::vector<DriveResult> results;
-  for (const Job& job : all) {
+  for (const DriveJob& job : all) {
     results.push_back(drive(job, request));
     if (!request.lockstep && rt::shutting_down()) break;
   }

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/tune_command.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+
+#include "bringup/drive_jobs.hpp"
+#include "bringup/lockstep.hpp"
+#include "bringup/tuning.hpp"
+
+namespace tandem {
+namespace {
+
+struct Request {
+  std::vector<std::string> files, methods, knobs;
+  std::string seeds = "1-3", check_seeds = "101-105", out;
+  int evaluations = 100;
+  unsigned jobs = 2;
+};
+
+// Means over drives of what the table shows.
+struct Summary {
+  double cost = 0.0, time = 0.0, obedience = 0.0, changed = 0.0, stuck = 0.0;
+  int collisions = 0, not_reached = 0;
+};
+
+class Study {
+ public:
+  Study(const Request& request, const std::string& seeds) : jobs_{request.jobs} {
+    const auto [first, last] = seed_range("--seeds", seeds);
+    for (const auto& file : request.files) {
+      const Scenario scenario = load_scenario(file);
+      const auto methods =
+          request.methods.empty() ? std::vector<std::string>{scenario.method} : request.methods;
+      for (const auto& method : methods) {
+        DriveOptions options;
+        options.method = method;
+        options.lockstep = true;
+        check_drive(scenario, options);
+        for (options.seed = first; options.seed <= last; ++options.seed)
+          drives_.push_back({with_options(scenario, options), options});
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<DriveJob>& drives() const { return drives_; }
+
+  // The drives with these values; the first call's times are the reference of all later ones.
+  Summary run(const std::vector<Knob>& knobs, const std::vector<double>& values) {
+    auto drives = drives_;
+    for (DriveJob& drive : drives)
+      for (std::size_t i = 0; i < knobs.size(); ++i)
+        drive.scenario.parameters[knobs[i].component][knobs[i].name] = {
+            knobs[i].is_integer ? fmt::format("{:.0f}", values[i])
+                                : fmt::format("{:.6}", values[i]),
+            "tune"};
+    const auto results = run_side_by_side(drives, jobs_, [](const DriveJob& job) {
+      return drive_in_lockstep(job.scenario, job.options).result;
+    });
+    if (reference_.empty()) reference_ = mean_times(results);
+    return summary(results);
+  }
+
+ private:
+  using Times = std::map<std::string, double>;
+
+  static std::string key(const DriveResult& r) { return r.scenario + " " + r.method; }
+
+  static Times mean_times(const std::vector<DriveResult>& results) {
+    Times sum, count;
+    for (const DriveResult& r : results) {
+      sum[key(r)] += r.reached ? r.time_to_goal_s : r.simulated_s;
+      count[key(r)] += 1.0;
+    }
+    for (auto& [name, time] : sum) time /= count[name];
+    return sum;
+  }
+
+  [[nodiscard]] Summary summary(const std::vector<DriveResult>& results) const {
+    Summary out;
+    const double share = 1.0 / static_cast<double>(results.size());
+    for (const DriveResult& r : results) {
+      out.cost += share * drive_cost(r, reference_.at(key(r)));
+      out.time += share * (r.reached ? r.time_to_goal_s : r.simulated_s);
+      out.obedience += share * r.obedience_rms;
+      out.stuck += share * r.stuck_s;
+      out.changed += share * static_cast<double>(r.counts.filter_interventions) /
+                     static_cast<double>(std::max(1L, r.counts.filter_commands));
+      out.collisions += r.collisions;
+      out.not_reached += r.reached ? 0 : 1;
+    }
+    return out;
+  }
+
+  unsigned jobs_;
+  std::vector<DriveJob> drives_;
+  Times reference_;
+};
+
+void print_row(const char* what, const Summary& s) {
+  std::printf("%-22s %8.4f %8.1f s %10.3f %8.2f %% %8.1f s %10d %11d\n", what, s.cost, s.time,
+              s.obedience, 100.0 * s.changed, s.stuck, s.collisions, s.not_reached);
+}
+
+void print_head() {
+  std::printf("%-22s %8s %10s %10s %10s %10s %10s %11s\n", "", "cost", "time", "obedience",
+              "filter", "stuck", "collisions", "not reached");
+}
+
+// In ROS 2's form, to be given to any node.
+std::string parameter_file(const std::vector<Knob>& knobs, const std::vector<double>& values) {
+  std::map<std::string, std::string> sections;
+  for (std::size_t i = 0; i < knobs.size(); ++i)
+    sections[knobs[i].component] += knobs[i].is_integer
+                                        ? fmt::format("    {}: {:.0f}\n", knobs[i].name, values[i])
+                                        : fmt::format("    {}: {:.4}\n", knobs[i].name, values[i]);
+  std::string text;
+  for (const auto& [component, lines] : sections)
+    text += component + ":\n  ros__parameters:\n" + lines;
+  return text;
+}
+
+void run(const Request& request) {
+  Study study{request, request.seeds}, check{request, request.check_seeds};
+  const DriveJob& first = study.drives().front();
+  const System system = system_of(first.scenario, first.options);
+  std::vector<Knob> knobs;
+  for (const auto& text : request.knobs) knobs.push_back(read_knob(text, system));
+  std::ofstream out;
+  if (!request.out.empty()) {
+    out.open(request.out);
+    if (!out) throw std::invalid_argument("--out " + request.out + ": cannot be written");
+  }
+
+  std::printf("%zu drives per evaluation\n", study.drives().size());
+  print_head();
+  int n = 0;
+  double best = 1e300;
+  const Tuned tuned = tune(knobs, request.evaluations, [&](const std::vector<double>& values) {
+    const Summary s = study.run(knobs, values);
+    if (s.cost < best) print_row(n == 0 ? "now" : fmt::format("evaluation {}", n).c_str(), s);
+    std::fflush(stdout);
+    best = std::min(best, s.cost);
+    ++n;
+    return s.cost;
+  });
+
+  std::vector<double> before;
+  for (const Knob& knob : knobs) before.push_back(knob.start);
+  std::printf("\nSeeds %s, which the search has not seen:\n", request.check_seeds.c_str());
+  print_head();
+  print_row("now", check.run(knobs, before));
+  print_row("tuned", check.run(knobs, tuned.values));
+  const std::string text = parameter_file(knobs, tuned.values);
+  std::printf("\n%s", text.c_str());
+  out << text;
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("tune", "Search better values for parameters by driving scenarios");
+  auto request = std::make_shared<Request>();
+  command->add_option("files", request->files, "scenario files")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command
+      ->add_option("--vary", request->knobs,
+                   "component.parameter[:low:high], e.g. local_planner.weight_x:1:20; repeat it")
+      ->required();
+  command->add_option("--method", request->methods, "methods to drive by; default: the scenario's");
+  command->add_option("--seeds", request->seeds, "seeds to tune on, A-B")->capture_default_str();
+  command->add_option("--check-seeds", request->check_seeds, "seeds to judge the result by, A-B")
+      ->capture_default_str();
+  command->add_option("--evaluations", request->evaluations, "how often all drives are made")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--jobs", request->jobs, "processes side by side")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_option("--out", request->out, "write the values found to this parameter file");
+  command->callback([request] { run(*request); });
+}
+
+}  // namespace tandem

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the command line after `tandem tune`. Out: better values for parameters, and what they gain.
+#pragma once
+
+#include <CLI/App.hpp>
+
+namespace tandem {
+
+/// Adds `tune` to the program. Its callback throws std::runtime_error or std::invalid_argument with
+/// one line to print.
+void add_tune_command(CLI::App& app);
+
+}  // namespace tandem

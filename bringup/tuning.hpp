@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: parameters that may vary and a cost of their values. Out: the best values found.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bringup/metrics.hpp"
+#include "bringup/system.hpp"
+
+namespace tandem {
+
+/// A parameter that may vary. Searched on a logarithmic scale where `low` > 0.
+struct Knob {
+  std::string component, name;
+  double low = 0.0, high = 1.0;
+  double start = 0.0;       ///< in [low, high]
+  bool is_integer = false;  ///< values are rounded
+};
+
+/// Reads `component.parameter` or `component.parameter:low:high`; without bounds a fifth to five
+/// times the value that the system has now, within the parameter's range. Throws
+/// std::invalid_argument for an unknown component, a parameter that is no number, empty bounds.
+[[nodiscard]] Knob read_knob(const std::string& text, const System& system);
+
+/// What a drive is worth; lower is better, a drive as long as the reference costs 1 and more:
+///
+///   time / reference + obedience_rms + 2 (share of commands that the filter changed)
+///     + stuck_s / 10 s + 10 (collisions) + 10 (not reached)                               (1)
+[[nodiscard]] double drive_cost(const DriveResult& drive, double reference_time);
+
+struct Tuned {
+  std::vector<double> values;  ///< one per knob
+  double cost = 0.0;
+};
+
+/// Subplex search (Rowan 1990, by NLopt) from the knobs' starts, which it never returns worse than,
+/// with at most `evaluations` calls of the cost. Deterministic.
+[[nodiscard]] Tuned tune(const std::vector<Knob>& knobs, int evaluations,
+                         const std::function<double(const std::vector<double>&)>& cost);
+
+}  // namespace tandem
