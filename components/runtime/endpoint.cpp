@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "runtime/names.hpp"
+#include "type_hashes.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -13,8 +14,19 @@ constexpr int kBatch = 32;              // samples of one topic before the other
 constexpr double kMaxBlocking = 0.010;  // [s] that a reliable write may wait
 constexpr double kHeartbeat = 0.1;      // [s] until a lost sample is noticed
 
+// Where ROS 2 from Iron on looks for the type's hash; Humble knows none.
 template <class DdsQos>
-void set_common(DdsQos& dds, const QoS& qos) {
+void set_type_hash(DdsQos& dds, const Participant& participant, const std::string& type) {
+  const std::string_view hash = type_hash(type);
+  if (hash.empty() || participant.speaks_humble()) return;
+  const std::string text = "typehash=" + std::string{hash} + ";";
+  dds.user_data().data_vec({text.begin(), text.end()});
+}
+
+template <class DdsQos>
+void set_common(DdsQos& dds, const Participant& participant, const Endpoint& endpoint) {
+  const QoS& qos = endpoint.qos;
+  set_type_hash(dds, participant, endpoint.type);
   const bool reliable = qos.reliability == Reliability::kReliable;
   dds.reliability().kind =
       reliable ? fdds::RELIABLE_RELIABILITY_QOS : fdds::BEST_EFFORT_RELIABILITY_QOS;
@@ -30,9 +42,9 @@ void set_common(DdsQos& dds, const QoS& qos) {
   dds.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 }
 
-fdds::DataReaderQos reader_qos(const QoS& qos) {
+fdds::DataReaderQos reader_qos(const Participant& participant, const Endpoint& endpoint) {
   fdds::DataReaderQos dds = fdds::DATAREADER_QOS_DEFAULT;
-  set_common(dds, qos);
+  set_common(dds, participant, endpoint);
 #if TANDEM_FASTDDS_3
   dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
 #else
@@ -41,9 +53,9 @@ fdds::DataReaderQos reader_qos(const QoS& qos) {
   return dds;
 }
 
-fdds::DataWriterQos writer_qos(const QoS& qos) {
+fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& endpoint) {
   fdds::DataWriterQos dds = fdds::DATAWRITER_QOS_DEFAULT;
-  set_common(dds, qos);
+  set_common(dds, participant, endpoint);
   dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
 #if TANDEM_FASTDDS_3
   dds.reliable_writer_qos().times.heartbeat_period = to_duration(kHeartbeat);
@@ -59,8 +71,8 @@ Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliv
                Malformed on_malformed)
     : participant_{participant},
       topic_{participant, endpoint.topic, endpoint.type},
-      dds_{participant.subscriber().create_datareader(topic_.dds(), reader_qos(endpoint.qos),
-                                                      nullptr, fdds::StatusMask::none())},
+      dds_{participant.subscriber().create_datareader(
+          topic_.dds(), reader_qos(participant, endpoint), nullptr, fdds::StatusMask::none())},
       deliver_{std::move(deliver)},
       on_malformed_{std::move(on_malformed)} {
   if (dds_ == nullptr)
@@ -100,8 +112,8 @@ Writer::Writer(Participant& participant, const Endpoint& endpoint)
     : participant_{participant},
       name_{ros_name(endpoint.topic)},
       topic_{participant, endpoint.topic, endpoint.type},
-      dds_{participant.publisher().create_datawriter(topic_.dds(), writer_qos(endpoint.qos),
-                                                     &matches_,
+      dds_{participant.publisher().create_datawriter(topic_.dds(),
+                                                     writer_qos(participant, endpoint), &matches_,
                                                      fdds::StatusMask::publication_matched())} {
   if (dds_ == nullptr) throw std::runtime_error("DDS refuses a publisher of " + name_);
 }

@@ -48,7 +48,8 @@ Environment read_environment() {
   return {.domain = domain_from(variable("ROS_DOMAIN_ID")),
           .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
           .loopback_only = variable("ROS_LOCALHOST_ONLY") == "1",
-          .static_peers = split(variable("ROS_STATIC_PEERS"), ';')};
+          .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
+          .humble = variable("ROS_DISTRO") == "humble"};
 }
 
 }  // namespace tandem::runtime

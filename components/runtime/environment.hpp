@@ -15,6 +15,7 @@ struct Environment {
   DiscoveryRange range = DiscoveryRange::kSubnet;  ///< ROS_AUTOMATIC_DISCOVERY_RANGE
   bool loopback_only = false;                      ///< ROS_LOCALHOST_ONLY=1
   std::vector<std::string> static_peers;           ///< ROS_STATIC_PEERS, a;b;c
+  bool humble = false;  ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
 };
 
 /// Throws std::runtime_error naming the variable, its value and what it may be.

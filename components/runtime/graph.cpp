@@ -9,30 +9,55 @@
 namespace tandem::runtime {
 namespace {
 
-using rmw_dds_common::msg::Gid;
-using rmw_dds_common::msg::NodeEntitiesInfo;
-using rmw_dds_common::msg::ParticipantEntitiesInfo;
+// The one sample in the two forms it has, and the parts of each.
+struct SinceIron {
+  using Gid = rmw_dds_common::msg::Gid;
+  using Node = rmw_dds_common::msg::NodeEntitiesInfo;
+  using Info = rmw_dds_common::msg::ParticipantEntitiesInfo;
+};
+struct Humble {
+  using Gid = rmw_dds_common_humble::msg::Gid;
+  using Node = rmw_dds_common_humble::msg::NodeEntitiesInfo;
+  using Info = rmw_dds_common_humble::msg::ParticipantEntitiesInfo;
+};
 
-Gid to_gid(const rtps::GUID_t& guid) {
-  Gid gid;
+template <class Form>
+typename Form::Gid to_gid(const rtps::GUID_t& guid) {
+  typename Form::Gid gid;
   auto out = gid.data().begin();
   out = std::copy_n(guid.guidPrefix.value, rtps::GuidPrefix_t::size, out);
   std::copy_n(guid.entityId.value, rtps::EntityId_t::size, out);
   return gid;
 }
 
-std::vector<Gid> to_gids(const std::vector<rtps::GUID_t>& guids) {
-  std::vector<Gid> gids(guids.size());
-  std::transform(guids.begin(), guids.end(), gids.begin(), to_gid);
+template <class Form>
+std::vector<typename Form::Gid> to_gids(const std::vector<rtps::GUID_t>& guids) {
+  std::vector<typename Form::Gid> gids(guids.size());
+  std::transform(guids.begin(), guids.end(), gids.begin(), to_gid<Form>);
   return gids;
+}
+
+template <class Form, class Nodes>
+bool encode(const rtps::GUID_t& participant, const Nodes& nodes, Bytes& bytes) {
+  typename Form::Info info;
+  info.gid(to_gid<Form>(participant));
+  for (const auto& [name, endpoints] : nodes) {
+    typename Form::Node node;
+    node.node_namespace() = endpoints.node.ns;
+    node.node_name() = endpoints.node.name;
+    node.reader_gid_seq(to_gids<Form>(endpoints.readers));
+    node.writer_gid_seq(to_gids<Form>(endpoints.writers));
+    info.node_entities_info_seq().push_back(std::move(node));
+  }
+  return Codec{type_ref<typename Form::Info>()}.encode(&info, bytes);
 }
 
 }  // namespace
 
 Graph::Graph(Participant& participant)
     : participant_{participant},
-      codec_{type_ref<ParticipantEntitiesInfo>()},
-      writer_{participant, {"ros_discovery_info", codec_.dds_name(), kLatched}} {}
+      writer_{participant,
+              {"ros_discovery_info", Codec{type_ref<SinceIron::Info>()}.dds_name(), kLatched}} {}
 
 void Graph::add_node(const NodeName& node) {
   const std::lock_guard lock{mutex_};
@@ -68,18 +93,11 @@ void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
 }
 
 void Graph::announce() {
-  ParticipantEntitiesInfo info;
-  info.gid(to_gid(participant_.dds().guid()));
-  for (const auto& [name, endpoints] : nodes_) {
-    NodeEntitiesInfo node;
-    node.node_namespace() = endpoints.node.ns;
-    node.node_name() = endpoints.node.name;
-    node.reader_gid_seq(to_gids(endpoints.readers));
-    node.writer_gid_seq(to_gids(endpoints.writers));
-    info.node_entities_info_seq().push_back(std::move(node));
-  }
+  const rtps::GUID_t& self = participant_.dds().guid();
   Bytes bytes;
-  if (!codec_.encode(&info, bytes) || !writer_.write(bytes))
+  const bool encoded = participant_.speaks_humble() ? encode<Humble>(self, nodes_, bytes)
+                                                    : encode<SinceIron>(self, nodes_, bytes);
+  if (!encoded || !writer_.write(bytes))
     Logger{"runtime"}.warn("ros_discovery_info could not be written: ROS 2 tools miss a change");
 }
 

@@ -33,7 +33,6 @@ class Graph {
   void announce();  // with mutex_ held
 
   Participant& participant_;
-  Codec codec_;
   Writer writer_;
   std::mutex mutex_;
   std::map<std::string, Endpoints> nodes_;  // by full name

@@ -114,6 +114,7 @@ std::shared_ptr<Participant> Participant::shared() {
 
 Participant::Participant() {
   const Environment environment = read_environment();
+  humble_ = environment.humble;
   redirect_dds_log();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   dds_ = created(

@@ -46,6 +46,8 @@ class Participant {
   [[nodiscard]] fdds::Publisher& publisher() { return *publisher_; }
   [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
   [[nodiscard]] Graph& graph() { return *graph_; }
+  /// Whether the ROS 2 around is Humble: Gids of 24 bytes, no type hashes.
+  [[nodiscard]] bool speaks_humble() const { return humble_; }
 
  private:
   friend class SharedTopic;
@@ -60,6 +62,7 @@ class Participant {
     int users;
   };
 
+  bool humble_ = false;
   fdds::DomainParticipant* dds_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;
   fdds::Subscriber* subscriber_ = nullptr;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "message_fields.hpp"
+#include "type_hashes.hpp"
 #include "wire.hpp"
 
 namespace tandem::runtime {
@@ -63,6 +64,10 @@ TYPED_TEST_SUITE(Vectors, RosMessages, Name);
 
 TYPED_TEST(Vectors, RegistersUnderTheNameThatRos2Uses) {
   EXPECT_EQ(type_name<TypeParam>(), this->entry.at("dds_type"));
+}
+
+TYPED_TEST(Vectors, HasTheHashThatRos2Computes) {
+  EXPECT_EQ(type_hash(type_name<TypeParam>()), this->entry.at("type_hash"));
 }
 
 TYPED_TEST(Vectors, WritesTheBytesThatRos2Writes) {
@@ -119,6 +124,13 @@ TEST(CheckedType, RefusesASequenceLongerThanItsBytes) {
 TEST(Services, NameTheirRequestAndResponse) {
   static_assert(std::is_same_v<std_srvs::srv::Trigger::Response, std_srvs::srv::Trigger_Response>);
   EXPECT_STREQ(tandem_msgs::srv::SetPolicy::name, "tandem_msgs/srv/SetPolicy");
+}
+
+TEST(TypeHash, IsThereForOurOwnTypesAndForNoOther) {
+  EXPECT_EQ(type_hash(type_name<tandem_msgs::msg::ObstacleArray>()).size(), 7U + 64U);
+  EXPECT_NE(type_hash(type_name<tandem_msgs::msg::ObstacleArray>()),
+            type_hash(type_name<tandem_msgs::msg::Obstacle>()));
+  EXPECT_EQ(type_hash("their_msgs::msg::dds_::Thing_"), "");
 }
 
 TEST(TandemMessages, ReadBackWhatTheyWrote) {

@@ -3,13 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <optional>
+#include <string>
+
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include "runtime/codec.hpp"
+#include "runtime/dds.hpp"
 #include "runtime/endpoint.hpp"
 #include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#if !TANDEM_FASTDDS_3
+#include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
+#endif
 
 namespace tandem {
 namespace {
@@ -27,6 +36,7 @@ class GraphTest : public testing::Test {
     return spin_until(
         [&] {
           reader_.drain();
+          EXPECT_FALSE(malformed_);
           return info_ && predicate(*info_);
         },
         kTimeout, node_);
@@ -37,6 +47,7 @@ class GraphTest : public testing::Test {
   rt::Codec codec_{rt::type_ref<ParticipantEntitiesInfo>()};
   std::optional<ParticipantEntitiesInfo> info_;
   rt::Bytes bytes_;
+  bool malformed_ = false;
   rt::Reader reader_{*participant_,
                      {"ros_discovery_info", codec_.dds_name(), rt::kLatched},
                      [this](const rt::Bytes& bytes, const auto&) {
@@ -44,7 +55,7 @@ class GraphTest : public testing::Test {
                        info_.emplace();
                        return codec_.decode(bytes, &*info_);
                      },
-                     [](std::size_t) { ADD_FAILURE() << "malformed"; }};
+                     [this](std::size_t) { malformed_ = true; }};
 };
 
 TEST_F(GraphTest, UsesRos2sTypeName) {
@@ -80,6 +91,22 @@ TEST_F(GraphTest, EncodesGidsOfSixteenBytes) {
   EXPECT_EQ(bytes_[20], 1);
 }
 
+// Set before the first node of the process makes the participant.
+struct SpeakingHumble {
+  SpeakingHumble() { setenv("ROS_DISTRO", "humble", 1); }
+  ~SpeakingHumble() { unsetenv("ROS_DISTRO"); }
+};
+class HumbleGraphTest : private SpeakingHumble, public GraphTest {};
+
+TEST_F(HumbleGraphTest, EncodesGidsOfTwentyFourBytes) {
+  ASSERT_TRUE(spin_until([&] { return reader_.drain() > 0 || !bytes_.empty(); }, kTimeout, node_));
+  EXPECT_TRUE(malformed_);        // to one who expects the other form
+  EXPECT_EQ(bytes_.size(), 64U);  // eight more than from Iron on, and zero
+  EXPECT_EQ(bytes_[4 + 24], 1);
+  EXPECT_TRUE(std::all_of(bytes_.begin() + 4 + 16, bytes_.begin() + 4 + 24,
+                          [](auto byte) { return byte == 0; }));
+}
+
 TEST_F(GraphTest, ForgetsWhatIsGone) {
   const rt::Topic<std_msgs::msg::Bool> topic{"e_stop"};
   {
@@ -91,6 +118,69 @@ TEST_F(GraphTest, ForgetsWhatIsGone) {
     const auto& nodes = info.node_entities_info_seq();
     return nodes.size() == 1 && nodes[0].writer_gid_seq().empty();
   }));
+}
+
+// Another participant, which notes what every writer says of its type.
+class HashListener final : public rt::fdds::DomainParticipantListener {
+ public:
+  // By DDS topic; empty text: a writer without USER_DATA.
+  [[nodiscard]] std::map<std::string, std::string> seen() const {
+    const std::lock_guard lock{mutex_};
+    return seen_;
+  }
+
+#if TANDEM_FASTDDS_3
+  void on_data_writer_discovery(rt::fdds::DomainParticipant*, rt::rtps::WriterDiscoveryStatus,
+                                const rt::rtps::PublicationBuiltinTopicData& info, bool&) override {
+    note(info.topic_name.to_string(), info.user_data);
+  }
+#else
+  void on_publisher_discovery(rt::fdds::DomainParticipant*,
+                              rt::rtps::WriterDiscoveryInfo&& info) override {
+    note(info.info.topicName().to_string(), info.info.m_qos.m_userData);
+  }
+#endif
+
+ private:
+  template <class UserData>
+  void note(const std::string& topic, const UserData& data) {
+    const std::lock_guard lock{mutex_};
+    seen_[topic] = std::string{data.begin(), data.end()};
+  }
+
+  mutable std::mutex mutex_;
+  std::map<std::string, std::string> seen_;
+};
+
+class TypeHashOnTheWire : public GraphTest {
+ protected:
+  // What is said of the topic's type; waits for its discovery.
+  std::string said_of(const std::string& topic) {
+    auto* factory = rt::fdds::DomainParticipantFactory::get_instance();
+    auto qos = participant_->dds().get_qos();  // UDP on loopback, as ours
+    qos.wire_protocol().prefix = {};
+    auto* other = factory->create_participant(participant_->dds().get_domain_id(), qos, &listener_,
+                                              rt::fdds::StatusMask::none());
+    EXPECT_TRUE(spin_until([&] { return listener_.seen().contains(topic); }, kTimeout, node_));
+    other->set_listener(nullptr);
+    factory->delete_participant(other);
+    return listener_.seen()[topic];
+  }
+
+  HashListener listener_;
+};
+
+TEST_F(TypeHashOnTheWire, IsWhereRos2LooksForIt) {
+  const auto publisher = node_.create_publisher(rt::Topic<geometry_msgs::msg::Twist>{"/cmd_vel"});
+  EXPECT_EQ(said_of("rt/cmd_vel"),
+            "typehash=RIHS01_9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a;");
+}
+
+class HumbleTypeHashOnTheWire : private SpeakingHumble, public TypeHashOnTheWire {};
+
+TEST_F(HumbleTypeHashOnTheWire, IsNotThere) {
+  const auto publisher = node_.create_publisher(rt::Topic<geometry_msgs::msg::Twist>{"/cmd_vel"});
+  EXPECT_EQ(said_of("rt/cmd_vel"), "");
 }
 
 }  // namespace

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// Build step: hash_types OUT.cpp *.idl. Reads the part of IDL that ROS 2's own generator writes and
+// that these files keep to (modules, structures, constants), describes each structure as
+// type_description_interfaces does, and hashes the description by REP-2016 (RIHS01):
+// SHA-256 of its JSON without default values, nested types included, sorted by name.
+#include <openssl/sha.h>
+
+#include <cctype>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+// type_description_interfaces/msg/FieldType
+const std::map<std::string, int> kBasicTypes{
+    {"int8", 2},     {"uint8", 3},  {"int16", 4},   {"uint16", 5},  {"int32", 6}, {"uint32", 7},
+    {"int64", 8},    {"uint64", 9}, {"float", 10},  {"double", 11}, {"char", 13}, {"wchar", 14},
+    {"boolean", 15}, {"octet", 16}, {"string", 17}, {"wstring", 18}};
+constexpr int kNested = 1, kBoundedString = 4;  // a bounded string's id is its string's + 4
+constexpr int kArray = 48, kBoundedSequence = 96, kUnboundedSequence = 144;
+
+struct Field {
+  std::string name;
+  int type_id = 0;
+  long capacity = 0, string_capacity = 0;
+  std::string nested;  // package/kind/Name
+};
+
+using Structures = std::map<std::string, std::vector<Field>>;
+
+std::vector<std::string> tokens_of(const std::string& path) {
+  std::ifstream in{path};
+  if (!in) throw std::runtime_error(path + ": cannot be read");
+  std::vector<std::string> tokens;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("#")) continue;
+    line = line.substr(0, line.find("//"));
+    for (std::size_t i = 0; i < line.size();) {
+      const auto is_word = [&](std::size_t at) {
+        return std::isalnum(static_cast<unsigned char>(line[at])) != 0 || line[at] == '_';
+      };
+      std::size_t end = i;
+      while (end < line.size() && is_word(end)) ++end;
+      if (end == i) end = line.compare(i, 2, "::") == 0 ? i + 2 : i + 1;
+      if (line[i] != ' ' && line[i] != '\t') tokens.push_back(line.substr(i, end - i));
+      i = end;
+    }
+  }
+  return tokens;
+}
+
+class Parser {
+ public:
+  Parser(std::string path, Structures& out)
+      : path_{std::move(path)}, tokens_{tokens_of(path_)}, out_{out} {}
+
+  void parse() {
+    while (at_ < tokens_.size()) definition();
+  }
+
+ private:
+  void definition() {
+    const std::string what = next();
+    if (what == "module") {
+      scope_.push_back(next());
+      expect("{");
+      while (peek() != "}") definition();
+      expect("}");
+      scope_.pop_back();
+    } else if (what == "struct") {
+      structure();
+    } else if (what == "const") {
+      while (peek() != ";") next();
+    } else {
+      fail("'" + what + "' is none of module, struct, const");
+    }
+    expect(";");
+  }
+
+  void structure() {
+    auto& fields = out_[scoped(next())];
+    expect("{");
+    while (peek() != "}") fields.push_back(field());
+    expect("}");
+  }
+
+  Field field() {
+    Field field;
+    if (peek() == "sequence") {
+      next();
+      expect("<");
+      element(field);
+      field.type_id += peek() == "," ? kBoundedSequence : kUnboundedSequence;
+      if (peek() == ",") field.capacity = bound(",");
+      expect(">");
+    } else {
+      element(field);
+    }
+    field.name = next();
+    if (peek() == "[") {
+      field.capacity = bound("[");
+      field.type_id += kArray;
+      expect("]");
+    }
+    expect(";");
+    return field;
+  }
+
+  void element(Field& field) {
+    std::string name = next();
+    const auto basic = kBasicTypes.find(name);
+    if (basic != kBasicTypes.end()) {
+      field.type_id = basic->second;
+      if (peek() != "<") return;
+      field.string_capacity = bound("<");
+      field.type_id += kBoundedString;
+      expect(">");
+      return;
+    }
+    const bool is_relative = peek() != "::";
+    while (peek() == "::") {
+      next();
+      name += "/" + next();
+    }
+    field.type_id = kNested;
+    field.nested = is_relative ? scoped(name) : name;
+  }
+
+  long bound(const std::string& opening) {
+    expect(opening);
+    return std::stol(next());
+  }
+
+  [[nodiscard]] std::string scoped(const std::string& name) const {
+    std::string full;
+    for (const auto& module : scope_) full += module + "/";
+    return full + name;
+  }
+  [[nodiscard]] const std::string& peek() const {
+    if (at_ >= tokens_.size()) fail("ends too early");
+    return tokens_[at_];
+  }
+  std::string next() {
+    std::string token = peek();
+    ++at_;
+    return token;
+  }
+  void expect(const std::string& token) {
+    if (const std::string got = next(); got != token) fail("'" + got + "' instead of " + token);
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw std::runtime_error(path_ + ": " + what);
+  }
+
+  std::string path_;
+  std::vector<std::string> tokens_;
+  Structures& out_;
+  std::size_t at_ = 0;
+  std::vector<std::string> scope_;
+};
+
+std::string description(const std::string& name, const Structures& all) {
+  std::string text = "{\"type_name\": \"" + name + "\", \"fields\": [";
+  bool first = true;
+  for (const Field& field : all.at(name)) {
+    text += (first ? "" : ", ") + std::string{"{\"name\": \""} + field.name +
+            "\", \"type\": {\"type_id\": " + std::to_string(field.type_id) +
+            ", \"capacity\": " + std::to_string(field.capacity) +
+            ", \"string_capacity\": " + std::to_string(field.string_capacity) +
+            ", \"nested_type_name\": \"" + field.nested + "\"}}";
+    first = false;
+  }
+  return text + "]}";
+}
+
+void collect_nested(const std::string& name, const Structures& all, std::set<std::string>& found) {
+  if (!all.contains(name)) throw std::runtime_error("structure " + name + " is nowhere defined");
+  for (const Field& field : all.at(name))
+    if (!field.nested.empty() && found.insert(field.nested).second)
+      collect_nested(field.nested, all, found);
+}
+
+std::string hash(const std::string& name, const Structures& all) {
+  std::set<std::string> nested;
+  collect_nested(name, all, nested);
+  std::string text =
+      "{\"type_description\": " + description(name, all) + ", \"referenced_type_descriptions\": [";
+  bool first = true;
+  for (const auto& other : nested) {
+    text += (first ? "" : ", ") + description(other, all);
+    first = false;
+  }
+  text += "]}";
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest);
+  std::string result = "RIHS01_";
+  for (const unsigned char byte : digest) {
+    char hex[3];
+    std::snprintf(hex, sizeof hex, "%02x", byte);
+    result += hex;
+  }
+  return result;
+}
+
+// package/kind/Name → package::kind::dds_::Name_
+std::string dds_name(const std::string& name) {
+  const auto first = name.find('/'), last = name.rfind('/');
+  return name.substr(0, first) + "::" + name.substr(first + 1, last - first - 1) +
+         "::dds_::" + name.substr(last + 1) + "_";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  Structures all;
+  for (int i = 2; i < argc; ++i) Parser{argv[i], all}.parse();
+  std::ostringstream rows;
+  for (const auto& entry : all)
+    rows << "    {\"" << dds_name(entry.first) << "\", \"" << hash(entry.first, all) << "\"},\n";
+  std::ofstream out{argv[1]};
+  out << "#include \"type_hashes.hpp\"\n\n#include <map>\n\n"
+         "namespace tandem::runtime {\n\n"
+         "std::string_view type_hash(std::string_view dds_type) {\n"
+         "  static const std::map<std::string_view, std::string_view> hashes{\n"
+      << rows.str()
+      << "  };\n"
+         "  const auto found = hashes.find(dds_type);\n"
+         "  return found == hashes.end() ? std::string_view{} : found->second;\n}\n\n"
+         "}  // namespace tandem::runtime\n";
+  return out.good() ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "hash_types: %s\n", error.what());
+  return 1;
+}
