@@ -67,6 +67,7 @@ class Loop {
         localization_{filter_params_.input.localization},
         teleop_{parameters_of<TeleopNodeParams>(system, "teleop").teleop},
         extractor_{map_of(sim_params_, extractor_params_.map), extractor_params_.extractor},
+        guidance_{guidance_of(planner_params_)},
         arbiter_{parameters_of<ArbiterParams>(system, "arbitration")},
         filter_{filter_params_.filter, filter_params_.robot},
         metrics_{scenario.goal, sim_params_.robot.v_max, sim_params_.robot.w_max} {
@@ -158,6 +159,7 @@ class Loop {
     request.measured = robot->twist;
     request.user = user_;
     request.obstacles = obstacles_;
+    request.guidance = guidance_;
     if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) request.X_MG = goal->X_MG;
     if (request.method == Method::kLeader) {
       if (!leader_) return;
@@ -215,6 +217,7 @@ class Loop {
   std::optional<Driver> driver_;
   Teleop teleop_;
   Extractor extractor_;
+  std::vector<GuidanceLine> guidance_;
   std::optional<Nmpc> nmpc_;
   Arbiter arbiter_;
   SafetyFilter filter_;

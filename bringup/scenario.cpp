@@ -242,7 +242,7 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
        {"map_server", "obstacle_extractor", "safety_filter", "diff_drive_sim"})
     all[component].insert(s.slice.begin(), s.slice.end());
   if (!s.fixtures.empty())
-    for (const char* component : {"obstacle_extractor", "safety_filter"})
+    for (const char* component : {"obstacle_extractor", "safety_filter", "local_planner"})
       all[component]["fixtures"] = value(s.fixtures);
   if (!plans(s.method)) all.erase("local_planner");
   if (s.method == "goal") all.erase("driver"), all.erase("teleop");

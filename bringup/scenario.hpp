@@ -25,7 +25,7 @@ struct Scenario {
   std::string name, path;
   std::string map;       ///< OctoMap file
   std::string robot;     ///< parameter file
-  std::string fixtures;  ///< file of forbidden regions; empty: none
+  std::string fixtures;  ///< file of virtual fixtures; empty: none
   Pose2 start;
   Goal goal;
   std::string method;                ///< unless the command line names another

@@ -227,6 +227,14 @@ std::vector<visualization_msgs::msg::Marker> to_markers(const Fixtures& fixtures
     m.color(color(0.80f, 0.10f, 0.10f, 0.9f));
     markers.push_back(std::move(m));
   }
+  for (const GuidanceLine& line : fixtures.guidance) {
+    auto m = marker(header, "guidance", static_cast<std::int32_t>(markers.size()),
+                    visualization_msgs::msg::Marker_Constants::LINE_STRIP);
+    for (const auto& p_MV : line.p_MV) m.points().push_back(point(p_MV.x(), p_MV.y()));
+    m.scale(vector(0.05, 0.0, 0.0));
+    m.color(color(0.0f, 0.45f, 0.70f, 0.9f));
+    markers.push_back(std::move(m));
+  }
   return markers;
 }
 

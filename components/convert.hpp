@@ -80,10 +80,10 @@ struct Obstacles {
 /// Flat cylinders, `namespace` "obstacles", preceded by a marker that deletes the old ones.
 [[nodiscard]] visualization_msgs::msg::MarkerArray to_markers(std::span<const Obstacle> obstacles,
                                                               const std_msgs::msg::Header& header);
-/// An arrow for the leader and a line for its leash.
-/// Outlines of forbidden regions, ids from 0 in a namespace of their own.
+/// Outlines of forbidden regions and guidance lines, in namespaces of their own.
 [[nodiscard]] std::vector<visualization_msgs::msg::Marker> to_markers(
     const Fixtures& fixtures, const std_msgs::msg::Header& header);
+/// An arrow for the leader and a line for its leash.
 [[nodiscard]] visualization_msgs::msg::MarkerArray leader_markers(
     const Pose2& X_ML, const Pose2& X_MB, const std_msgs::msg::Header& header);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "local_planner/guesses.hpp"
+#include "local_planner/guidance.hpp"
 #include "local_planner/warm_start.hpp"
 
 namespace tandem {
@@ -73,6 +74,7 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
                          .max_pairs = params.max_pairs},
               .least_slack = 0.0};
   cycle.costs = stage_costs(request, cycle.wish, params, robot);
+  for (StageCost& cost : cycle.costs) cost.X_MR = guided(cost.X_MR, request.guidance);
   cycle.to_avoid = passable(body, {.X_MB = start.X_MB, .start = params.delay}, request.obstacles);
   PairLimits here = cycle.limits;
   here.dt = 0.0;

@@ -10,6 +10,7 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<LocalPlannerNodeParams>()},
       method_{method_named(params_->method)},
+      guidance_{guidance_of(*params_)},
       nmpc_{params_->nmpc, params_->robot},
       robot_{node, params_->input},
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
@@ -77,6 +78,7 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   request.X_MG = method_ == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
   request.user = user_.value;
   request.obstacles = obstacles_.value;
+  request.guidance = guidance_;
   return request;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "local_planner/nmpc.hpp"
+#include "map/fixtures.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 
@@ -16,6 +17,7 @@ struct LocalPlannerNodeParams {
   RobotStateParams input;
   std::string method = "leader";
   std::vector<double> goal;
+  std::string fixtures;
   double user_timeout = 0.12;
   double obstacle_timeout = 0.1;
   double command_timeout = 0.2;
@@ -28,6 +30,7 @@ struct LocalPlannerNodeParams {
     field("method", method, OneOf{{"leader", "intention", "goal"}}, "what the plan is for");
     field("goal", goal, Range{-1e5, 1e5},
           "[m, m, rad] first goal of method goal; /goal_pose later");
+    field("fixtures", fixtures, "YAML file of guidance lines; empty: none");
     field("user_timeout", user_timeout, Range{0.02, 5.0},
           "[s] silence of leader_pose or cmd_vel_user that stops");
     field("obstacle_timeout", obstacle_timeout, Range{0.02, 5.0},
@@ -37,11 +40,17 @@ struct LocalPlannerNodeParams {
   }
 };
 
+/// The guidance lines of the parameters. Throws std::runtime_error, as load_fixtures.
+[[nodiscard]] inline std::vector<GuidanceLine> guidance_of(const LocalPlannerNodeParams& params) {
+  return params.fixtures.empty() ? std::vector<GuidanceLine>{}
+                                 : load_fixtures(params.fixtures).guidance;
+}
+
 /// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
 /// user_path, planner/status.
 ///
-/// Plans every control period. While an input that it needs is silent it says zero, and why; it
-/// notices between two plans too.
+/// Plans every control period, and is drawn to the guidance lines of the file `fixtures`. While an
+/// input that it needs is silent it says zero, and why; it notices between two plans too.
 class LocalPlannerNode {
  public:
   explicit LocalPlannerNode(rt::Node& node);
@@ -66,6 +75,7 @@ class LocalPlannerNode {
   rt::Node& node_;
   rt::Parameters<LocalPlannerNodeParams> params_;
   Method method_;
+  std::vector<GuidanceLine> guidance_;
   Nmpc nmpc_;
   RobotStateInput robot_;
   Heard<std::vector<Obstacle>> obstacles_;

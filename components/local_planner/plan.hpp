@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "local_planner/solve.hpp"
+#include "model/guidance_line.hpp"
 #include "model/obstacle.hpp"
 #include "model/se2.hpp"
 
@@ -22,13 +23,14 @@ enum class Method {
 /// One planning cycle's input, all in the map frame M.
 struct PlanRequest {
   Method method = Method::kLeader;
-  double t = 0.0;                            ///< time of X_MB, and of the call [s]
-  Pose2 X_MB = {};                           ///< measured
-  Twist2 command = {};                       ///< in force: the last one that was sent
-  Twist2 measured = {};                      ///< twist from odometry
-  Pose2 X_MG = {};                           ///< leader or goal; not read by kIntention
-  Twist2 user = {};                          ///< the person's twist; read by kIntention
-  std::span<const Obstacle> obstacles = {};  ///< places and velocities at time t
+  double t = 0.0;                               ///< time of X_MB, and of the call [s]
+  Pose2 X_MB = {};                              ///< measured
+  Twist2 command = {};                          ///< in force: the last one that was sent
+  Twist2 measured = {};                         ///< twist from odometry
+  Pose2 X_MG = {};                              ///< leader or goal; not read by kIntention
+  Twist2 user = {};                             ///< the person's twist; read by kIntention
+  std::span<const Obstacle> obstacles = {};     ///< places and velocities at time t
+  std::span<const GuidanceLine> guidance = {};  ///< see guided()
 };
 
 /// How planning ended. Negative: the twists are a fallback, not a new solution.

@@ -81,15 +81,42 @@ void occupy(Grid& grid, const ForbiddenRegion& region) {
         grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
 }
 
+std::vector<Vector2d> read_points(const YamlReader& reader, const YAML::Node& node,
+                                  std::size_t least) {
+  if (!node.IsSequence() || node.size() < least)
+    reader.fail(node, "expected " + std::string{least == 2 ? "two" : "three"} +
+                          " points or more, [[x, y], …]");
+  std::vector<Vector2d> points;
+  for (const auto& point : node) points.push_back(reader.vector<2>(point));
+  return points;
+}
+
+std::string read_name(const YAML::Node& node) {
+  return node["name"] ? node["name"].Scalar() : std::string{};
+}
+
 ForbiddenRegion read_region(const YamlReader& reader, const YAML::Node& node) {
   reader.allow(node, {"name", "polygon"});
-  ForbiddenRegion region;
-  if (node["name"]) region.name = node["name"].Scalar();
-  const YAML::Node polygon = reader.required(node, "polygon");
-  if (!polygon.IsSequence() || polygon.size() < 3)
-    reader.fail(polygon, "expected three points or more, [[x, y], …]");
-  for (const auto& point : polygon) region.p_MV.push_back(reader.vector<2>(point));
-  return region;
+  return {read_name(node), read_points(reader, reader.required(node, "polygon"), 3)};
+}
+
+GuidanceLine read_line(const YamlReader& reader, const YAML::Node& node) {
+  reader.allow(node, {"name", "line", "reach", "strength"});
+  GuidanceLine line{read_name(node), read_points(reader, reader.required(node, "line"), 2)};
+  if (node["reach"]) line.reach = reader.number(node["reach"], 0.05, 10.0);
+  if (node["strength"]) line.strength = reader.number(node["strength"], 0.0, 1.0);
+  return line;
+}
+
+// The list under `key`; none if it is absent.
+template <class Read>
+auto read_list(const YamlReader& reader, const YAML::Node& root, const char* key, Read read) {
+  std::vector<decltype(read(reader, root))> all;
+  const YAML::Node list = root[key];
+  if (!list) return all;
+  if (!list.IsSequence()) reader.fail(list, "expected a list");
+  for (const auto& node : list) all.push_back(read(reader, node));
+  return all;
 }
 
 }  // namespace
@@ -97,12 +124,9 @@ ForbiddenRegion read_region(const YamlReader& reader, const YAML::Node& node) {
 Fixtures load_fixtures(const std::filesystem::path& file) {
   const YamlReader reader{file.string()};
   const YAML::Node root = reader.load();
-  reader.allow(root, {"forbidden"});
-  Fixtures fixtures;
-  const YAML::Node forbidden = reader.required(root, "forbidden");
-  if (!forbidden.IsSequence()) reader.fail(forbidden, "expected a list of regions");
-  for (const auto& node : forbidden) fixtures.forbidden.push_back(read_region(reader, node));
-  return fixtures;
+  reader.allow(root, {"forbidden", "guidance"});
+  return {read_list(reader, root, "forbidden", read_region),
+          read_list(reader, root, "guidance", read_line)};
 }
 
 Grid with_forbidden(Grid grid, const Fixtures& fixtures) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: regions that somebody declared forbidden (fixtures/*.yaml). Out: a grid in which they stand.
+// In: what somebody drew on a map that is not there: regions that are forbidden, lines that guide.
+// Out: the same, and a grid in which the regions stand.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "map/grid.hpp"
+#include "model/guidance_line.hpp"
 
 namespace tandem {
 
@@ -21,15 +23,18 @@ struct ForbiddenRegion {
 /// Virtual fixtures (Rosenberg 1993; Devalla 2020, 2.1.1).
 struct Fixtures {
   std::vector<ForbiddenRegion> forbidden;
+  std::vector<GuidanceLine> guidance;
 };
 
 /// Reads
 ///
 ///     forbidden:
 ///       - {name: stairs, polygon: [[x, y], [x, y], [x, y]]}
+///     guidance:
+///       - {name: lane, line: [[x, y], [x, y]], reach: 0.5, strength: 0.5}
 ///
-/// in metres in the map frame. Throws std::runtime_error naming the file, the line and what is
-/// wrong there; an unknown key is wrong.
+/// in metres in the map frame; either list may be absent, reach and strength too. Throws
+/// std::runtime_error naming the file, the line and what is wrong there; an unknown key is wrong.
 [[nodiscard]] Fixtures load_fixtures(const std::filesystem::path& file);
 
 /// The grid with every cell occupied that a forbidden region reaches into (and some whose square

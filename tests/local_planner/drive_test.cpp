@@ -176,5 +176,25 @@ TEST(Drive, LeaderBehindAndBesideIsReached) {
   }
 }
 
+// A person who pushes straight ahead, 0.3 m beside a lane along x, and then turns off it.
+double beside_lane(double strength, double seconds, double turn) {
+  static const std::vector<Eigen::Vector2d> along{{-10.0, 0.0}, {20.0, 0.0}};
+  const std::vector<GuidanceLine> lane{{"lane", along, 0.8, strength}};
+  const Person ahead = twist(0.5, turn);
+  const Drive result = drive(lockstep(), RobotParams{}, {{0.0, 0.3, 0.0}, {}}, {}, seconds,
+                             [&](double t, const Plant& plant, PlanRequest& request) {
+                               ahead(t, plant, request);
+                               request.guidance = lane;
+                             });
+  return result.path.back().y;
+}
+
+TEST(GuidanceLines, DrawAPersonInWhoComesNear) {
+  EXPECT_NEAR(beside_lane(0.0, 10.0, 0.0), 0.3, 1e-6);
+  EXPECT_LT(std::abs(beside_lane(0.5, 10.0, 0.0)), 0.1);
+}
+
+TEST(GuidanceLines, HoldNobodyWhoTurnsOff) { EXPECT_GT(beside_lane(0.5, 6.0, 0.4), 1.0); }
+
 }  // namespace
 }  // namespace tandem::test

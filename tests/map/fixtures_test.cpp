@@ -18,7 +18,7 @@ Grid free_grid(int width, int height) {
           std::vector<Cell>(static_cast<std::size_t>(width * height), Cell::kFree)};
 }
 
-Fixtures region(std::vector<Eigen::Vector2d> p_MV) { return {{{"region", std::move(p_MV)}}}; }
+Fixtures region(std::vector<Eigen::Vector2d> p_MV) { return {{{"region", std::move(p_MV)}}, {}}; }
 
 class FixtureFile : public ::testing::Test {
  protected:
@@ -50,12 +50,26 @@ TEST_F(FixtureFile, IsRead) {
   EXPECT_EQ(fixtures.forbidden[0].p_MV.at(2), Eigen::Vector2d(1.0, 2.0));
 }
 
+TEST_F(FixtureFile, MayGuideToo) {
+  const Fixtures fixtures = load(
+      "guidance:\n  - {name: lane, line: [[0, 0], [4, 0], [4, 3]], strength: 0.8}\n"
+      "  - {line: [[0, 1], [1, 1]], reach: 2}\n");
+  EXPECT_TRUE(fixtures.forbidden.empty());
+  ASSERT_EQ(fixtures.guidance.size(), 2U);
+  EXPECT_EQ(fixtures.guidance[0].name, "lane");
+  EXPECT_EQ(fixtures.guidance[0].p_MV.size(), 3U);
+  EXPECT_EQ(fixtures.guidance[0].strength, 0.8);
+  EXPECT_EQ(fixtures.guidance[1].reach, 2.0);
+}
+
 TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
   expect_complaint("forbiden: []\n", ":1: unknown key 'forbiden'");
   expect_complaint("forbidden: 3\n", "expected a list");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, 0]]}\n", ":2: expected three points");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, x], [1, 1]]}\n", "expected a number");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [.nan, 1], [1, 1]]}\n", "outside");
+  expect_complaint("guidance:\n  - {line: [[0, 0]]}\n", ":2: expected two points");
+  expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], strength: 2}\n", "outside");
   EXPECT_THROW((void)load_fixtures("/nowhere.yaml"), std::runtime_error);
 }
 
