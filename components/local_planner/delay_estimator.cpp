@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/delay_estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+constexpr double kWindow = 4.0;        // [s] of measurements that are matched
+constexpr double kLongest = 1.0;       // [s] delay that is looked for
+constexpr double kGrid = 0.01;         // [s] between delays tried, then refined
+constexpr double kBetweenLooks = 0.5;  // [s]
+constexpr double kSmoothing = 0.3;     // share of a new value that is believed
+constexpr double kExcited = 0.003;     // mean squared change of the command from its mean
+constexpr double kUnexplained = 0.15;  // share of it that may remain
+constexpr std::size_t kMostSamples = 4000;
+
+}  // namespace
+
+void DelayEstimator::on_command(const Twist2& twist, double t) {
+  if (!is_finite(twist) || !std::isfinite(t) || (!sent_.empty() && t < sent_.back().t)) return;
+  sent_.push_back({twist, t});
+  // The last command before the window is still in force in it.
+  while (sent_.size() > kMostSamples ||
+         (sent_.size() > 1 && sent_[1].t < t - kWindow - 2.0 * kLongest))
+    sent_.pop_front();
+}
+
+void DelayEstimator::on_measurement(const Twist2& twist, double t) {
+  if (!is_finite(twist) || !std::isfinite(t) || (!measured_.empty() && t <= measured_.back().t))
+    return;
+  measured_.push_back({twist, t});
+  while (measured_.size() > kMostSamples || measured_.front().t < t - kWindow)
+    measured_.pop_front();
+  if (t < next_look_) return;
+  next_look_ = t + kBetweenLooks;
+  const bool knows_enough = !sent_.empty() && sent_.front().t <= measured_.front().t - kLongest &&
+                            measured_.front().t <= t - 0.5 * kWindow;
+  if (!knows_enough || !is_excited()) return;
+  if (const auto best = best_delay())
+    delay_ = delay_ ? *delay_ + kSmoothing * (*best - *delay_) : *best;
+}
+
+bool DelayEstimator::is_excited() const {
+  double v = 0.0, w = 0.0, vv = 0.0, ww = 0.0, n = 0.0;
+  for (const Sample& sample : measured_) {
+    const double x = sample.twist.v / v_max_, y = sample.twist.w / w_max_;
+    v += x, w += y, vv += x * x, ww += y * y, n += 1.0;
+  }
+  return (vv + ww - (v * v + w * w) / n) / n > kExcited;
+}
+
+// (1), the mean. Commands and measurements are walked together, so it takes their sum of steps.
+double DelayEstimator::misfit(double delay) const {
+  double sum = 0.0;
+  std::size_t i = 0;
+  for (const Sample& sample : measured_) {
+    while (i + 1 < sent_.size() && sent_[i + 1].t <= sample.t - delay) ++i;
+    const double v = (sample.twist.v - sent_[i].twist.v) / v_max_;
+    const double w = (sample.twist.w - sent_[i].twist.w) / w_max_;
+    sum += v * v + w * w;
+  }
+  return sum / static_cast<double>(measured_.size());
+}
+
+// The best of a grid, refined by the parabola through its neighbours.
+std::optional<double> DelayEstimator::best_delay() const {
+  double best = 0.0, least = misfit(0.0), most = least;
+  for (double delay = kGrid; delay < kLongest + 0.5 * kGrid; delay += kGrid) {
+    const double error = misfit(delay);
+    if (error < least) least = error, best = delay;
+    most = std::max(most, error);
+  }
+  if (least > kUnexplained * most) return std::nullopt;
+  if (best < kGrid || best > kLongest - kGrid) return best;
+  const double before = misfit(best - kGrid), after = misfit(best + kGrid);
+  const double curvature = before - 2.0 * least + after;
+  return curvature > 0.0 ? best + 0.5 * kGrid * (before - after) / curvature : best;
+}
+
+}  // namespace tandem
