@@ -11,6 +11,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "bringup/world.hpp"
 #include "runtime/yaml_text.hpp"
 
 namespace tandem {
@@ -278,7 +279,8 @@ Scenario load_scenario(const std::string& path) {
   s.path = path;
   s.name = file.required<std::string>("scenario");
   (void)file.optional<std::string>("about", "");
-  s.map = beside(path, file.required<std::string>("map"));
+  s.map = file.required<std::string>("map");
+  if (s.map != "clutter") s.map = beside(path, s.map);
   s.robot = beside(path, file.required<std::string>("robot"));
   if (const auto fixtures = file.optional<std::string>("fixtures", ""); !fixtures.empty())
     s.fixtures = beside(path, fixtures);
@@ -307,7 +309,7 @@ Scenario with_options(Scenario scenario, const DriveOptions& options) {
     throw std::invalid_argument(scenario.path + ": seed " + text(scenario.seed) +
                                 " is above the largest, " + text(kLargestSeed));
   check_methods(scenario);
-  return scenario;
+  return is_family(scenario.map) ? in_its_world(std::move(scenario)) : scenario;
 }
 
 System system_of(const Scenario& scenario, const DriveOptions& options) {
