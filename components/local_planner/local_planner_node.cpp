@@ -104,8 +104,14 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   status_.solver(name(plan.solver));
   status_.solve_time(plan.solve_time);
   status_.iterations(plan.iterations);
+  status_.guesses(plan.guesses);
   status_.solves(plan.solves);
   status_.cost(plan.cost);
+  status_.cost_pose(plan.parts.pose);
+  status_.cost_twist(plan.parts.twist);
+  status_.cost_change(plan.parts.change);
+  status_.cost_slack(plan.parts.slack);
+  status_.active_constraints(plan.active);
   status_.slack(plan.slack);
   status_.clearance(plan.clearance);
   status_.cycles(status_.cycles() + 1);

@@ -125,6 +125,11 @@ Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, c
   return roll_out(wanted, request.command, X_MB, params, robot);
 }
 
+Forecast forecast_of(const Twist2& twist, const PlanRequest& request, const Pose2& X_MB,
+                     const NmpcParams& params, const RobotParams& robot) {
+  return roll_out([&](const Pose2&) { return twist; }, request.command, X_MB, params, robot);
+}
+
 std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
                                    const NmpcParams& params, const RobotParams& robot) {
   std::vector<StageCost> costs;

@@ -25,6 +25,11 @@ struct Forecast {
                                     const Pose2& X_MB, const NmpcParams& params,
                                     const RobotParams& robot);
 
+/// The same toward a constant twist.
+[[nodiscard]] Forecast forecast_of(const Twist2& twist, const PlanRequest& request,
+                                   const Pose2& X_MB, const NmpcParams& params,
+                                   const RobotParams& robot);
+
 /// Costs of the N stages, one shape for all methods:
 ///
 ///   leader, goal  (x−x_g)ᵀQ(x−x_g) + uᵀRu, heading by 2(1 − cos), faded by 1 / (1 + (d/d₀)²)
