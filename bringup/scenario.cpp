@@ -229,7 +229,8 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
   all["map_server"] = {{"map", value(s.map)}};
   all["obstacle_extractor"] = {};
   all["teleop"] = {};
-  all["driver"] = {{"seed", value(s.seed)}, {"steers_leader", value(s.method == "leader")}};
+  all["driver"] = {{"seed", value(s.seed)},
+                   {"steers_leader", value(s.method == "leader" || s.method == "path")}};
   all["local_planner"] = {{"method", value(s.method == "blend" ? "intention" : s.method)}};
   if (const auto* goal = std::get_if<PoseGoal>(&s.goal))
     all["local_planner"]["goal"] = value(list({goal->X_MG.x, goal->X_MG.y, goal->X_MG.theta}));
@@ -259,8 +260,8 @@ void set_deterministic_budget(Values& planner, const std::string& path) {
 }  // namespace
 
 const std::vector<std::string>& all_methods() {
-  static const std::vector<std::string> methods{"manual",    "safety_filter", "leader",
-                                                "intention", "blend",         "goal"};
+  static const std::vector<std::string> methods{"manual", "safety_filter", "leader", "intention",
+                                                "path",   "blend",         "goal"};
   return methods;
 }
 

@@ -218,9 +218,10 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_option("files", request->files, "scenario files")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--method", request->method,
-                      "manual, safety_filter, leader, intention, blend, goal; all: every method "
-                      "the scenario lists");
+  command->add_option(
+      "--method", request->method,
+      "manual, safety_filter, leader, intention, path, blend, goal; all: every method "
+      "the scenario lists");
   command->add_option("--seed", request->seed, "seed of the simulated person");
   command->add_option("--seeds", request->seeds, "a range of seeds, A-B");
   command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);

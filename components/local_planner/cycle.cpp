@@ -43,6 +43,22 @@ double final_cost(const Cycle& cycle, const Forecast& motion) {
   return c.q_x * x * x + c.q_y * y * y + 2.0 * c.q_theta * (1.0 - std::cos(X.theta - c.X_MR.theta));
 }
 
+// Delay compensation: what was commanded during the last `delay` seconds is what the robot is still
+// to do. Before the first known command it went from the measured twist to that one.
+Pose2 predicted_pose(const PlanRequest& request, double delay, std::span<const Sent> sent) {
+  const Twist2 first = sent.empty() ? request.command : sent.front().twist;
+  const Twist2 mean{0.5 * (request.measured.v + first.v), 0.5 * (request.measured.w + first.w)};
+  double t = request.t - delay;
+  const double known = sent.empty() ? request.t : std::max(t, sent.front().from);
+  Pose2 X_MB = integrate(request.X_MB, mean, known - t);
+  t = known;
+  for (const Sent& s : sent) {
+    X_MB = integrate(X_MB, s.twist, std::max(0.0, s.until - t));
+    t = std::max(t, s.until);
+  }
+  return X_MB;
+}
+
 }  // namespace
 
 Body body_of(const NmpcParams& params, const RobotParams& robot) {
@@ -65,11 +81,8 @@ bool is_valid(const PlanRequest& request) {
 }
 
 Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const RobotParams& robot,
-                  const Body& body) {
-  // Delay compensation: meanwhile from the measured twist to the command in force.
-  const Twist2 mean{0.5 * (request.measured.v + request.command.v),
-                    0.5 * (request.measured.w + request.command.w)};
-  const Start start{integrate(request.X_MB, mean, params.delay), request.command,
+                  const Body& body, std::span<const Sent> sent) {
+  const Start start{predicted_pose(request, params.delay, sent), request.command,
                     request.t + params.delay};
   Cycle cycle{.params = params,
               .robot = robot,

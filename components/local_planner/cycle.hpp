@@ -34,8 +34,17 @@ struct Cycle {
   PairLimits limits;
   double least_slack;  ///< the margin is missed this much at the start already [m]
 };
+/// A command and the time in which it was in force [s].
+struct Sent {
+  Twist2 twist;
+  double from = 0.0, until = 0.0;
+};
+
+/// `sent`: the commands of the last `delay` seconds, oldest first, as far as they are known. They
+/// are still to be seen in the measured pose, and are what the delay is compensated by.
 [[nodiscard]] Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params,
-                                const RobotParams& robot, const Body& body);
+                                const RobotParams& robot, const Body& body,
+                                std::span<const Sent> sent = {});
 
 /// The problem with the pairs that matter along the guess. Feasible for any command in force.
 [[nodiscard]] Ocp problem(const Cycle& cycle, const Forecast& guess);

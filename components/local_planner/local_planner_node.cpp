@@ -57,6 +57,7 @@ const char* LocalPlannerNode::missing(double now) const {
   if (now - obstacles_.t > params_->obstacle_timeout) return "obstacles are silent";
   switch (method_) {
     case Method::kLeader:
+    case Method::kPath:
       return now - leader_.t > params_->user_timeout ? "leader_pose is silent" : nullptr;
     case Method::kIntention:
       return now - user_.t > params_->user_timeout ? "cmd_vel_user is silent" : nullptr;

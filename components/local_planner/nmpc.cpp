@@ -8,6 +8,7 @@
 
 #include "local_planner/cycle.hpp"
 #include "local_planner/solver.hpp"
+#include "local_planner/trail.hpp"
 #include "local_planner/warm_start.hpp"
 
 namespace tandem {
@@ -36,6 +37,8 @@ struct Nmpc::State {
   std::optional<Solver> judge;      // certifies the winner, if the explorer's word is not enough
   std::optional<Solved> last = {};  // warm start
   Plan good = {};                   // last plan that was a solution
+  std::vector<Sent> sent = {};      // of the last `delay` seconds
+  Trail trail = {};                 // of the leader
   double iteration_time = 0.0;
   double solve_time = 0.0;  // of one solve, recent mean [s]
   int timeouts = 0;         // in a row
@@ -46,6 +49,7 @@ struct Nmpc::State {
   int iterations = 0, guesses = 0, solves = 0, confirmed = 0, disagreements = 0;
   int effort = 0;  // iterations as the budget counts them
 
+  void note_command(const PlanRequest& request);
   double elapsed(const Cycle& cycle) const { return cycle.start.t0 - last->t0; }
   bool is_continued(const Cycle& cycle) const;
   bool has_time_for_another(double share) const;
@@ -63,6 +67,15 @@ struct Nmpc::State {
   Plan fall_back(const Cycle& cycle, PlanStatus status) const;
   Plan refuse(const PlanRequest& bad);
 };
+
+// The request's command was in force since the request before.
+void Nmpc::State::note_command(const PlanRequest& request) {
+  const double before = sent.empty() ? request.t : sent.back().until;
+  const bool follows = request.t > before && request.t - before < kLongestReuse;
+  if (!follows) sent.clear();
+  sent.push_back({request.command, follows ? before : request.t, request.t});
+  std::erase_if(sent, [&](const Sent& s) { return s.until < request.t - params.delay; });
+}
 
 // Whether the last solution is recent and the robot is where it said.
 bool Nmpc::State::is_continued(const Cycle& cycle) const {
@@ -241,6 +254,8 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
 Plan Nmpc::State::refuse(const PlanRequest& bad) {
   last.reset();
   good = {};
+  sent.clear();
+  trail.clear();
   const Twist2 command = is_finite(bad.command) ? bad.command : Twist2{};
   const Pose2 X_MB = is_finite(bad.X_MB) ? bad.X_MB : Pose2{};
   const double t = std::isfinite(bad.t) ? bad.t : 0.0;
@@ -272,7 +287,16 @@ Plan Nmpc::solve(const PlanRequest& request) {
   state.started = Clock::now();
   Plan plan;
   if (is_valid(request)) {
-    const Cycle cycle = begin_cycle(request, state.params, state.robot, state.body);
+    state.note_command(request);
+    PlanRequest on_trail = request;
+    const PairLimits limits{.margin = state.params.margin};
+    std::vector<Eigen::Vector2d> trail;
+    if (request.method == Method::kPath) {
+      state.trail.extend(request.X_MG.position(), request.X_MB.position());
+      trail = state.trail.free_points(state.body, request.obstacles, limits);
+      on_trail.trail = trail;
+    }
+    const Cycle cycle = begin_cycle(on_trail, state.params, state.robot, state.body, state.sent);
     state.iterations = state.guesses = state.solves = state.effort = 0;
     state.confirmed = state.disagreements = 0;
     if (state.last && !state.is_continued(cycle)) state.last.reset();
@@ -295,6 +319,8 @@ Plan Nmpc::solve(const PlanRequest& request) {
 void Nmpc::reset() {
   state_->last.reset();
   state_->good = {};
+  state_->sent.clear();
+  state_->trail.clear();
   state_->timeouts = 0;
   state_->turn = 0;
 }

@@ -16,17 +16,20 @@ namespace tandem {
 enum class Method {
   kLeader,     ///< Devalla 2020, 3.24 and 3.40: chase the virtual robot X_MG
   kIntention,  ///< Krijnen 2020, 2.3: do what the person's twist asks for, no goal guessed
+  kPath,       ///< Devalla 2020, 5.1: follow the trail of the virtual robot X_MG
   kGoal,       ///< Devalla 2020, 3.24: a fixed pose X_MG, with a terminal cost
 };
 
 /// One planning cycle's input, all in the map frame M.
 struct PlanRequest {
   Method method = Method::kLeader;
-  double t = 0.0;                            ///< time of X_MB, and of the call [s]
-  Pose2 X_MB = {};                           ///< measured
-  Twist2 command = {};                       ///< in force: the last one that was sent
-  Twist2 measured = {};                      ///< twist from odometry
-  Pose2 X_MG = {};                           ///< leader or goal; not read by kIntention
+  double t = 0.0;        ///< time of X_MB, and of the call [s]
+  Pose2 X_MB = {};       ///< measured
+  Twist2 command = {};   ///< in force: the last one that was sent
+  Twist2 measured = {};  ///< twist from odometry
+  Pose2 X_MG = {};       ///< leader or goal; not read by kIntention
+  std::span<const Eigen::Vector2d> trail =
+      {};                                    ///< kPath: where the leader came along, see trail.hpp
   Twist2 user = {};                          ///< the person's twist; read by kIntention
   std::span<const Obstacle> obstacles = {};  ///< places and velocities at time t
 };

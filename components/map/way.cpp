@@ -55,8 +55,9 @@ class Search {
   }
   [[nodiscard]] Eigen::Vector2d center(std::size_t cell) const {
     const auto width = static_cast<std::size_t>(grid_.width);
-    return grid_.origin + grid_.resolution * Eigen::Vector2d{static_cast<double>(cell % width) + 0.5,
-                                                             static_cast<double>(cell / width) + 0.5};
+    return grid_.origin +
+           grid_.resolution * Eigen::Vector2d{static_cast<double>(cell % width) + 0.5,
+                                              static_cast<double>(cell / width) + 0.5};
   }
 
   void reach(std::size_t cell, double cost, std::size_t from) {
