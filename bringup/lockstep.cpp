@@ -161,7 +161,7 @@ class Loop {
     request.obstacles = obstacles_;
     request.guidance = guidance_;
     if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) request.X_MG = goal->X_MG;
-    if (request.method == Method::kLeader) {
+    if (request.method == Method::kLeader || request.method == Method::kPath) {
       if (!leader_) return;
       request.X_MG = *leader_;
     }

@@ -11,6 +11,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "bringup/world.hpp"
 #include "runtime/yaml_text.hpp"
 
 namespace tandem {
@@ -228,7 +229,8 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
   all["map_server"] = {{"map", value(s.map)}};
   all["obstacle_extractor"] = {};
   all["teleop"] = {};
-  all["driver"] = {{"seed", value(s.seed)}, {"steers_leader", value(s.method == "leader")}};
+  all["driver"] = {{"seed", value(s.seed)},
+                   {"steers_leader", value(s.method == "leader" || s.method == "path")}};
   all["local_planner"] = {{"method", value(s.method == "blend" ? "intention" : s.method)}};
   if (const auto* goal = std::get_if<PoseGoal>(&s.goal))
     all["local_planner"]["goal"] = value(list({goal->X_MG.x, goal->X_MG.y, goal->X_MG.theta}));
@@ -258,8 +260,8 @@ void set_deterministic_budget(Values& planner, const std::string& path) {
 }  // namespace
 
 const std::vector<std::string>& all_methods() {
-  static const std::vector<std::string> methods{"manual",    "safety_filter", "leader",
-                                                "intention", "blend",         "goal"};
+  static const std::vector<std::string> methods{"manual", "safety_filter", "leader", "intention",
+                                                "path",   "blend",         "goal"};
   return methods;
 }
 
@@ -278,7 +280,8 @@ Scenario load_scenario(const std::string& path) {
   s.path = path;
   s.name = file.required<std::string>("scenario");
   (void)file.optional<std::string>("about", "");
-  s.map = beside(path, file.required<std::string>("map"));
+  s.map = file.required<std::string>("map");
+  if (s.map != "clutter") s.map = beside(path, s.map);
   s.robot = beside(path, file.required<std::string>("robot"));
   if (const auto fixtures = file.optional<std::string>("fixtures", ""); !fixtures.empty())
     s.fixtures = beside(path, fixtures);
@@ -307,7 +310,7 @@ Scenario with_options(Scenario scenario, const DriveOptions& options) {
     throw std::invalid_argument(scenario.path + ": seed " + text(scenario.seed) +
                                 " is above the largest, " + text(kLargestSeed));
   check_methods(scenario);
-  return scenario;
+  return is_family(scenario.map) ? in_its_world(std::move(scenario)) : scenario;
 }
 
 System system_of(const Scenario& scenario, const DriveOptions& options) {

@@ -23,7 +23,7 @@ struct Expectation {
 /// A drive through a map: where, with which robot, whereto, by whom, and what must hold.
 struct Scenario {
   std::string name, path;
-  std::string map;       ///< OctoMap file
+  std::string map;       ///< OctoMap file, or a family of worlds (world.hpp)
   std::string robot;     ///< parameter file
   std::string fixtures;  ///< file of virtual fixtures; empty: none
   Pose2 start;
@@ -53,7 +53,8 @@ struct DriveOptions {
 /// Throws std::invalid_argument naming file, line and key for whatever is not of a scenario's form.
 [[nodiscard]] Scenario load_scenario(const std::string& path);
 
-/// The scenario with the options applied. Throws std::invalid_argument for an unknown method.
+/// The scenario with the options applied, in the world of its seed if it has many. Throws
+/// std::invalid_argument for an unknown method, and what in_its_world throws.
 [[nodiscard]] Scenario with_options(Scenario scenario, const DriveOptions& options);
 
 /// The components of a drive with all their parameters. In lockstep the solver has no wall-clock

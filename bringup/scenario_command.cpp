@@ -46,7 +46,7 @@ std::vector<DriveJob> jobs_of(const Request& request) {
                            request.lockstep, request.speed};
       check_drive(scenario, options);
       for (options.seed = first; options.seed <= last; ++options.seed)
-        jobs.push_back({with_options(scenario, options), options});
+        jobs.push_back({scenario, options});
     }
   }
   for (const auto& key : rt::unused_wildcard_keys())
@@ -95,13 +95,16 @@ class Display {
 DriveResult drive(const DriveJob& job, const Request& request) {
   Display display{request.quiet};
   const auto show = [&](const Progress& progress) { display.show(progress); };
-  DriveLog log = job.options.lockstep ? drive_in_lockstep(job.scenario, job.options, show)
-                                      : drive_over_dds(job.scenario, job.options, show);
+  DriveOptions options = job.options;
+  const Scenario scenario = with_options(job.scenario, options);
+  options.map.clear();  // the scenario names it now
+  DriveLog log = options.lockstep ? drive_in_lockstep(scenario, options, show)
+                                  : drive_over_dds(scenario, options, show);
   display.end();
   if (request.picture.empty()) return log.result;
-  const auto png = fs::path(request.picture) / (job.scenario.name + "_" + job.scenario.method +
-                                                "_" + std::to_string(job.scenario.seed) + ".png");
-  draw_drive(job.scenario, system_of(job.scenario, job.options), log, png.string());
+  const auto png = fs::path(request.picture) / (scenario.name + "_" + scenario.method + "_" +
+                                                std::to_string(scenario.seed) + ".png");
+  draw_drive(scenario, system_of(scenario, options), log, png.string());
   if (!request.quiet) std::printf("picture: %s\n", png.c_str());
   return log.result;
 }
@@ -145,9 +148,10 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_option("files", request->files, "scenario files")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--method", request->method,
-                      "manual, safety_filter, leader, intention, blend, goal; all: every method "
-                      "the scenario lists");
+  command->add_option(
+      "--method", request->method,
+      "manual, safety_filter, leader, intention, path, blend, goal; all: every method "
+      "the scenario lists");
   command->add_option("--seed", request->seed, "seed of the simulated person");
   command->add_option("--seeds", request->seeds, "a range of seeds, A-B");
   command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);

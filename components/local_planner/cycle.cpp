@@ -2,10 +2,12 @@
 #include "local_planner/cycle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "local_planner/guesses.hpp"
 #include "local_planner/guidance.hpp"
+#include "local_planner/stage_terms.hpp"
 #include "local_planner/warm_start.hpp"
 
 namespace tandem {
@@ -13,7 +15,9 @@ namespace {
 
 constexpr double kLeftOut = 0.005;   // [m] miss by an unlisted pair that asks for a second solve
 constexpr double kTolerated = 0.02;  // [m] of slack in a motion in good order
+constexpr double kActive = 1e-3;     // [m] a row with less left counts as active
 constexpr double kLeastPull = 50.0;  // [1/m] for the penalty, where the reference hardly pulls
+constexpr double kAfterwards = 8.0;  // stages that count like the last one in a motion's value
 
 // Limits of a speed at stage k; wider where the command in force lies outside, by what the
 // acceleration cannot take back until then. The 0.9 leaves the programme an interior.
@@ -30,6 +34,30 @@ double extent_of_braking(const Cycle& cycle) {
   for (const Pose2& X : to_plan(motion, 0.0).X_MB)
     extent = std::max({extent, std::abs(X.x), std::abs(X.y)});
   return extent + 0.01;
+}
+
+// What another stage would cost that stays where the motion ends.
+double final_cost(const Cycle& cycle, const Forecast& motion) {
+  const StageCost& c = cycle.costs.back();
+  const Pose2& X = motion.X_MB.back();
+  const double x = X.x - c.X_MR.x, y = X.y - c.X_MR.y;
+  return c.q_x * x * x + c.q_y * y * y + 2.0 * c.q_theta * (1.0 - std::cos(X.theta - c.X_MR.theta));
+}
+
+// Delay compensation: what was commanded during the last `delay` seconds is what the robot is still
+// to do. Before the first known command it went from the measured twist to that one.
+Pose2 predicted_pose(const PlanRequest& request, double delay, std::span<const Sent> sent) {
+  const Twist2 first = sent.empty() ? request.command : sent.front().twist;
+  const Twist2 mean{0.5 * (request.measured.v + first.v), 0.5 * (request.measured.w + first.w)};
+  double t = request.t - delay;
+  const double known = sent.empty() ? request.t : std::max(t, sent.front().from);
+  Pose2 X_MB = integrate(request.X_MB, mean, known - t);
+  t = known;
+  for (const Sent& s : sent) {
+    X_MB = integrate(X_MB, s.twist, std::max(0.0, s.until - t));
+    t = std::max(t, s.until);
+  }
+  return X_MB;
 }
 
 }  // namespace
@@ -54,11 +82,8 @@ bool is_valid(const PlanRequest& request) {
 }
 
 Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const RobotParams& robot,
-                  const Body& body) {
-  // Delay compensation: meanwhile from the measured twist to the command in force.
-  const Twist2 mean{0.5 * (request.measured.v + request.command.v),
-                    0.5 * (request.measured.w + request.command.w)};
-  const Start start{integrate(request.X_MB, mean, params.delay), request.command,
+                  const Body& body, std::span<const Sent> sent) {
+  const Start start{predicted_pose(request, params.delay, sent), request.command,
                     request.t + params.delay};
   Cycle cycle{.params = params,
               .robot = robot,
@@ -112,49 +137,85 @@ Ocp problem(const Cycle& cycle, const Forecast& guess) {
   return ocp;
 }
 
-Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion) {
-  Candidate out{.ocp = std::move(ocp), .motion = {{}, {cycle.start.X_MB}}};
-  Twist2 u = cycle.start.command;
+Forecast within_limits(const Ocp& ocp, const Forecast& motion) {
+  Forecast out{{}, {ocp.X_MB}};
+  Twist2 u = ocp.command;
   for (std::size_t k = 0; k < motion.twist.size(); ++k) {
-    const Interval &dv = out.ocp.change_v[k], &dw = out.ocp.change_w[k];
+    const Interval &dv = ocp.change_v[k], &dw = ocp.change_w[k];
     const Twist2& wanted = motion.twist[k];
-    u = {u.v + std::clamp(std::clamp(wanted.v, out.ocp.v[k].min, out.ocp.v[k].max) - u.v, dv.min,
-                          dv.max),
-         u.w + std::clamp(std::clamp(wanted.w, out.ocp.w[k].min, out.ocp.w[k].max) - u.w, dw.min,
-                          dw.max)};
-    out.motion.twist.push_back(u);
-    out.motion.X_MB.push_back(advance(out.ocp, out.motion.X_MB.back(), u));
+    u = {u.v + std::clamp(std::clamp(wanted.v, ocp.v[k].min, ocp.v[k].max) - u.v, dv.min, dv.max),
+         u.w + std::clamp(std::clamp(wanted.w, ocp.w[k].min, ocp.w[k].max) - u.w, dw.min, dw.max)};
+    out.twist.push_back(u);
+    out.X_MB.push_back(advance(ocp, out.X_MB.back(), u));
   }
-  Iterate point = cold_start(out.ocp, out.motion);
-  const auto gaps = clearances(cycle.body, cycle.request.obstacles,
-                               std::span(out.motion.X_MB).subspan(1), cycle.limits);
-  for (std::size_t k = 0; k < gaps.size(); ++k) {
-    const double missed = growth(out.ocp, out.motion.twist[k]) - gaps[k];
-    point.z[kBlock * k + kSlack] = std::max(0.0, missed);
-    out.slack = std::max(out.slack, missed);
-  }
-  out.clearance = *std::min_element(gaps.begin(), gaps.end()) + cycle.params.margin;
-  out.cost = cost(out.ocp, point.z);
-  const double matters = cycle.params.control_period + cycle.params.dt +
-                         stopping_time(out.motion.twist.front(), cycle.robot);
-  out.clear = is_clear(cycle.body,
-                       {cycle.start.X_MB, cycle.params.delay, cycle.params.dt, out.motion.twist},
-                       cycle.to_avoid, matters);
   return out;
 }
 
-bool left_out_a_pair(const Cycle& cycle, const Candidate& candidate) {
-  const auto gaps = clearances(cycle.body, cycle.request.obstacles,
-                               std::span(candidate.motion.X_MB).subspan(1), cycle.limits);
-  for (std::size_t k = 0; k < gaps.size(); ++k)
-    if (gaps[k] < -candidate.solution.point.z[kBlock * k + kSlack] - kLeftOut) return true;
+Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion) {
+  Candidate out{.ocp = std::move(ocp)};
+  out.motion = within_limits(out.ocp, motion);
+  Iterate point = cold_start(out.ocp, out.motion);
+  out.gaps = clearances(cycle.body, cycle.request.obstacles, std::span(out.motion.X_MB).subspan(1),
+                        cycle.limits);
+  for (std::size_t k = 0; k < out.gaps.size(); ++k) {
+    const double missed = growth(out.ocp, out.motion.twist[k]) - out.gaps[k];
+    point.z[kBlock * k + kSlack] = std::max(0.0, missed);
+    out.slack = std::max(out.slack, missed);
+  }
+  out.clearance = *std::min_element(out.gaps.begin(), out.gaps.end()) + cycle.params.margin;
+  out.cost = cost(out.ocp, point.z);
+  out.value = out.cost + kAfterwards * final_cost(cycle, out.motion);
+  return out;
+}
+
+bool is_clear(const Cycle& cycle, const Candidate& candidate) {
+  const auto& twist = candidate.motion.twist;
+  const double matters =
+      cycle.params.control_period + cycle.params.dt + stopping_time(twist.front(), cycle.robot);
+  return is_clear(cycle.body, {cycle.start.X_MB, cycle.params.delay, cycle.params.dt, twist},
+                  cycle.to_avoid, matters);
+}
+
+CostParts cost_parts(const Candidate& candidate) {
+  CostParts parts;
+  const Forecast& motion = candidate.motion;
+  Twist2 before = candidate.ocp.command;
+  for (std::size_t k = 0; k < motion.twist.size(); ++k) {
+    const Twist2& u = motion.twist[k];
+    const Twist2 change{u.v - before.v, u.w - before.w};
+    before = u;
+    StageCost pose = candidate.ocp.stages[k].cost, twist = pose, smooth = pose;
+    twist.q_x = twist.q_y = twist.q_theta = smooth.q_x = smooth.q_y = smooth.q_theta = 0.0;
+    pose.r_v = pose.r_w = pose.c_dir = smooth.r_v = smooth.r_w = smooth.c_dir = 0.0;
+    pose.c_v = pose.c_w = twist.c_v = twist.c_w = 0.0;
+    parts.pose += cost_terms(pose, u, change, motion.X_MB[k + 1]).value;
+    parts.twist += cost_terms(twist, u, change, motion.X_MB[k + 1]).value;
+    parts.change += cost_terms(smooth, u, change, motion.X_MB[k + 1]).value;
+  }
+  parts.slack = candidate.cost - parts.pose - parts.twist - parts.change;
+  return parts;
+}
+
+int active_rows(const Candidate& candidate) {
+  int active = 0;
+  const Forecast& motion = candidate.motion;
+  for (std::size_t k = 0; k < motion.twist.size(); ++k)
+    for (const Pair& pair : candidate.ocp.stages[k].pairs)
+      if (clearance(pair, motion.X_MB[k + 1]) - growth(candidate.ocp, motion.twist[k]) < kActive)
+        ++active;
+  return active;
+}
+
+bool left_out_a_pair(const Candidate& candidate) {
+  for (std::size_t k = 0; k < candidate.gaps.size(); ++k)
+    if (candidate.gaps[k] < -candidate.solution.point.z[kBlock * k + kSlack] - kLeftOut)
+      return true;
   return false;
 }
 
 bool is_poor(const Cycle& cycle, const Candidate& candidate) {
-  const bool tunnels = candidate.slack > cycle.least_slack + kTolerated;
+  if (candidate.slack > cycle.least_slack + kTolerated) return true;  // it tunnels
   const bool is_near = candidate.clearance < cycle.limits.reach;
-  if (!candidate.clear || tunnels) return true;
   return is_near && is_stuck(cycle.request, cycle.wish, candidate.motion,
                              cycle.params.dt * cycle.params.horizon_steps, cycle.robot);
 }
@@ -164,16 +225,35 @@ Forecast cold_guess(const Cycle& cycle) {
                          cycle.robot);
 }
 
-std::vector<Forecast> other_guesses(const Cycle& cycle) {
-  const auto stopped = [&](const Forecast& motion) {
-    return stopped_in_time(motion, cycle.body, cycle.request.obstacles, cycle.limits, cycle.robot);
+std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs) {
+  const Pose2& X_MB = cycle.start.X_MB;
+  const RobotParams& robot = cycle.robot;
+  const auto toward = [&](double v, double w) {
+    return forecast_of({v, w}, cycle.request, X_MB, cycle.params, robot);
   };
   std::vector<Forecast> guesses;
   for (const auto& p_MV :
        points_beside(cycle.wish, cycle.body, cycle.request.obstacles, cycle.limits))
-    guesses.push_back(
-        stopped(forecast_via(p_MV, cycle.request, cycle.start.X_MB, cycle.params, cycle.robot)));
-  guesses.push_back(stopped(cycle.wish));
+    guesses.push_back(forecast_via(p_MV, cycle.request, X_MB, cycle.params, robot));
+  guesses.push_back(cycle.wish);
+  guesses.push_back(toward(0.0, 0.0));
+  const double w = 0.6 * robot.w_max;
+  const std::array<Twist2, 10> twists{{{robot.v_max, w},
+                                       {robot.v_max, -w},
+                                       {robot.v_min, 0.0},
+                                       {0.0, w},
+                                       {0.0, -w},
+                                       {0.4 * robot.v_max, w},
+                                       {0.4 * robot.v_max, -w},
+                                       {robot.v_max, 0.0},
+                                       {robot.v_min, w},
+                                       {robot.v_min, -w}}};
+  for (unsigned i = 0; i < arcs; ++i) {
+    const Twist2& twist = twists[(turn + i) % twists.size()];
+    guesses.push_back(toward(twist.v, twist.w));
+  }
+  for (Forecast& guess : guesses)
+    guess = stopped_in_time(guess, cycle.body, cycle.request.obstacles, cycle.limits, robot);
   return guesses;
 }
 

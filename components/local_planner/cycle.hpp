@@ -34,8 +34,17 @@ struct Cycle {
   PairLimits limits;
   double least_slack;  ///< the margin is missed this much at the start already [m]
 };
+/// A command and the time in which it was in force [s].
+struct Sent {
+  Twist2 twist;
+  double from = 0.0, until = 0.0;
+};
+
+/// `sent`: the commands of the last `delay` seconds, oldest first, as far as they are known. They
+/// are still to be seen in the measured pose, and are what the delay is compensated by.
 [[nodiscard]] Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params,
-                                const RobotParams& robot, const Body& body);
+                                const RobotParams& robot, const Body& body,
+                                std::span<const Sent> sent = {});
 
 /// The problem with the pairs that matter along the guess. Feasible for any command in force.
 [[nodiscard]] Ocp problem(const Cycle& cycle, const Forecast& guess);
@@ -45,26 +54,41 @@ struct Candidate {
   Solution solution = {};
   SolverKind solver = SolverKind::kIpopt;  ///< whose solution
   Ocp ocp = {};
-  Forecast motion = {};    ///< within all limits, along the model
-  double cost = 0.0;       ///< objective of the motion, all pairs counted
-  double slack = 0.0;      ///< largest miss of the margin [m]
-  double clearance = 0.0;  ///< smallest gap of any disc at the nodes [m]
-  bool clear = false;      ///< passed the exact check as far as it matters for braking
+  Forecast motion = {};           ///< within all limits, along the model
+  std::vector<double> gaps = {};  ///< N, see clearances()
+  double cost = 0.0;              ///< objective of the motion, all pairs counted
+  double value = 0.0;             ///< cost, and what is still to come where the horizon ends
+  double slack = 0.0;             ///< largest miss of the margin [m]
+  double clearance = 0.0;         ///< smallest gap of any disc at the nodes [m]
 };
 
-/// The motion's twists brought within all limits, rolled out along the model, and judged.
+/// The motion's twists brought within all limits of the problem and rolled out along its model.
+[[nodiscard]] Forecast within_limits(const Ocp& ocp, const Forecast& motion);
+
+/// The motion within all limits, and its cost.
 [[nodiscard]] Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion);
 
-/// Whether the solution went where a pair matters that its problem left out.
-[[nodiscard]] bool left_out_a_pair(const Cycle& cycle, const Candidate& candidate);
+/// Whether the exact check passes as far as it matters for braking.
+[[nodiscard]] bool is_clear(const Cycle& cycle, const Candidate& candidate);
 
-/// A motion that fails the check, misses the margin more than the start does, or goes nowhere.
+/// What the objective of the motion is made of.
+[[nodiscard]] CostParts cost_parts(const Candidate& candidate);
+
+/// Rows (4) of ocp.hpp that bind the motion.
+[[nodiscard]] int active_rows(const Candidate& candidate);
+
+/// Whether the solution went where a pair matters that its problem left out.
+[[nodiscard]] bool left_out_a_pair(const Candidate& candidate);
+
+/// A motion that misses the margin more than the start does, or goes nowhere.
 [[nodiscard]] bool is_poor(const Cycle& cycle, const Candidate& candidate);
 
 /// Initial guess without a last solution: the wish, stopped short of whatever blocks it.
 [[nodiscard]] Forecast cold_guess(const Cycle& cycle);
 
-/// Where else to start from: past the blocker left, past it right, short of it.
-[[nodiscard]] std::vector<Forecast> other_guesses(const Cycle& cycle);
+/// Where else to start from, the most promising first: past whatever blocks the wish on its left,
+/// on its right, the wish itself, to rest, and then `arcs` of a few constant twists, in turns from
+/// `turn` on.
+[[nodiscard]] std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs);
 
 }  // namespace tandem

@@ -19,30 +19,25 @@ struct Blocker {
 std::optional<Blocker> first_blocker(const Forecast& wish, const Body& body,
                                      std::span<const Obstacle> obstacles,
                                      const PairLimits& limits) {
-  for (std::size_t k = 1; k < wish.X_MB.size(); ++k) {
-    const Pose2& X = wish.X_MB[k];
-    const double t = limits.start + limits.dt * static_cast<double>(k);
-    for (const Obstacle& obstacle : obstacles) {
-      const Obstacle there = predicted(obstacle, t);
-      for (const Disc& disc : body.discs) {
-        const Eigen::Vector2d p_MC = transform(X, disc.p_BC);
-        const double gap = disc.radius + limits.margin;
-        if ((there.p_MO - p_MC).norm() > there.a + gap) continue;
-        const auto phi = signed_distance(there, p_MC);
-        if (phi.value < gap)
-          return Blocker{p_MC - phi.value * phi.normal, t, {std::cos(X.theta), std::sin(X.theta)}};
-      }
-    }
-  }
-  return std::nullopt;
+  const auto poses = std::span(wish.X_MB).subspan(1);
+  const std::size_t k = first_miss(body, obstacles, poses, limits);
+  if (k == poses.size()) return std::nullopt;
+  PairLimits there = limits;
+  there.start += limits.dt * static_cast<double>(k);
+  const auto pairs = nearest_pairs(body, obstacles, poses.subspan(k, 1), there);
+  const Pair& pair = pairs.front().front();
+  const Eigen::Vector2d p_MC = transform(poses[k], pair.p_BC);
+  const auto phi = signed_distance(pair.obstacle, p_MC);
+  const double theta = poses[k].theta;
+  return Blocker{p_MC - phi.value * phi.normal, there.start, {std::cos(theta), std::sin(theta)}};
 }
 
 bool is_free(const Eigen::Vector2d& p_MQ, double gap, double t,
              std::span<const Obstacle> obstacles) {
-  return std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
-    const Obstacle there = predicted(obstacle, t);
-    return (there.p_MO - p_MQ).norm() > there.a + gap || signed_distance(there, p_MQ).value > gap;
-  });
+  const Body disc{{}, {{{0.0, 0.0}, gap}}, true};
+  const Pose2 X_MQ{p_MQ.x(), p_MQ.y(), 0.0};
+  return first_miss(disc, obstacles, std::span(&X_MQ, 1), {.margin = 0.0, .start = t, .dt = 0.0}) ==
+         1;
 }
 
 // The first `stages` of the motion, then braking.
@@ -66,10 +61,9 @@ Forecast stopped_in_time(const Forecast& motion, const Body& body,
                          const RobotParams& robot) {
   Forecast out = motion;
   for (std::size_t stages = motion.twist.size(); stages > 0; --stages) {
-    const auto gaps = clearances(body, obstacles, std::span(out.X_MB).subspan(1), limits);
-    const auto miss = std::find_if(gaps.begin(), gaps.end(), [](double gap) { return gap < 0.0; });
-    if (miss == gaps.end()) break;
-    stages = std::min(stages, static_cast<std::size_t>(miss - gaps.begin()) + 1);
+    const auto miss = first_miss(body, obstacles, std::span(out.X_MB).subspan(1), limits);
+    if (miss == motion.twist.size()) break;
+    stages = std::min(stages, miss + 1);
     out = stopped_after(stages - 1, motion, limits.dt, robot);
   }
   return out;

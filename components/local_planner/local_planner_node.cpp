@@ -58,6 +58,7 @@ const char* LocalPlannerNode::missing(double now) const {
   if (now - obstacles_.t > params_->obstacle_timeout) return "obstacles are silent";
   switch (method_) {
     case Method::kLeader:
+    case Method::kPath:
       return now - leader_.t > params_->user_timeout ? "leader_pose is silent" : nullptr;
     case Method::kIntention:
       return now - user_.t > params_->user_timeout ? "cmd_vel_user is silent" : nullptr;
@@ -106,8 +107,14 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   status_.solver(name(plan.solver));
   status_.solve_time(plan.solve_time);
   status_.iterations(plan.iterations);
+  status_.guesses(plan.guesses);
   status_.solves(plan.solves);
   status_.cost(plan.cost);
+  status_.cost_pose(plan.parts.pose);
+  status_.cost_twist(plan.parts.twist);
+  status_.cost_change(plan.parts.change);
+  status_.cost_slack(plan.parts.slack);
+  status_.active_constraints(plan.active);
   status_.slack(plan.slack);
   status_.clearance(plan.clearance);
   status_.cycles(status_.cycles() + 1);

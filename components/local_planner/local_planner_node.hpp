@@ -27,7 +27,7 @@ struct LocalPlannerNodeParams {
     robot.visit(field);
     nmpc.visit(field);
     input.visit(field);
-    field("method", method, OneOf{{"leader", "intention", "goal"}}, "what the plan is for");
+    field("method", method, OneOf{{"leader", "intention", "path", "goal"}}, "what the plan is for");
     field("goal", goal, Range{-1e5, 1e5},
           "[m, m, rad] first goal of method goal; /goal_pose later");
     field("fixtures", fixtures, "YAML file of guidance lines; empty: none");

@@ -8,6 +8,7 @@
 
 #include "local_planner/cycle.hpp"
 #include "local_planner/solver.hpp"
+#include "local_planner/trail.hpp"
 #include "local_planner/warm_start.hpp"
 
 namespace tandem {
@@ -18,8 +19,9 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLongestReuse = 1.0;  // [s] age up to which a plan is a warm start or a fallback
 constexpr double kSurprise = 0.3;      // [m, rad] off the last solution that make it worthless
 constexpr double kReserve = 0.003;     // [s] of the budget for the check and the fallback
-constexpr unsigned kRounds = 5;        // cycles of trying other guesses, then one in as many
-constexpr double kBetter = 0.98;       // another guess has to win by this to replace the last plan
+constexpr double kExplores = 0.3;      // share of the budget for other guesses than the last plan
+constexpr double kBetter = 0.9;  // another guess has to win by this to replace the last plan …
+constexpr double kBetterThanPoor = 0.98;  // … and by this if that one leads nowhere
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -31,29 +33,33 @@ struct Nmpc::State {
   NmpcParams params;
   RobotParams robot;
   Body body;
-  Solver solver;
+  Solver explorer;                  // solves from every guess
+  std::optional<Solver> judge;      // certifies the winner, if the explorer's word is not enough
   std::optional<Solved> last = {};  // warm start
   Plan good = {};                   // last plan that was a solution
+  std::vector<Sent> sent = {};      // of the last `delay` seconds
+  Trail trail = {};                 // of the leader
   double iteration_time = 0.0;
   double solve_time = 0.0;  // of one solve, recent mean [s]
   int timeouts = 0;         // in a row
-  std::size_t next_guess = 0;
-  unsigned poor_cycles = 0;  // in a row
+  unsigned turn = 0;        // whose it is among the arcs to start from
 
   // Of the running cycle.
   Clock::time_point started = {};
-  int iterations = 0, solves = 0, confirmed = 0, disagreements = 0;
+  int iterations = 0, guesses = 0, solves = 0, confirmed = 0, disagreements = 0;
   int effort = 0;  // iterations as the budget counts them
 
+  void note_command(const PlanRequest& request);
   double elapsed(const Cycle& cycle) const { return cycle.start.t0 - last->t0; }
   bool is_continued(const Cycle& cycle) const;
-  bool has_time_for_another() const;
+  bool has_time_for_another(double share) const;
   SolveLimits solve_limits() const;
 
   Candidate first_candidate(const Cycle& cycle);
   Candidate attempt(const Cycle& cycle, const Forecast& guess, bool warm);
-  Candidate solve(const Cycle& cycle, Ocp ocp, const Iterate& guess);
-  void improve(const Cycle& cycle, Candidate& best);
+  Candidate solve(Solver& solver, const Cycle& cycle, Ocp ocp, const Iterate& guess);
+  void explore(const Cycle& cycle, Candidate& best);
+  void certify(const Cycle& cycle, Candidate& best);
 
   void remember(const Cycle& cycle, const Candidate& best);
   bool is_usable(const Cycle& cycle, const Candidate& best) const;
@@ -61,6 +67,15 @@ struct Nmpc::State {
   Plan fall_back(const Cycle& cycle, PlanStatus status) const;
   Plan refuse(const PlanRequest& bad);
 };
+
+// The request's command was in force since the request before.
+void Nmpc::State::note_command(const PlanRequest& request) {
+  const double before = sent.empty() ? request.t : sent.back().until;
+  const bool follows = request.t > before && request.t - before < kLongestReuse;
+  if (!follows) sent.clear();
+  sent.push_back({request.command, follows ? before : request.t, request.t});
+  std::erase_if(sent, [&](const Sent& s) { return s.until < request.t - params.delay; });
+}
 
 // Whether the last solution is recent and the robot is where it said.
 bool Nmpc::State::is_continued(const Cycle& cycle) const {
@@ -80,13 +95,14 @@ SolveLimits Nmpc::State::solve_limits() const {
   return limits;
 }
 
-bool Nmpc::State::has_time_for_another() const {
-  if (params.iteration_budget > 0 && effort >= params.iteration_budget) return false;
+// Whether a solve may begin within that share of the budget.
+bool Nmpc::State::has_time_for_another(double share) const {
+  if (params.iteration_budget > 0 && effort >= share * params.iteration_budget) return false;
   if (params.time_budget <= 0.0) return true;
-  return seconds_since(started) + 1.2 * solve_time + kReserve < params.time_budget;
+  return seconds_since(started) + 1.2 * solve_time < share * (params.time_budget - kReserve);
 }
 
-Candidate Nmpc::State::solve(const Cycle& cycle, Ocp ocp, const Iterate& guess) {
+Candidate Nmpc::State::solve(Solver& solver, const Cycle& cycle, Ocp ocp, const Iterate& guess) {
   const auto before = Clock::now();
   Answer answer = solver.solve(ocp, guess, solve_limits());
   Solution& solution = answer.solution;
@@ -114,16 +130,17 @@ Candidate Nmpc::State::solve(const Cycle& cycle, Ocp ocp, const Iterate& guess) 
 
 // Solves from a guess; once more if the solution went where left-out pairs matter.
 Candidate Nmpc::State::attempt(const Cycle& cycle, const Forecast& guess, bool warm) {
+  ++guesses;
   Ocp ocp = problem(cycle, guess);
-  const Iterate point = warm ? warm_start(*last, elapsed(cycle), ocp)
-                             : cold_start(ocp, rate(cycle, ocp, guess).motion);
-  Candidate out = solve(cycle, std::move(ocp), point);
-  if (out.solution.status == SolveStatus::kFailed || !left_out_a_pair(cycle, out) ||
-      !has_time_for_another())
+  const Iterate point =
+      warm ? warm_start(*last, elapsed(cycle), ocp) : cold_start(ocp, within_limits(ocp, guess));
+  Candidate out = solve(explorer, cycle, std::move(ocp), point);
+  if (out.solution.status == SolveStatus::kFailed || !left_out_a_pair(out) ||
+      !has_time_for_another(1.0))
     return out;
   ocp = problem(cycle, out.motion);
   const Solved so_far{out.ocp, out.solution.point, cycle.start.t0};
-  return solve(cycle, ocp, warm_start(so_far, 0.0, ocp));
+  return solve(explorer, cycle, ocp, warm_start(so_far, 0.0, ocp));
 }
 
 Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
@@ -131,30 +148,37 @@ Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
   const Ocp ocp = problem(cycle, cycle.wish);
   Candidate out = attempt(cycle, shifted_motion(*last, elapsed(cycle), ocp), true);
   const bool failed = out.solution.status == SolveStatus::kFailed ||
-                      out.solution.status == SolveStatus::kTimeout || !out.clear;
-  if (!failed || !has_time_for_another()) return out;
+                      out.solution.status == SolveStatus::kTimeout || !is_clear(cycle, out);
+  if (!failed || !has_time_for_another(1.0)) return out;
   Candidate cold = attempt(cycle, cold_guess(cycle), false);
-  return cold.clear && (!out.clear || cold.cost < out.cost) ? cold : out;
+  const bool wins = is_clear(cycle, cold) && (!is_clear(cycle, out) || cold.value < out.value);
+  return wins ? cold : out;
 }
 
-// A poor motion competes with solutions from other guesses, some of them in each cycle, in turns.
-void Nmpc::State::improve(const Cycle& cycle, Candidate& best) {
-  if (params.extra_guesses == 0 || !is_poor(cycle, best)) {
-    poor_cycles = 0;
-    return;
+// The last plan competes with solutions from other guesses. It has to lose clearly, so that the
+// robot does not dither between two ways that are worth about the same.
+void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
+  if (params.extra_guesses == 0) return;
+  const bool poor = is_poor(cycle, best), clear = is_clear(cycle, best);
+  const double to_beat = clear ? (poor ? kBetterThanPoor : kBetter) * best.value : kUnbounded;
+  const unsigned arcs = static_cast<unsigned>(params.extra_guesses) * (poor || !clear ? 3 : 1);
+  std::optional<Candidate> found;
+  for (const Forecast& guess : other_guesses(cycle, turn, arcs)) {
+    if (!has_time_for_another(kExplores)) break;
+    Candidate other = attempt(cycle, guess, false);
+    const bool wins = other.solution.status != SolveStatus::kFailed &&
+                      other.value < (found ? found->value : to_beat);
+    if (wins && is_clear(cycle, other)) found = std::move(other);
   }
-  // Two rounds in vain: the way is barred, so look again only now and then.
-  if (++poor_cycles > kRounds && poor_cycles % kRounds != 0) return;
-  const auto guesses = other_guesses(cycle);
-  const std::size_t tries =
-      std::min(guesses.size(), static_cast<std::size_t>(params.extra_guesses));
-  for (std::size_t i = 0; i < tries && has_time_for_another(); ++i) {
-    Candidate other = attempt(cycle, guesses[next_guess++ % guesses.size()], false);
-    const bool wins = other.clear && (!best.clear || other.cost < kBetter * best.cost);
-    if (!wins || other.solution.status == SolveStatus::kFailed) continue;
-    best = std::move(other);
-    poor_cycles = 0;
-  }
+  turn += arcs;
+  if (found) best = std::move(*found);
+}
+
+// Ipopt, started where the structured solver ended, has to find the same.
+void Nmpc::State::certify(const Cycle& cycle, Candidate& best) {
+  if (!judge) return;
+  Candidate judged = solve(*judge, cycle, best.ocp, best.solution.point);
+  if (is_clear(cycle, judged) || !is_clear(cycle, best)) best = std::move(judged);
 }
 
 // Keeps the point for the next warm start, unless it leads nowhere again and again.
@@ -169,7 +193,7 @@ void Nmpc::State::remember(const Cycle& cycle, const Candidate& best) {
 
 // A solve that was cut short has to beat what it started from.
 bool Nmpc::State::is_usable(const Cycle& cycle, const Candidate& best) const {
-  if (!best.clear || best.solution.status == SolveStatus::kFailed) return false;
+  if (best.solution.status == SolveStatus::kFailed || !is_clear(cycle, best)) return false;
   if (best.solution.status != SolveStatus::kTimeout || !last) return true;
   const Forecast before = shifted_motion(*last, elapsed(cycle), best.ocp);
   return best.cost <= rate(cycle, best.ocp, before).cost;
@@ -192,6 +216,8 @@ Plan Nmpc::State::finish(const Cycle& cycle, const Candidate& best) {
       .X_MB = best.motion.X_MB,
       .twist = best.motion.twist,
       .cost = best.cost,
+      .parts = cost_parts(best),
+      .active = active_rows(best),
       .slack = best.slack,
       .clearance = best.clearance};
   return good;
@@ -228,6 +254,8 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
 Plan Nmpc::State::refuse(const PlanRequest& bad) {
   last.reset();
   good = {};
+  sent.clear();
+  trail.clear();
   const Twist2 command = is_finite(bad.command) ? bad.command : Twist2{};
   const Pose2 X_MB = is_finite(bad.X_MB) ? bad.X_MB : Pose2{};
   const double t = std::isfinite(bad.t) ? bad.t : 0.0;
@@ -243,8 +271,11 @@ Nmpc::Nmpc(const NmpcParams& params, const RobotParams& robot) {
     throw std::invalid_argument("control_period must not exceed dt");
   if (params.time_budget > 0.0 && params.time_budget <= 2.0 * kReserve)
     throw std::invalid_argument("time_budget must be 0 (unlimited) or above 0.006 s");
-  state_ = std::make_unique<State>(
-      State{params, robot, body_of(params, robot), Solver{solver_named(params.solver)}});
+  const SolverKind kind = solver_named(params.solver);
+  const bool certified = kind == SolverKind::kCertified;
+  state_ = std::make_unique<State>(State{params, robot, body_of(params, robot),
+                                         Solver{certified ? SolverKind::kStructured : kind},
+                                         certified ? std::optional{Solver{kind}} : std::nullopt});
 }
 
 Nmpc::~Nmpc() = default;
@@ -256,14 +287,25 @@ Plan Nmpc::solve(const PlanRequest& request) {
   state.started = Clock::now();
   Plan plan;
   if (is_valid(request)) {
-    const Cycle cycle = begin_cycle(request, state.params, state.robot, state.body);
-    state.iterations = state.solves = state.effort = 0;
+    state.note_command(request);
+    PlanRequest on_trail = request;
+    const PairLimits limits{.margin = state.params.margin};
+    std::vector<Eigen::Vector2d> trail;
+    if (request.method == Method::kPath) {
+      state.trail.extend(request.X_MG.position(), request.X_MB.position());
+      trail = state.trail.free_points(state.body, request.obstacles, limits);
+      on_trail.trail = trail;
+    }
+    const Cycle cycle = begin_cycle(on_trail, state.params, state.robot, state.body, state.sent);
+    state.iterations = state.guesses = state.solves = state.effort = 0;
     state.confirmed = state.disagreements = 0;
     if (state.last && !state.is_continued(cycle)) state.last.reset();
     Candidate best = state.first_candidate(cycle);
-    state.improve(cycle, best);
+    state.explore(cycle, best);
+    state.certify(cycle, best);
     plan = state.finish(cycle, best);
     plan.iterations = state.iterations;
+    plan.guesses = state.guesses;
     plan.solves = state.solves;
     plan.confirmed = state.confirmed;
     plan.disagreements = state.disagreements;
@@ -277,9 +319,10 @@ Plan Nmpc::solve(const PlanRequest& request) {
 void Nmpc::reset() {
   state_->last.reset();
   state_->good = {};
+  state_->sent.clear();
+  state_->trail.clear();
   state_->timeouts = 0;
-  state_->next_guess = 0;
-  state_->poor_cycles = 0;
+  state_->turn = 0;
 }
 
 }  // namespace tandem

@@ -20,7 +20,7 @@ struct NmpcParams {
   double time_budget = 0.035;
   int max_iterations = 60;
   int iteration_budget = 0;
-  int extra_guesses = 2;
+  int extra_guesses = 1;
   std::string solver = "certified";
   std::string model = "arc";
 
@@ -58,8 +58,9 @@ struct NmpcParams {
     field(
         "iteration_budget", iteration_budget, Range{0, 100000},
         "iterations of one planning cycle, a deterministic stand-in for time_budget; 0: no limit");
-    field("extra_guesses", extra_guesses, Range{0, 4},
-          "further initial guesses a cycle may try while the robot is stuck");
+    field("extra_guesses", extra_guesses, Range{0, 10},
+          "sampled arcs a cycle starts from beside the last plan, left and right of what blocks the "
+          "way, the wish and rest, thrice as many if that leads nowhere; 0: the last plan only");
     field("solver", solver, OneOf{{"ipopt", "structured", "certified"}},
           "structured: far faster than ipopt; certified: structured, confirmed by ipopt");
     field("model", model, OneOf{{"arc", "euler"}}, "discrete motion: exact arc, or Euler's step");

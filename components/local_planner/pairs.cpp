@@ -2,44 +2,84 @@
 #include "local_planner/pairs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "local_planner/ellipse_distance.hpp"
 
 namespace tandem {
 namespace {
 
+// Body and obstacles, asked for their distances at many poses. Most pairs are far apart: the box
+// around an ellipse tells so at once.
+class Surroundings {
+ public:
+  Surroundings(const Body& body, std::span<const Obstacle> obstacles, const PairLimits& limits)
+      : body_{body}, obstacles_{obstacles}, limits_{limits} {
+    for (const Obstacle& obstacle : obstacles)
+      axes_.emplace_back(std::cos(obstacle.angle), std::sin(obstacle.angle));
+  }
+
+  // Calls found(clearance, pair) for the pairs of the stage that ends at X_MB, `t` seconds after
+  // the obstacles' time, with less clearance than `most` at the time of asking.
+  template <class Found>
+  void closer_than(const double& most, const Pose2& X_MB, double t, const Found& found) const {
+    const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
+    for (std::size_t j = 0; j < obstacles_.size(); ++j) {
+      const Obstacle there = predicted(obstacles_[j], t);
+      for (std::uint32_t i = 0; i < body_.discs.size(); ++i) {
+        const Disc& disc = body_.discs[i];
+        const Eigen::Vector2d p_MC{X_MB.x + c * disc.p_BC.x() - s * disc.p_BC.y(),
+                                   X_MB.y + s * disc.p_BC.x() + c * disc.p_BC.y()};
+        const double gap = disc.radius + limits_.margin;
+        if (is_beyond(most + gap, there, axes_[j], p_MC - there.p_MO)) continue;
+        const double clearance = signed_distance(there, p_MC).value - gap;
+        if (clearance < most) found(clearance, Pair{disc.p_BC, gap, there, i});
+      }
+    }
+  }
+
+  [[nodiscard]] double least_clearance(const Pose2& X_MB, double t, double least) const {
+    closer_than(least, X_MB, t, [&](double clearance, const Pair&) { least = clearance; });
+    return least;
+  }
+
+  [[nodiscard]] double time(std::size_t stage) const {
+    return limits_.start + limits_.dt * static_cast<double>(stage + 1);
+  }
+
+ private:
+  static bool is_beyond(double distance, const Obstacle& obstacle, const Eigen::Vector2d& axis,
+                        const Eigen::Vector2d& p) {
+    const double x = std::abs(axis.x() * p.x() + axis.y() * p.y()) - obstacle.a;
+    const double y = std::abs(axis.x() * p.y() - axis.y() * p.x()) - obstacle.b;
+    const double dx = std::max(0.0, x), dy = std::max(0.0, y);
+    return dx * dx + dy * dy > 0.0 && dx * dx + dy * dy >= distance * std::abs(distance);
+  }
+
+  const Body& body_;
+  std::span<const Obstacle> obstacles_;
+  const PairLimits& limits_;
+  std::vector<Eigen::Vector2d> axes_;  // cosine and sine of each obstacle's angle
+};
+
 struct Candidate {
   double clearance;
   Pair pair;
 };
-
-// Pairs of the stage that ends at X_MB, `t` seconds after the obstacles' time, within reach.
-std::vector<Candidate> within_reach(const Body& body, std::span<const Obstacle> obstacles,
-                                    const Pose2& X_MB, double t, const PairLimits& limits) {
-  std::vector<Candidate> found;
-  for (const Obstacle& obstacle : obstacles) {
-    const Obstacle there = predicted(obstacle, t);
-    for (std::uint32_t i = 0; i < body.discs.size(); ++i) {
-      const Disc& disc = body.discs[i];
-      const Eigen::Vector2d p_MC = transform(X_MB, disc.p_BC);
-      const double gap = disc.radius + limits.margin;
-      if ((there.p_MO - p_MC).norm() > there.a + gap + limits.reach) continue;
-      const double clearance = signed_distance(there, p_MC).value - gap;
-      if (clearance < limits.reach) found.push_back({clearance, {disc.p_BC, gap, there, i}});
-    }
-  }
-  return found;
-}
 
 }  // namespace
 
 std::vector<std::vector<Pair>> nearest_pairs(const Body& body, std::span<const Obstacle> obstacles,
                                              std::span<const Pose2> X_MB,
                                              const PairLimits& limits) {
+  const Surroundings around{body, obstacles, limits};
   std::vector<std::vector<Pair>> all;
   for (std::size_t k = 0; k < X_MB.size(); ++k) {
-    const double t = limits.start + limits.dt * static_cast<double>(k + 1);
-    auto found = within_reach(body, obstacles, X_MB[k], t, limits);
+    std::vector<Candidate> found;
+    around.closer_than(limits.reach, X_MB[k], around.time(k),
+                       [&](double clearance, const Pair& pair) {
+                         found.push_back({clearance, pair});
+                       });
     std::stable_sort(found.begin(), found.end(),
                      [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
     found.resize(std::min(found.size(), static_cast<std::size_t>(limits.max_pairs)));
@@ -51,15 +91,19 @@ std::vector<std::vector<Pair>> nearest_pairs(const Body& body, std::span<const O
 
 std::vector<double> clearances(const Body& body, std::span<const Obstacle> obstacles,
                                std::span<const Pose2> X_MB, const PairLimits& limits) {
+  const Surroundings around{body, obstacles, limits};
   std::vector<double> all;
-  for (std::size_t k = 0; k < X_MB.size(); ++k) {
-    const double t = limits.start + limits.dt * static_cast<double>(k + 1);
-    double least = limits.reach;
-    for (const Candidate& candidate : within_reach(body, obstacles, X_MB[k], t, limits))
-      least = std::min(least, candidate.clearance);
-    all.push_back(least);
-  }
+  for (std::size_t k = 0; k < X_MB.size(); ++k)
+    all.push_back(around.least_clearance(X_MB[k], around.time(k), limits.reach));
   return all;
+}
+
+std::size_t first_miss(const Body& body, std::span<const Obstacle> obstacles,
+                       std::span<const Pose2> X_MB, const PairLimits& limits) {
+  const Surroundings around{body, obstacles, limits};
+  std::size_t k = 0;
+  while (k < X_MB.size() && around.least_clearance(X_MB[k], around.time(k), 0.0) >= 0.0) ++k;
+  return k;
 }
 
 }  // namespace tandem

@@ -30,4 +30,8 @@ struct PairLimits {
 [[nodiscard]] std::vector<double> clearances(const Body& body, std::span<const Obstacle> obstacles,
                                              std::span<const Pose2> X_MB, const PairLimits& limits);
 
+/// The first of the poses at which a pair misses the margin; their number if none does.
+[[nodiscard]] std::size_t first_miss(const Body& body, std::span<const Obstacle> obstacles,
+                                     std::span<const Pose2> X_MB, const PairLimits& limits);
+
 }  // namespace tandem

@@ -14,6 +14,8 @@ const char* name(Method method) {
       return "leader";
     case Method::kIntention:
       return "intention";
+    case Method::kPath:
+      return "path";
     case Method::kGoal:
       return "goal";
   }
@@ -49,10 +51,10 @@ const char* name(PlanSource source) {
 }
 
 Method method_named(std::string_view text) {
-  for (const Method method : {Method::kLeader, Method::kIntention, Method::kGoal})
+  for (const Method method : {Method::kLeader, Method::kIntention, Method::kPath, Method::kGoal})
     if (text == name(method)) return method;
   throw std::invalid_argument("method = '" + std::string(text) +
-                              "' is none of {leader, intention, goal}");
+                              "' is none of {leader, intention, path, goal}");
 }
 
 Twist2 Plan::at(double t) const {

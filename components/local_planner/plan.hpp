@@ -17,6 +17,7 @@ namespace tandem {
 enum class Method {
   kLeader,     ///< Devalla 2020, 3.24 and 3.40: chase the virtual robot X_MG
   kIntention,  ///< Krijnen 2020, 2.3: do what the person's twist asks for, no goal guessed
+  kPath,       ///< Devalla 2020, 5.1: follow the trail of the virtual robot X_MG
   kGoal,       ///< Devalla 2020, 3.24: a fixed pose X_MG, with a terminal cost
 };
 
@@ -28,6 +29,7 @@ struct PlanRequest {
   Twist2 command = {};                          ///< in force: the last one that was sent
   Twist2 measured = {};                         ///< twist from odometry
   Pose2 X_MG = {};                              ///< leader or goal; not read by kIntention
+  std::span<const Eigen::Vector2d> trail = {};  ///< kPath: the leader's way, see trail.hpp
   Twist2 user = {};                             ///< the person's twist; read by kIntention
   std::span<const Obstacle> obstacles = {};     ///< places and velocities at time t
   std::span<const GuidanceLine> guidance = {};  ///< see guided()
@@ -56,6 +58,14 @@ enum class PlanSource {
 /// Throws std::invalid_argument unless `text` is the name of a method.
 [[nodiscard]] Method method_named(std::string_view text);
 
+/// Share of each term of the objective; their sum is the cost.
+struct CostParts {
+  double pose = 0.0;    ///< position and heading
+  double twist = 0.0;   ///< speed, turn rate and their direction
+  double change = 0.0;  ///< of the twist from stage to stage
+  double slack = 0.0;   ///< penalty
+};
+
 /// Motion from t0 on: N twists, each held for dt, along N + 1 poses.
 struct Plan {
   PlanStatus status = PlanStatus::kRefused;
@@ -67,11 +77,14 @@ struct Plan {
   std::vector<Pose2> X_MB = {};    ///< N + 1 poses [m, rad], headings continuous
   std::vector<Twist2> twist = {};  ///< N twists; the first is `command` unless braking is finer
   double cost = 0.0;               ///< objective of the solution, 0 for a fallback
+  CostParts parts = {};            ///< … by its terms
+  int active = 0;                  ///< rows of disc and obstacle that hold with equality
   double slack = 0.0;              ///< largest miss of the margin over the horizon [m]
   double clearance = 0.0;          ///< smallest gap of the discs to any obstacle at the nodes [m]
   double solve_time = 0.0;         ///< wall clock of the whole cycle [s]
   int iterations = 0;              ///< of all solves of the cycle
-  int solves = 0;                  ///< guesses that were solved
+  int guesses = 0;                 ///< that were solved, the last plan among them
+  int solves = 0;                  ///< a guess may take two; the judge's is one more
   int confirmed = 0;               ///< solves that two solvers agree on
   int disagreements = 0;           ///< … do not agree on, or the structured one failed
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "local_planner/trail.hpp"
 #include "model/diff_drive.hpp"
 
 namespace tandem {
@@ -17,6 +18,13 @@ constexpr double kIntentionScale = 20.0;
 // [s] The person is obeyed now rather than later: what has to give way gives way in the end of the
 // horizon. Without this a person who is blocked far ahead never starts moving.
 constexpr double kPatience = 2.0;
+
+constexpr double kLookahead = 0.4;  // [m] the wish steers to this far along the trail
+constexpr double kLead = 0.1;       // [m] the reference is this far ahead of the wish
+
+bool is_far_along(const PlanRequest& request) {
+  return request.method == Method::kPath && request.trail.size() > 2;
+}
 
 using Wanted = std::function<Twist2(const Pose2&)>;
 
@@ -49,6 +57,12 @@ Twist2 drive_to(const Eigen::Vector2d& p_MT, const Pose2& X_MB, const RobotParam
 
 Wanted wanted_by(const PlanRequest& request, const RobotParams& robot) {
   if (request.method == Method::kIntention) return [&](const Pose2&) { return request.user; };
+  if (is_far_along(request))
+    return [&](const Pose2& X_MB) {
+      if ((request.X_MG.position() - X_MB.position()).norm() < kLookahead)
+        return Twist2{0.0, 1.5 * wrap_angle(request.X_MG.theta - X_MB.theta)};
+      return drive_to(along(request.trail, X_MB.position(), kLookahead).p_MT, X_MB, robot);
+    };
   return [&](const Pose2& X_MB) -> Twist2 {
     if ((request.X_MG.position() - X_MB.position()).norm() > 0.15)
       return drive_to(request.X_MG.position(), X_MB, robot);
@@ -68,6 +82,17 @@ StageCost pose_cost(const PlanRequest& request, const Pose2& X_MB, const NmpcPar
   cost.r_v = params.weight_v;
   cost.r_w = params.weight_w;
   cost.c_v = cost.c_w = params.weight_smooth;
+  return cost;
+}
+
+// (4)
+StageCost trail_cost(const PlanRequest& request, const Forecast& wish, std::size_t k,
+                     const NmpcParams& params) {
+  StageCost cost = pose_cost(request, wish.X_MB.front(), params);
+  const OnTrail target = along(request.trail, wish.X_MB[k + 1].position(), kLead);
+  cost.X_MR.x = target.p_MT.x();
+  cost.X_MR.y = target.p_MT.y();
+  if (target.bridges) cost.q_x = cost.q_y = 0.0;
   return cost;
 }
 
@@ -125,12 +150,19 @@ Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, c
   return roll_out(wanted, request.command, X_MB, params, robot);
 }
 
+Forecast forecast_of(const Twist2& twist, const PlanRequest& request, const Pose2& X_MB,
+                     const NmpcParams& params, const RobotParams& robot) {
+  return roll_out([&](const Pose2&) { return twist; }, request.command, X_MB, params, robot);
+}
+
 std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
                                    const NmpcParams& params, const RobotParams& robot) {
   std::vector<StageCost> costs;
   Twist2 before = request.command;
   for (std::size_t k = 0; k < wish.twist.size(); ++k) {
-    if (request.method != Method::kIntention)
+    if (is_far_along(request))
+      costs.push_back(trail_cost(request, wish, k, params));
+    else if (request.method != Method::kIntention)
       costs.push_back(pose_cost(request, wish.X_MB.front(), params));
     else if (params.intention_form == "atan")
       costs.push_back(atan_cost(request.user, params));

@@ -25,6 +25,11 @@ struct Forecast {
                                     const Pose2& X_MB, const NmpcParams& params,
                                     const RobotParams& robot);
 
+/// The same toward a constant twist.
+[[nodiscard]] Forecast forecast_of(const Twist2& twist, const PlanRequest& request,
+                                   const Pose2& X_MB, const NmpcParams& params,
+                                   const RobotParams& robot);
+
 /// Costs of the N stages, one shape for all methods:
 ///
 ///   leader, goal  (x−x_g)ᵀQ(x−x_g) + uᵀRu, heading by 2(1 − cos), faded by 1 / (1 + (d/d₀)²)
@@ -35,6 +40,10 @@ struct Forecast {
 ///                 acceleration limits): where nothing blocks, the forecast is the optimum    (2)
 ///                 atan: C_v(v_u−v)² + C_h 2(1 − cos(atan(ω_u/v_u) − atan(ω/v))) + C_c|Δu|²   (3)
 ///                 both fade over the horizon, as what the person wants now is known best
+///   path          (1) toward the point of the trail beside which the forecast, which drives along
+///                 the trail, is at that stage, a little ahead of it: to leave the trail costs, to
+///                 be slower costs as little as a step of it. Where the trail was cut by an
+///                 obstacle no place is asked for, only the trail beyond                     (4)
 [[nodiscard]] std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
                                                  const NmpcParams& params,
                                                  const RobotParams& robot);

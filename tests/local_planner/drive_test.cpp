@@ -6,8 +6,11 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
+#include <random>
 
 #include "local_planner/requests.hpp"
+#include "model/diff_drive.hpp"
 
 namespace tandem::test {
 namespace {
@@ -163,6 +166,104 @@ TEST(Drive, CorridorAHandsBreadthWiderThanTheRobotIsPassed) {
     EXPECT_EQ(result.contacts, 0);
     EXPECT_GT(result.path.back().x, 5.5);
   }
+}
+
+// Share of cycles in which the person gets what they ask for, as far as the accelerations allow, to
+// within 1 % of the robot's range.
+double agreement(const Drive& drive, const std::vector<Twist2>& asked, std::size_t first = 0) {
+  const RobotParams robot;
+  Twist2 before = first > 0 ? drive.plans[first - 1].command : Twist2{};
+  int agreed = 0;
+  for (std::size_t i = first; i < drive.plans.size(); ++i) {
+    const Twist2& command = drive.plans[i].command;
+    const double v = approach(before.v, asked[i].v, robot.a_max * 0.05);
+    const double w = approach(before.w, asked[i].w, robot.alpha_max * 0.05);
+    agreed +=
+        std::abs(command.v - v) < 0.01 * robot.v_max && std::abs(command.w - w) < 0.01 * robot.w_max
+            ? 1
+            : 0;
+    before = command;
+  }
+  return share(agreed, drive.plans.size() - first);
+}
+
+TEST(Intention, WithoutObstaclesThePersonDrivesThemselves) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> v(-0.4, 0.8), w(-1.0, 1.0);
+    std::vector<Twist2> asked;
+    Twist2 wanted;
+    double change = 0.0;
+    const auto person = [&](double t, const Plant&, PlanRequest& request) {
+      if (t >= change) wanted = {v(random), w(random)}, change += 1.5;
+      request.method = Method::kIntention;
+      request.user = wanted;
+      asked.push_back(wanted);
+    };
+    const Drive result = drive(lockstep(), RobotParams{}, kAtStart, {}, 15.0, person);
+    EXPECT_GE(agreement(result, asked), 0.99) << "seed " << seed;
+  }
+}
+
+TEST(Intention, GivesWayToAPoleSmoothlyAndComesBack) {
+  const std::vector<Obstacle> beside{{1, {3.0, 0.35}, 0.225, 0.225, 0.0, {0, 0}}};
+  const Plant plant{{0, 0, 0}, {}, 0.02, 0.05};
+  const Drive result = drive(lockstep(), RobotParams{}, plant, beside, 10.0, twist(0.6, 0.0));
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_EQ(result.fallbacks, 0);
+  EXPECT_LE(result.worst_rate, 0.05 + 1e-9);
+  EXPECT_GT(result.path.back().x, 5.0);
+  double aside = 0.0;
+  int reversals = 0;  // of the turn, beyond a twentieth of the fastest
+  double turn = 0.0;
+  for (std::size_t i = 0; i < result.plans.size(); ++i) {
+    aside = std::max(aside, std::abs(result.path[i].y));
+    const double w = result.plans[i].command.w;
+    if (std::abs(w) < 0.05) continue;
+    reversals += turn * w < 0.0 ? 1 : 0;
+    turn = w;
+  }
+  EXPECT_GT(aside, 0.1) << "the pole stands in the way, else this proves nothing";
+  EXPECT_LE(reversals, 2);  // aside, along, back
+  const std::vector<Twist2> asked(result.plans.size(), Twist2{0.6, 0.0});
+  EXPECT_GE(agreement(result, asked, result.plans.size() - 40), 0.99);
+}
+
+// 0.80 m between two poles: room for the robot, 0.58 m wide, not for the circle of 0.45 m that
+// Devalla 2020 plans with and that got stuck there (§5.1).
+TEST(Drive, GapThatACircleCannotPassIsPassedByTheOutline) {
+  const std::vector<Obstacle> poles{{1, {2.5, 0.625}, 0.225, 0.225, 0.0, {0, 0}},
+                                    {2, {2.5, -0.625}, 0.225, 0.225, 0.0, {0, 0}},
+                                    {3, {2.5, 2.6}, 1.6, 0.2, std::numbers::pi / 2, {0, 0}},
+                                    {4, {2.5, -2.6}, 1.6, 0.2, std::numbers::pi / 2, {0, 0}}};
+  const Plant plant{{0, 0, 0}, {}, 0.02, 0.05};
+  NmpcParams circle = lockstep();
+  circle.disc_radius = 0.45;
+  for (const Person& person : {twist(0.6, 0.0), to_goal({5.0, 0.0, 0.0})}) {
+    const Drive stuck = drive(circle, RobotParams{}, plant, poles, 15.0, person);
+    EXPECT_LT(stuck.path.back().x, 2.5);
+    const Drive result = drive(lockstep(), RobotParams{}, plant, poles, 15.0, person);
+    EXPECT_EQ(result.contacts, 0);
+    EXPECT_GT(result.path.back().x, 3.5);
+  }
+}
+
+// A leader that swings round a pole: its trail, not the straight line to it, is followed.
+TEST(Drive, TrailOfTheLeaderIsFollowed) {
+  double error = 0.0;
+  const auto person = [&](double t, const Plant& plant, PlanRequest& request) {
+    const double s = std::min(0.5 * t, 5.0);  // along a quarter of a circle, then straight
+    const double turned = std::min(s / 1.5, std::numbers::pi / 2);
+    const double rest = std::max(0.0, s - 1.5 * std::numbers::pi / 2);
+    request.method = Method::kPath;
+    request.X_MG = {1.5 * std::sin(turned), 1.5 * (1.0 - std::cos(turned)) + rest, turned};
+    const double r = std::hypot(plant.X_MB.x, plant.X_MB.y - 1.5);
+    if (plant.X_MB.y < 1.5) error = std::max(error, std::abs(r - 1.5));
+  };
+  const Drive result =
+      drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, {}, 16.0, person);
+  EXPECT_LT(error, 0.15);
+  EXPECT_LT(distance(result, 1.5, 1.5 + 5.0 - 1.5 * std::numbers::pi / 2), 0.15);
 }
 
 TEST(Drive, LeaderBehindAndBesideIsReached) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -85,6 +86,77 @@ TEST(Nmpc, PoleStraightAheadIsPassedOnOneSide) {
   EXPECT_GT(std::abs(plan.X_MB.back().y), 0.3);
 }
 
+TEST(Nmpc, EveryCycleStartsFromManyGuessesAndSaysWhatItFound) {
+  Nmpc planner(unlimited(), RobotParams{});
+  PlanRequest request = goal_request({4, 0, 0});
+  const std::vector<Obstacle> obstacles{pole(1.5, 0.0)};
+  request.obstacles = obstacles;
+  for (int i = 0; i < 20; ++i) {
+    const Plan plan = planner.solve(request);
+    ASSERT_EQ(plan.source, PlanSource::kSolution);
+    EXPECT_GE(plan.guesses, 5) << "cycle " << i;  // last plan, left, right, wish, rest
+    EXPECT_NEAR(plan.parts.pose + plan.parts.twist + plan.parts.change + plan.parts.slack,
+                plan.cost, 1e-9 * plan.cost);
+    EXPECT_GT(plan.parts.pose, 0.0);
+    EXPECT_GE(plan.parts.slack, -1e-6);
+    request.t += 0.05;
+    request.X_MB = integrate(request.X_MB, plan.command, 0.05);
+    request.command = request.measured = plan.command;
+  }
+  const Plan plan = planner.solve(request);
+  EXPECT_GT(plan.active, 0);  // it passes close by
+}
+
+// The way to the left is worth as much as the way to the right: it takes one and keeps to it.
+TEST(Nmpc, DoesNotDitherBetweenTwoEqualWays) {
+  Nmpc planner(unlimited(), RobotParams{});
+  PlanRequest request = goal_request({4, 0, 0});
+  const std::vector<Obstacle> obstacles{pole(1.8, 0.0)};
+  request.obstacles = obstacles;
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  int changes = 0;
+  double side = 0.0;
+  for (int i = 0; i < 80; ++i) {
+    const Plan plan = planner.solve(request);
+    request.t += 0.05;
+    request.X_MB = integrate(request.X_MB, plan.command, 0.05);
+    request.command = request.measured = plan.command;
+    if (request.X_MB.x > 1.8) break;
+    const auto beside =
+        std::find_if(plan.X_MB.begin(), plan.X_MB.end(), [](const Pose2& X) { return X.x > 1.8; });
+    if (beside != plan.X_MB.end()) {
+      changes += side * beside->y < 0.0 ? 1 : 0;
+      side = beside->y;
+    }
+    request.X_MB.y += noise(random);
+    request.X_MB.theta += noise(random);
+  }
+  EXPECT_NE(side, 0.0);
+  EXPECT_LE(changes, 1);
+}
+
+// A turn was commanded and is not yet to be seen.
+TEST(Nmpc, CommandsUnderWayCountInThePredictedPose) {
+  NmpcParams params = unlimited();
+  params.delay = 0.3;
+  Nmpc planner(params, RobotParams{});
+  PlanRequest request = goal_request({3, 0, 0});
+  const Twist2 sent[] = {{0.3, 0.1}, {0.3, 0.2}, {0.4, 0.3}, {0.4, 0.4}, {0.5, 0.5},
+                         {0.5, 0.6}, {0.6, 0.6}, {0.6, 0.4}, {0.6, 0.2}, {0.6, 0.0}};
+  Plan plan;
+  for (const Twist2& command : sent) {
+    request.t += 0.05;
+    request.command = command;
+    plan = planner.solve(request);
+  }
+  Pose2 expected = request.X_MB;
+  for (int i = 4; i < 10; ++i) expected = integrate(expected, sent[i], 0.05);
+  EXPECT_NEAR(plan.X_MB.front().x, expected.x, 1e-9);
+  EXPECT_NEAR(plan.X_MB.front().y, expected.y, 1e-9);
+  EXPECT_NEAR(plan.X_MB.front().theta, expected.theta, 1e-9);
+}
+
 TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
   Nmpc planner(unlimited(), RobotParams{});
   PlanRequest request = goal_request({4, 0, 0});
@@ -134,7 +206,9 @@ TEST(Nmpc, HeadingAcrossPiTurnsTheShortWay) {
 }
 
 TEST(Nmpc, WarmStartSurvivesTheMeasuredHeadingsJumpAtPi) {
-  Nmpc planner(unlimited(), RobotParams{});
+  NmpcParams params = unlimited();
+  params.extra_guesses = 0;  // only the iterations of the warm start count
+  Nmpc planner(params, RobotParams{});
   PlanRequest request{.method = Method::kIntention, .X_MB = {0, 0, 3.1}, .user = {0.5, 0.6}};
   request.command = request.measured = {0.5, 0.6};
   for (int i = 0; i < 10; ++i) {

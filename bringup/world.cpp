@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/world.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "map/barn_world.hpp"
+#include "map/clutter_world.hpp"
+#include "map/octomap_file.hpp"
+#include "map/slice.hpp"
+#include "map/way.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStep = 0.02;  // [m] between the radii that are tried for the widest way
+
+struct World {
+  std::string name;
+  MapDescription description;
+};
+
+World world_of(const std::string& family, unsigned seed) {
+  if (family == "clutter") return {fmt::format("clutter_{}", seed), clutter_world(seed, {})};
+  const auto numbers = barn_world_numbers(family);
+  if (numbers.empty()) throw std::runtime_error(family + ": no world in it");
+  const int number = numbers[(seed + numbers.size() - 1) % numbers.size()];
+  return {fmt::format("{}_{}", fs::path(family).stem().string(), number),
+          load_barn_world(family, number)};
+}
+
+// Under its name at once, as other processes may be reading it.
+fs::path save(const octomap::OcTree& tree, const std::string& name) {
+  const fs::path folder = fs::temp_directory_path() / "tandem_worlds";
+  fs::create_directories(folder);
+  const fs::path part = folder / fmt::format("{}.{}.part", name, getpid());
+  const fs::path file = folder / (name + ".bt");
+  save_octomap(tree, part);
+  fs::rename(part, file);
+  return file;
+}
+
+Eigen::Vector2d middle(const Goal& goal) {
+  if (const auto* region = std::get_if<RegionGoal>(&goal))
+    return 0.5 * (region->low + region->high);
+  if (const auto* pose = std::get_if<PoseGoal>(&goal)) return pose->X_MG.position();
+  throw std::invalid_argument("a world by seed needs a goal with a place");
+}
+
+std::string route(const octomap::OcTree& tree, const Pose2& start, const Goal& goal) {
+  const StaticMap map{slice(tree, {})};
+  std::vector<Eigen::Vector2d> way;
+  for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kStep)
+    way = find_way(map, start.position(), middle(goal), radius);
+  if (way.empty()) throw std::runtime_error("no way from start to goal");
+  std::string text;
+  for (const auto& p : way)
+    text += fmt::format("{}{:.3f}, {:.3f}", text.empty() ? "[" : ", ", p.x(), p.y());
+  return text + "]";
+}
+
+}  // namespace
+
+bool is_family(const std::string& map) {
+  return map == "clutter" || fs::path(map).extension() == ".json";
+}
+
+Scenario in_its_world(Scenario scenario) {
+  const World world = world_of(scenario.map, scenario.seed);
+  const auto tree = build_octomap(world.description);
+  scenario.map = save(*tree, world.name).string();
+  auto& driver = scenario.parameters["driver"];
+  if (!driver.contains("route"))
+    driver["route"] = {route(*tree, scenario.start, scenario.goal), scenario.path};
+  return scenario;
+}
+
+}  // namespace tandem

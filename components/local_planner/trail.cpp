@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_planner/trail.hpp"
+
+#include <algorithm>
+
+namespace tandem {
+namespace {
+
+constexpr double kJump = 0.5;         // [m] in a cycle: the leader was put somewhere else
+constexpr double kSamePlace = 0.2;    // [m] of the trail: what lay between was taken back
+constexpr std::size_t kRecent = 12;   // points that are near because they are new
+constexpr double kBridge = 0.15;      // [m] between two points: some are missing
+constexpr double kSearchAhead = 2.0;  // [m] the robot passes no more of the trail than this at once
+
+// Index of the point nearest to p within the first `most` metres.
+std::size_t nearest(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& p,
+                    double most) {
+  std::size_t best = 0;
+  double length = 0.0;
+  for (std::size_t i = 1; i < points.size() && length < most; ++i) {
+    length += (points[i] - points[i - 1]).norm();
+    if ((points[i] - p).squaredNorm() < (points[best] - p).squaredNorm()) best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+void Trail::extend(const Eigen::Vector2d& p_ML, const Eigen::Vector2d& p_MB) {
+  if (points_.empty() || (p_ML - points_.back()).norm() > kJump) points_ = {p_MB};
+  while ((p_ML - points_.back()).norm() >= kSpacing) {
+    const Eigen::Vector2d next = points_.back() + kSpacing * (p_ML - points_.back()).normalized();
+    for (std::size_t i = 0; i + kRecent < points_.size(); ++i)
+      if ((points_[i] - next).norm() < kSamePlace) points_.resize(i + 1);
+    if ((points_.back() - next).norm() > 1e-6) points_.push_back(next);
+    if (points_.size() > 1000) break;
+  }
+  const auto passed = static_cast<std::ptrdiff_t>(nearest(points_, p_MB, kSearchAhead));
+  points_.erase(points_.begin(), points_.begin() + passed);
+}
+
+std::vector<Eigen::Vector2d> Trail::free_points(const Body& body,
+                                                std::span<const Obstacle> obstacles,
+                                                const PairLimits& limits) const {
+  double radius = body.discs.front().radius;
+  for (const Disc& disc : body.discs) radius = std::min(radius, disc.radius);
+  const Body disc{{}, {{{0.0, 0.0}, radius}}, true};
+  PairLimits now = limits;
+  now.dt = 0.0;
+  std::vector<Eigen::Vector2d> free;
+  for (const Eigen::Vector2d& p : points_) {
+    const Pose2 X{p.x(), p.y(), 0.0};
+    if (&p == &points_.back() || first_miss(disc, obstacles, std::span(&X, 1), now) == 1)
+      free.push_back(p);
+  }
+  return free;
+}
+
+OnTrail along(std::span<const Eigen::Vector2d> trail, const Eigen::Vector2d& p_MQ, double ahead) {
+  std::size_t i = nearest(trail, p_MQ, 1e9);
+  for (; i + 1 < trail.size(); ++i) {
+    const Eigen::Vector2d step = trail[i + 1] - trail[i];
+    const double length = step.norm();
+    if (ahead < length) return {trail[i] + ahead / length * step, length > kBridge};
+    ahead -= length;
+  }
+  return {trail[i]};
+}
+
+}  // namespace tandem
