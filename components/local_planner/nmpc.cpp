@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "local_planner/cycle.hpp"
+#include "local_planner/delay_estimator.hpp"
 #include "local_planner/solver.hpp"
 #include "local_planner/trail.hpp"
 #include "local_planner/warm_start.hpp"
@@ -37,8 +38,9 @@ struct Nmpc::State {
   std::optional<Solver> judge;      // certifies the winner, if the explorer's word is not enough
   std::optional<Solved> last = {};  // warm start
   Plan good = {};                   // last plan that was a solution
-  std::vector<Sent> sent = {};      // of the last `delay` seconds
-  Trail trail = {};                 // of the leader
+  DelayEstimator loop{robot};
+  std::vector<Sent> sent = {};  // of the last `delay` seconds
+  Trail trail = {};             // of the leader
   double iteration_time = 0.0;
   double solve_time = 0.0;  // of one solve, recent mean [s]
   int timeouts = 0;         // in a row
@@ -49,6 +51,7 @@ struct Nmpc::State {
   int iterations = 0, guesses = 0, solves = 0, confirmed = 0, disagreements = 0;
   int effort = 0;  // iterations as the budget counts them
 
+  void measure_delay(const PlanRequest& request);
   void note_command(const PlanRequest& request);
   double elapsed(const Cycle& cycle) const { return cycle.start.t0 - last->t0; }
   bool is_continued(const Cycle& cycle) const;
@@ -68,8 +71,15 @@ struct Nmpc::State {
   Plan refuse(const PlanRequest& bad);
 };
 
+void Nmpc::State::measure_delay(const PlanRequest& request) {
+  loop.on_command(request.command, sent.empty() ? request.t : sent.back().until);
+  loop.on_measurement(request.measured, request.t);
+  if (const auto measured = loop.delay()) params.delay = *measured;
+}
+
 // The request's command was in force since the request before.
 void Nmpc::State::note_command(const PlanRequest& request) {
+  if (params.measure_delay) measure_delay(request);
   const double before = sent.empty() ? request.t : sent.back().until;
   const bool follows = request.t > before && request.t - before < kLongestReuse;
   if (!follows) sent.clear();

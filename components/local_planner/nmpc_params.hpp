@@ -17,6 +17,7 @@ struct NmpcParams {
   double dt = 0.25;
   double control_period = 0.05;
   double delay = 0.09;
+  bool measure_delay = false;
   double time_budget = 0.035;
   int max_iterations = 60;
   int iteration_budget = 0;
@@ -52,6 +53,8 @@ struct NmpcParams {
     field("control_period", control_period, Range{0.005, 1.0}, "[s] between two commands");
     field("delay", delay, Range{0.0, 1.0},
           "[s] from the measured pose to the command's effect, motor lag included");
+    field("measure_delay", measure_delay,
+          "replace delay by what commands and odometry say of it while the robot drives");
     field("time_budget", time_budget, Range{0.0, 1.0},
           "[s] wall clock of one planning cycle; 0: unlimited, the result is deterministic");
     field("max_iterations", max_iterations, Range{1, 1000}, "iterations of one solve");

@@ -297,5 +297,18 @@ TEST(GuidanceLines, DrawAPersonInWhoComesNear) {
 
 TEST(GuidanceLines, HoldNobodyWhoTurnsOff) { EXPECT_GT(beside_lane(0.5, 6.0, 0.4), 1.0); }
 
+TEST(MeasuredDelay, IsWhatTheLoopHas) {
+  NmpcParams params = lockstep();
+  params.measure_delay = true;
+  const Plant slow{.X_MB = {-4, -4, 0}, .twist = {}, .delay = 0.25, .lag = 0.05};
+  const Drive result = drive(params, RobotParams{}, slow, {}, 20.0,
+                             [](double t, const Plant&, PlanRequest& request) {
+                               request.method = Method::kIntention;
+                               request.user = {0.4 + 0.3 * std::sin(t), 0.6 * std::sin(1.7 * t)};
+                             });
+  const double last = params.control_period * static_cast<double>(result.plans.size() - 1);
+  EXPECT_NEAR(result.plans.back().t0 - last, 0.30, 0.03);
+}
+
 }  // namespace
 }  // namespace tandem::test
