@@ -19,8 +19,9 @@ constexpr double kIntentionScale = 20.0;
 // horizon. Without this a person who is blocked far ahead never starts moving.
 constexpr double kPatience = 2.0;
 
+constexpr double kArrived = 0.15;   // [m] from the point that was asked for, the heading counts
 constexpr double kLookahead = 0.4;  // [m] the wish steers to this far along the trail
-constexpr double kLead = 0.1;       // [m] the reference is this far ahead of the wish
+constexpr double kLead = 0.3;       // [m] the reference is this far ahead of the wish
 
 bool is_far_along(const PlanRequest& request) {
   return request.method == Method::kPath && request.trail.size() > 2;
@@ -59,12 +60,12 @@ Wanted wanted_by(const PlanRequest& request, const RobotParams& robot) {
   if (request.method == Method::kIntention) return [&](const Pose2&) { return request.user; };
   if (is_far_along(request))
     return [&](const Pose2& X_MB) {
-      if ((request.X_MG.position() - X_MB.position()).norm() < kLookahead)
+      if ((request.X_MG.position() - X_MB.position()).norm() < kArrived)
         return Twist2{0.0, 1.5 * wrap_angle(request.X_MG.theta - X_MB.theta)};
       return drive_to(along(request.trail, X_MB.position(), kLookahead).p_MT, X_MB, robot);
     };
   return [&](const Pose2& X_MB) -> Twist2 {
-    if ((request.X_MG.position() - X_MB.position()).norm() > 0.15)
+    if ((request.X_MG.position() - X_MB.position()).norm() > kArrived)
       return drive_to(request.X_MG.position(), X_MB, robot);
     return {0.0, 1.5 * wrap_angle(request.X_MG.theta - X_MB.theta)};
   };

@@ -51,11 +51,74 @@ TEST_P(Shipped, ReachesItsGoalWithoutContact) {
 INSTANTIATE_TEST_SUITE_P(Scenarios, Shipped,
                          ::testing::Combine(::testing::Values("forest_task2", "corridor", "slalom"),
                                             ::testing::Values("safety_filter", "leader",
-                                                              "intention", "blend")),
+                                                              "intention", "path", "blend")),
                          [](const auto& test) {
                            return std::string(std::get<0>(test.param)) + "_" +
                                   std::get<1>(test.param);
                          });
+
+class Planned : public ::testing::TestWithParam<std::tuple<const char*, const char*>> {};
+
+// Where the person alone, even behind the filter, collides or does not get through.
+TEST_P(Planned, ReachesItsGoalWithoutContact) {
+  const auto [scenario, method] = GetParam();
+  const DriveResult result = drive(file(scenario), method, 1);
+  EXPECT_TRUE(result.reached);
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_LT(result.stuck_s, 5.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, Planned,
+                         ::testing::Combine(::testing::Values("ward", "clutter", "doorway"),
+                                            ::testing::Values("leader", "intention", "path",
+                                                              "blend")),
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param)) + "_" +
+                                  std::get<1>(test.param);
+                         });
+
+int turns_back(const DriveLog& log) {
+  int count = 0;
+  double turn = 0.0;
+  for (const DriveSample& sample : log.track) {
+    if (std::abs(sample.twist.w) < 0.1) continue;
+    count += turn * sample.twist.w < 0.0 ? 1 : 0;
+    turn = sample.twist.w;
+  }
+  return count;
+}
+
+class Delayed : public ::testing::TestWithParam<const char*> {};
+
+// 0.3 s of delay and lag: neither contact nor oscillation beside the same drive with 0.09 s.
+TEST_P(Delayed, ForestIsDrivenAsCalmlyAsWithoutTheDelay) {
+  const DriveOptions options{.method = GetParam(), .seed = 1, .map = {}, .lockstep = true};
+  const DriveLog quick = drive_in_lockstep(load_scenario(file("forest_task2")), options);
+  const DriveLog slow = drive_in_lockstep(load_scenario(file("forest_delay")), options);
+  EXPECT_TRUE(slow.result.reached);
+  EXPECT_EQ(slow.result.collisions, 0);
+  EXPECT_LT(slow.result.path_length_m, 1.1 * quick.result.path_length_m);
+  EXPECT_LE(turns_back(slow), turns_back(quick) + 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Delayed,
+                         ::testing::Values("leader", "intention", "path", "blend"),
+                         [](const auto& test) { return std::string(test.param); });
+
+// A few worlds across the file; all 150: `tandem scenario tests/closed_loop/barn.yaml --lockstep
+// --method all --seeds 1-150`.
+TEST(Barn, WorldsArePassedWithoutContact) {
+  const std::string worlds = TANDEM_SHARED_DIR "/barn/worlds.json";
+  if (!std::filesystem::exists(worlds)) GTEST_SKIP() << worlds << " is not here";
+  const std::string path = TANDEM_SOURCE_DIR "/tests/closed_loop/barn.yaml";
+  for (const unsigned seed : {20U, 70U, 110U, 150U}) {
+    const DriveOptions options{.method = "leader", .seed = seed, .map = worlds, .lockstep = true};
+    const DriveResult result = drive_in_lockstep(load_scenario(path), options).result;
+    EXPECT_TRUE(result.reached) << result.map;
+    EXPECT_EQ(result.collisions, 0) << result.map;
+    if (kSeeds == 1) break;
+  }
+}
 
 class Forbidden : public ::testing::TestWithParam<const char*> {};
 

@@ -155,6 +155,24 @@ TEST(Drive, WallWithoutAWayRoundIsWaitedAtCalmly) {
   }
 }
 
+TEST(Drive, LeaderBehindAWallWithoutAWayRoundIsWaitedForCalmly) {
+  const std::vector<Obstacle> wall{{1, {2, 0}, 4.0, 0.1, std::numbers::pi / 2, {0, 0}}};
+  for (const Method method : {Method::kLeader, Method::kPath}) {
+    const auto leader = [&](double t, const Plant&, PlanRequest& request) {
+      request.method = method;
+      request.X_MG = {std::min(0.5 * t, 3.0), 0.3, 0.0};
+    };
+    const Drive result =
+        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, wall, 16.0, leader);
+    EXPECT_EQ(result.contacts, 0);
+    EXPECT_GT(result.path.back().x, 0.8);
+    double way = 0.0;
+    for (std::size_t i = result.path.size() - 80; i < result.path.size(); ++i)
+      way += (result.path[i].position() - result.path[i - 1].position()).norm();
+    EXPECT_LT(way, 0.1) << name(method);  // in the last four seconds
+  }
+}
+
 TEST(Drive, CorridorAHandsBreadthWiderThanTheRobotIsPassed) {
   std::vector<Obstacle> walls;
   for (const double side : {-1.0, 1.0})
