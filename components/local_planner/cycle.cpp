@@ -232,11 +232,14 @@ std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned 
     return forecast_of({v, w}, cycle.request, X_MB, cycle.params, robot);
   };
   std::vector<Forecast> guesses;
-  for (const auto& p_MV :
-       points_beside(cycle.wish, cycle.body, cycle.request.obstacles, cycle.limits))
-    guesses.push_back(forecast_via(p_MV, cycle.request, X_MB, cycle.params, robot));
+  const auto poses = std::span(cycle.wish.X_MB).subspan(1);
+  const auto& obstacles = cycle.request.obstacles;
+  if (first_miss(cycle.body, obstacles, poses, cycle.limits) < poses.size()) {
+    for (const auto& p_MV : points_beside(cycle.wish, cycle.body, obstacles, cycle.limits))
+      guesses.push_back(forecast_via(p_MV, cycle.request, X_MB, cycle.params, robot));
+    guesses.push_back(toward(0.0, 0.0));
+  }
   guesses.push_back(cycle.wish);
-  guesses.push_back(toward(0.0, 0.0));
   const double w = 0.6 * robot.w_max;
   const std::array<Twist2, 10> twists{{{robot.v_max, w},
                                        {robot.v_max, -w},
@@ -253,7 +256,7 @@ std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned 
     guesses.push_back(toward(twist.v, twist.w));
   }
   for (Forecast& guess : guesses)
-    guess = stopped_in_time(guess, cycle.body, cycle.request.obstacles, cycle.limits, robot);
+    guess = stopped_in_time(guess, cycle.body, obstacles, cycle.limits, robot);
   return guesses;
 }
 

@@ -86,9 +86,9 @@ struct Candidate {
 /// Initial guess without a last solution: the wish, stopped short of whatever blocks it.
 [[nodiscard]] Forecast cold_guess(const Cycle& cycle);
 
-/// Where else to start from, the most promising first: past whatever blocks the wish on its left,
-/// on its right, the wish itself, to rest, and then `arcs` of a few constant twists, in turns from
-/// `turn` on.
+/// Where else to start from, the most promising first: if something blocks the wish, past it on its
+/// left, on its right, to rest; the wish itself as far as it goes, and then `arcs` of a few
+/// constant twists, in turns from `turn` on.
 [[nodiscard]] std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs);
 
 }  // namespace tandem

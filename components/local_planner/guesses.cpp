@@ -60,13 +60,15 @@ Forecast stopped_in_time(const Forecast& motion, const Body& body,
                          std::span<const Obstacle> obstacles, const PairLimits& limits,
                          const RobotParams& robot) {
   Forecast out = motion;
-  for (std::size_t stages = motion.twist.size(); stages > 0; --stages) {
-    const auto miss = first_miss(body, obstacles, std::span(out.X_MB).subspan(1), limits);
-    if (miss == motion.twist.size()) break;
-    stages = std::min(stages, miss + 1);
-    out = stopped_after(stages - 1, motion, limits.dt, robot);
+  const std::size_t first = first_miss(body, obstacles, std::span(out.X_MB).subspan(1), limits);
+  if (first == motion.twist.size()) return out;
+  for (std::size_t stages = first;; --stages) {
+    out = stopped_after(stages, motion, limits.dt, robot);
+    PairLimits later = limits;  // up to there nothing has changed
+    later.start += limits.dt * static_cast<double>(stages);
+    const auto changed = std::span(out.X_MB).subspan(1 + stages);
+    if (stages == 0 || first_miss(body, obstacles, changed, later) == changed.size()) return out;
   }
-  return out;
 }
 
 std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& body,
