@@ -7,38 +7,14 @@ namespace tandem {
 namespace {
 
 constexpr double kLeastRoom = 2e-6;  // between two bounds
-constexpr std::size_t kFactors = 8;  // per logarithm; their product cannot overflow
 
 Pose2 pose_of(const double* z) { return {z[kX], z[kY], z[kTheta]}; }
 Twist2 twist_of(const double* z) { return {z[kV], z[kW]}; }
 
-double log_of_distances(const double* z, const double* lower, const double* upper) {
+double product_of_distances(const double* z, const double* lower, const double* upper) {
   double product = 1.0;
   for (int i = 0; i < kBlock; ++i) product *= (z[i] - lower[i]) * (upper[i] - z[i]);
-  return std::log(product);
-}
-
-double log_of_product(const double* values, std::size_t count) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < count; i += kFactors) {
-    double product = 1.0;
-    for (std::size_t j = i; j < std::min(count, i + kFactors); ++j) product *= values[j];
-    sum += std::log(product);
-  }
-  return sum;
-}
-
-StageTerms terms_of(const Ocp& ocp, std::size_t k, const Pose2& before, const Twist2& u_before,
-                    const double* z) {
-  const Pose2 after = pose_of(z);
-  const Twist2 u = twist_of(z);
-  const Displacement motion = displacement(ocp, before.theta, u);
-  return {.cost = cost_terms(ocp.stages[k].cost, u, {z[kDv], z[kDw]}, after),
-          .motion = motion,
-          .change = {u.v - u_before.v - z[kDv], u.w - u_before.w - z[kDw]},
-          .gap = {before.x + motion.d.x() - after.x, before.y + motion.d.y() - after.y,
-                  before.theta + ocp.dt * u.w - after.theta},
-          .growth = {2.0 * ocp.gap_v * u.v, 2.0 * ocp.gap_w * u.w}};
+  return product;
 }
 
 }  // namespace
@@ -67,47 +43,67 @@ bool Box::set(const Ocp& ocp) {
 void ChainPoint::resize(std::size_t stage_count, std::size_t pair_count) {
   z.resize(kBlock * stage_count);
   stages.resize(stage_count);
+  targets_.resize(stage_count);
   for (auto* values : {&t, &residuals}) values->resize(pair_count);
   pairs.resize(pair_count);
 }
 
+void ChainPoint::set_targets(const Ocp& ocp) {
+  for (std::size_t k = 0; k < targets_.size(); ++k)
+    targets_[k] = Heading::of(ocp.stages[k].cost.X_MR.theta);
+}
+
 void ChainPoint::evaluate(const Ocp& ocp, const Box& box) {
-  cost = infeasibility = violation = logs = 0.0;
-  Pose2 before = ocp.X_MB;
+  cost = infeasibility = violation = 0.0;
+  LogOfProduct distances;
+  Pose2 X_before = ocp.X_MB;
+  Heading before = Heading::of(X_before.theta);
   Twist2 u_before = ocp.command;
   std::size_t row = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const double* at = &z[kBlock * k];
-    const StageTerms& s = stages[k] = terms_of(ocp, k, before, u_before, at);
+    const Pose2 X = pose_of(at);
+    const Placed after{X};
+    const Twist2 u = twist_of(at);
+    StageTerms& s = stages[k];
+    s.cost = cost_terms(ocp.stages[k].cost, u, {at[kDv], at[kDw]}, after.p_MB,
+                        after.theta.from(targets_[k]));
+    s.motion = displacement(ocp, before, u);
+    s.change = {u.v - u_before.v - at[kDv], u.w - u_before.w - at[kDw]};
+    s.gap = {X_before.x + s.motion.d.x() - X.x, X_before.y + s.motion.d.y() - X.y,
+             X_before.theta + ocp.dt * u.w - X.theta};
+    s.growth = {2.0 * ocp.gap_v * u.v, 2.0 * ocp.gap_w * u.w};
     cost += s.cost.value + ocp.slack_weight * at[kSlack];
     infeasibility += s.change.lpNorm<1>() + s.gap.lpNorm<1>();
     violation =
         std::max({violation, s.change.lpNorm<Eigen::Infinity>(), s.gap.lpNorm<Eigen::Infinity>()});
-    logs += log_of_distances(at, &box.lower[kBlock * k], &box.upper[kBlock * k]);
-    row = evaluate_pairs(ocp, k, row);
-    before = pose_of(at);
-    u_before = twist_of(at);
+    distances *= product_of_distances(at, &box.lower[kBlock * k], &box.upper[kBlock * k]);
+    row = evaluate_pairs(ocp, k, after, row, distances);
+    X_before = X;
+    before = after.theta;
+    u_before = u;
   }
+  logs = distances.value();
 }
 
-std::size_t ChainPoint::evaluate_pairs(const Ocp& ocp, std::size_t k, std::size_t first) {
+std::size_t ChainPoint::evaluate_pairs(const Ocp& ocp, std::size_t k, const Placed& X,
+                                       std::size_t first, LogOfProduct& distances) {
   const double* at = &z[kBlock * k];
-  const Placed X{pose_of(at)};
   const double offset = at[kSlack] - growth(ocp, twist_of(at));
   double sum = 0.0, largest = violation;
+  LogOfProduct product = distances;
   std::size_t row = first;
   for (const Pair& pair : ocp.stages[k].pairs) {
-    const PairTerms terms = pair_terms(pair, X);
-    const double residual = terms.value + offset - t[row];
-    pairs[row] = terms;
+    const double residual = (pairs[row] = pair_terms(pair, X)).value + offset - t[row];
     residuals[row] = residual;
+    product *= t[row];
     sum += std::abs(residual);
     largest = std::max(largest, std::abs(residual));
     ++row;
   }
   infeasibility += sum;
   violation = largest;
-  logs += log_of_product(t.data() + first, row - first);
+  distances = product;
   return row;
 }
 

@@ -2,6 +2,7 @@
 // In: variables of an Ocp. Out: everything that an iteration needs of them, each stage seen once.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "local_planner/filter.hpp"
@@ -18,6 +19,21 @@ struct Box {
   void resize(std::size_t stages);
   /// False if a bound is not a number or lies on the wrong side.
   [[nodiscard]] bool set(const Ocp& ocp);
+};
+
+/// Σ log of many factors, by few logarithms.
+class LogOfProduct {
+ public:
+  void operator*=(double factor) {
+    product_ *= factor;
+    if (product_ > 1e-100 && product_ < 1e100) return;
+    sum_ += std::log(product_);
+    product_ = 1.0;
+  }
+  [[nodiscard]] double value() const { return sum_ + std::log(product_); }
+
+ private:
+  double product_ = 1.0, sum_ = 0.0;
 };
 
 /// A stage at a point.
@@ -42,14 +58,19 @@ struct ChainPoint {
 
   [[nodiscard]] Merit merit(double mu) const { return {infeasibility, cost - mu * logs}; }
   void resize(std::size_t stage_count, std::size_t pair_count);
+  /// To be called when the problem has changed.
+  void set_targets(const Ocp& ocp);
   /// Fills the rest from z and t.
   void evaluate(const Ocp& ocp, const Box& box);
   /// t = φ − gap − growth + s, but at least `least`.
   void set_slacks(const Ocp& ocp, double least);
 
  private:
-  // Of stage k, whose first row (4) is `first`; returns the next stage's.
-  std::size_t evaluate_pairs(const Ocp& ocp, std::size_t k, std::size_t first);
+  // Of stage k, which ends at X and whose first row (4) is `first`; returns the next stage's.
+  std::size_t evaluate_pairs(const Ocp& ocp, std::size_t k, const Placed& X, std::size_t first,
+                             LogOfProduct& distances);
+
+  std::vector<Heading> targets_;  // of the stages' costs
 };
 
 }  // namespace tandem

@@ -21,6 +21,19 @@ constexpr double kTau = 0.99;                   // of a distance that a step may
 constexpr int kAttempts = 40;                   // at a convex system
 constexpr double kDropsCurvature = 10.0;
 
+// Two variables at once: what a loop over them sums up stays in registers.
+using Two = Eigen::Array2d;
+Eigen::Map<Two> two(std::vector<double>& values, std::size_t i) {
+  return Eigen::Map<Two>{&values[i]};
+}
+Eigen::Map<const Two> two(const std::vector<double>& values, std::size_t i) {
+  return Eigen::Map<const Two>{&values[i]};
+}
+
+Two clamp(const Two& multipliers, const Two& centred) {
+  return multipliers.max(kLeast * centred).min(kMost * centred);
+}
+
 // Largest fraction of a step that a ratio −Δ / distance allows.
 double allowed(double worst, double tau) { return worst > tau ? tau / worst : 1.0; }
 
@@ -67,20 +80,28 @@ void ChainSystem::condense(const Ocp& ocp, const Box& box, const ChainPoint& poi
 
 void ChainSystem::condense_bounds(const Box& box, const ChainPoint& point, double mu,
                                   Multipliers& multipliers) {
-  for (std::size_t i = 0; i < point.z.size(); ++i) {
-    double &lower = multipliers.lower[i], &upper = multipliers.upper[i];
-    const double below = point.z[i] - box.lower[i], above = box.upper[i] - point.z[i];
-    const double per_below = 1.0 / below, per_above = 1.0 / above;
-    lower = std::clamp(lower, kLeast * mu * per_below, kMost * mu * per_below);
-    upper = std::clamp(upper, kLeast * mu * per_above, kMost * mu * per_above);
-    per_lower_[i] = per_below;
-    per_upper_[i] = per_above;
-    sigma_[i] = lower * per_below + upper * per_above;
-    barrier_[i] = mu * (per_above - per_below);
-    least_product_ = std::min({least_product_, lower * below, upper * above});
-    largest_product_ = std::max({largest_product_, lower * below, upper * above});
-    multipliers_ += lower + upper;
+  Two least = Two::Constant(Box::kFar), largest = Two::Zero(), sum = Two::Zero();
+  for (std::size_t i = 0; i < point.z.size(); i += 2) {
+    const Two z = two(point.z, i);
+    const Two below = z - two(box.lower, i), above = two(box.upper, i) - z;
+    const Two per_both = (below * above).inverse();
+    const Two per_below = per_both * above, per_above = per_both * below;
+    const Two lower = clamp(two(multipliers.lower, i), mu * per_below);
+    const Two upper = clamp(two(multipliers.upper, i), mu * per_above);
+    const Two product_below = lower * below, product_above = upper * above;
+    two(multipliers.lower, i) = lower;
+    two(multipliers.upper, i) = upper;
+    two(per_lower_, i) = per_below;
+    two(per_upper_, i) = per_above;
+    two(sigma_, i) = lower * per_below + upper * per_above;
+    two(barrier_, i) = mu * (per_above - per_below);
+    least = least.min(product_below).min(product_above);
+    largest = largest.max(product_below).max(product_above);
+    sum += lower + upper;
   }
+  least_product_ = std::min(least_product_, least.minCoeff());
+  largest_product_ = std::max(largest_product_, largest.maxCoeff());
+  multipliers_ += sum.sum();
 }
 
 ChainSystem::PairSums ChainSystem::condense_pairs(Rows rows, const ChainPoint& point, double mu,
@@ -263,22 +284,23 @@ void ChainSystem::expand_pairs(Rows rows, const ChainPoint& point, double mu,
 }
 
 void ChainSystem::expand_bounds(double mu, const Multipliers& multipliers, Step& step) const {
-  double slope = 0.0, primal = step.worst_primal, dual = step.worst_dual;
-  for (std::size_t i = 0; i < step.z.size(); ++i) {
-    const double lower = multipliers.lower[i], upper = multipliers.upper[i];
-    const double below = step.z[i] * per_lower_[i], above = -step.z[i] * per_upper_[i];
-    const double d_lower = mu * per_lower_[i] - lower - lower * below;
-    const double d_upper = mu * per_upper_[i] - upper - upper * above;
-    step.lower[i] = d_lower;
-    step.upper[i] = d_upper;
-    slope += barrier_[i] * step.z[i];
-    primal = std::max({primal, -below, -above});
-    if (-d_lower > dual * lower) dual = -d_lower / lower;
-    if (-d_upper > dual * upper) dual = -d_upper / upper;
+  Two slope = Two::Zero(), primal = Two::Zero(), dual = Two::Zero();
+  for (std::size_t i = 0; i < step.z.size(); i += 2) {
+    const Two z = two(step.z, i), lower = two(multipliers.lower, i),
+              upper = two(multipliers.upper, i), per_lower = two(per_lower_, i),
+              per_upper = two(per_upper_, i);
+    const Two below = z * per_lower, above = z * per_upper;
+    const Two d_lower = mu * per_lower - lower - lower * below;
+    const Two d_upper = mu * per_upper - upper + upper * above;
+    two(step.lower, i) = d_lower;
+    two(step.upper, i) = d_upper;
+    slope += two(barrier_, i) * z;
+    primal = primal.max(above).max(-below);
+    dual = dual.max(-d_lower / lower).max(-d_upper / upper);
   }
-  step.slope += slope;
-  step.worst_primal = primal;
-  step.worst_dual = dual;
+  step.slope += slope.sum();
+  step.worst_primal = std::max(step.worst_primal, primal.maxCoeff());
+  step.worst_dual = std::max(step.worst_dual, dual.maxCoeff());
 }
 
 }  // namespace tandem

@@ -33,8 +33,8 @@ struct SignedDistance {
   const double r = ellipse.a, x = p_MQ.x() - ellipse.p_MO.x(), y = p_MQ.y() - ellipse.p_MO.y();
   const double d2 = x * x + y * y;
   if (d2 <= 1e-18 * r * r) return {-r, {1.0, 0.0}, 2.0 / r};  // its centre has no normal
-  const double d = std::sqrt(d2), per = 1.0 / d;
-  return {d - r, {x * per, y * per}, std::min(per, 2.0 / r)};
+  const double d = std::sqrt(d2), per = d * (1.0 / d2);       // root and quotient at the same time
+  return {d - r, {x * per, y * per}, per * r <= 2.0 ? per : 2.0 / r};
 }
 
 }  // namespace tandem

@@ -2,157 +2,39 @@
 #include "local_planner/ipopt_solve.hpp"
 
 #include <IpIpoptApplication.hpp>
-#include <IpTNLP.hpp>
+#include <IpUtils.hpp>
 #include <algorithm>
-#include <cmath>
+#include <memory>
 #include <mutex>
+
+#include "local_planner/ipopt_options.hpp"
+#include "local_planner/ipopt_problem.hpp"
+#include "local_planner/stage_linear_solver.hpp"
+
+// Ipopt before 3.14 times each of its steps with getrusage: five hundred system calls per solve, a
+// third of its time, for statistics that nobody reads and for a limit on the time of all threads
+// together. These take the place of its own as the program is loaded.
+#if IPOPT_VERSION_MAJOR == 3 && IPOPT_VERSION_MINOR < 14
+namespace Ipopt {
+Number CpuTime() { return 0.0; }
+Number SysTime() { return 0.0; }
+Number WallclockTime() { return 0.0; }
+}  // namespace Ipopt
+#endif
 
 namespace tandem {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Ipopt::Index;
-using Ipopt::Number;
+using Ipopt::GetRawPtr;
+using Ipopt::SmartPtr;
 
-std::span<const double> values(const Number* p, Index n) {
-  return {p, static_cast<std::size_t>(n)};
-}
-std::span<double> values(Number* p, Index n) { return {p, static_cast<std::size_t>(n)}; }
+constexpr int kPatience = 40;           // iterations from a warm start: more, and it misleads
+constexpr std::size_t kMostSetups = 8;  // kept per thread
 
-bool all_finite(std::span<const double> list) {
-  return std::all_of(list.begin(), list.end(), [](double value) { return std::isfinite(value); });
-}
-
-void write_pattern(const std::vector<Entry>& entries, Index* rows, Index* columns) {
-  for (const Entry& entry : entries) {
-    *rows++ = entry.row;
-    *columns++ = entry.column;
-  }
-}
-
-// The Ocp as Ipopt wants to see it.
-class Problem : public Ipopt::TNLP {
- public:
-  Problem(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits)
-      : ocp_{ocp},
-        guess_{guess},
-        limits_{limits},
-        jacobian_{jacobian_pattern(ocp)},
-        hessian_{hessian_pattern(ocp)} {}
-
-  [[nodiscard]] Solution solution(Ipopt::ApplicationReturnStatus status) const;
-
-  bool get_nlp_info(Index& n, Index& m, Index& nnz_jac, Index& nnz_hessian,
-                    IndexStyleEnum& style) override {
-    n = variables(ocp_);
-    m = rows(ocp_);
-    nnz_jac = static_cast<Index>(jacobian_.size());
-    nnz_hessian = static_cast<Index>(hessian_.size());
-    style = C_STYLE;
-    return true;
-  }
-
-  bool get_bounds_info(Index, Number* x_l, Number* x_u, Index, Number* g_l, Number* g_u) override {
-    const Bounds all = bounds(ocp_);
-    for (const Interval& range : all.variable) *x_l++ = range.min, *x_u++ = range.max;
-    for (const Interval& range : all.row) *g_l++ = range.min, *g_u++ = range.max;
-    return true;
-  }
-
-  bool get_starting_point(Index, bool, Number* x, bool init_z, Number* z_l, Number* z_u, Index,
-                          bool init_lambda, Number* lambda) override {
-    std::copy(guess_.z.begin(), guess_.z.end(), x);
-    if (init_z) {
-      std::copy(guess_.lower.begin(), guess_.lower.end(), z_l);
-      std::copy(guess_.upper.begin(), guess_.upper.end(), z_u);
-    }
-    if (init_lambda) std::copy(guess_.lambda.begin(), guess_.lambda.end(), lambda);
-    return true;
-  }
-
-  bool eval_f(Index n, const Number* x, bool, Number& value) override {
-    value = cost(ocp_, values(x, n));
-    return std::isfinite(value);
-  }
-  bool eval_grad_f(Index n, const Number* x, bool, Number* gradient) override {
-    cost_gradient(ocp_, values(x, n), values(gradient, n));
-    return true;
-  }
-  bool eval_g(Index n, const Number* x, bool, Index m, Number* g) override {
-    row_values(ocp_, values(x, n), values(g, m));
-    return all_finite(values(g, m));
-  }
-  bool eval_jac_g(Index n, const Number* x, bool, Index, Index nnz, Index* row, Index* column,
-                  Number* value) override {
-    if (value == nullptr)
-      write_pattern(jacobian_, row, column);
-    else
-      jacobian_values(ocp_, values(x, n), values(value, nnz));
-    return true;
-  }
-  bool eval_h(Index n, const Number* x, bool, Number sigma, Index m, const Number* lambda, bool,
-              Index nnz, Index* row, Index* column, Number* value) override {
-    if (value == nullptr)
-      write_pattern(hessian_, row, column);
-    else
-      hessian_values(ocp_, values(x, n), sigma, values(lambda, m), values(value, nnz));
-    return true;
-  }
-
-  bool intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number, Number, Number, Number,
-                             Number, Number, Number, Number, Index, const Ipopt::IpoptData*,
-                             Ipopt::IpoptCalculatedQuantities*) override;
-
-  void finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number* z_l,
-                         const Number* z_u, Index m, const Number*, const Number* lambda, Number,
-                         const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
-    end_ = {{x, x + n}, {lambda, lambda + m}, {z_l, z_l + n}, {z_u, z_u + n}};
-  }
-
- private:
-  const Ocp& ocp_;
-  const Iterate& guess_;
-  const SolveLimits& limits_;
-  const std::vector<Entry> jacobian_, hessian_;
-  Iterate end_;
-  Clock::time_point first_{}, last_{};
-  int iterations_ = 0;
-};
-
-// Stops while two more iterations, one of them perhaps with several factorisations, would not fit.
-bool Problem::intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number, Number, Number,
-                                    Number, Number, Number, Number, Number, Index,
-                                    const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) {
-  iterations_ = iteration;
-  last_ = Clock::now();
-  if (iteration == 0) first_ = last_;
-  if (limits_.deadline == Clock::time_point::max()) return true;
-  double step = limits_.iteration_time;
-  if (iteration > 0)
-    step = std::max(step, std::chrono::duration<double>(last_ - first_).count() / iteration);
-  return last_ + std::chrono::duration<double>(2.0 * step) < limits_.deadline;
-}
-
-Solution Problem::solution(Ipopt::ApplicationReturnStatus status) const {
-  Solution solution{.point = end_, .iterations = iterations_};
-  if (iterations_ > 0)
-    solution.iteration_time = std::chrono::duration<double>(last_ - first_).count() / iterations_;
-  if (status == Ipopt::Solve_Succeeded)
-    solution.status = SolveStatus::kConverged;
-  else if (status == Ipopt::Solved_To_Acceptable_Level)
-    solution.status = SolveStatus::kAcceptable;
-  else if (status == Ipopt::User_Requested_Stop || status == Ipopt::Maximum_Iterations_Exceeded)
-    solution.status = SolveStatus::kTimeout;
-  const bool usable = end_.z.size() == static_cast<std::size_t>(variables(ocp_)) &&
-                      all_finite(end_.z) && all_finite(end_.lambda);
-  if (!usable) solution.status = SolveStatus::kFailed;
-  return solution;
-}
-
-void set_options(Ipopt::OptionsList& options, bool warm) {
+void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
   options.SetStringValue("sb", "yes");
   options.SetIntegerValue("print_level", 0);
-  options.SetStringValue("linear_solver", "mumps");
   options.SetStringValue("nlp_scaling_method", "none");
   options.SetNumericValue("tol", 1e-4);
   options.SetNumericValue("constr_viol_tol", 1e-4);
@@ -160,6 +42,16 @@ void set_options(Ipopt::OptionsList& options, bool warm) {
   options.SetIntegerValue("acceptable_iter", 5);
   options.SetNumericValue("mu_target", 1e-4);
   options.SetNumericValue("bound_relax_factor", 0.0);
+  options.SetStringValue("linear_solver", linear == LinearSolver::kStages ? "ma27" : "mumps");
+  if (linear == LinearSolver::kStages) {
+    options.SetStringValue("linear_system_scaling", "none");
+    options.SetIntegerValue("min_refinement_steps", 0);
+    // No better factors if asked again.
+    options.SetNumericValue("ma27_pivtol", 1e-4);
+    options.SetNumericValue("ma27_pivtolmax", 1e-4);
+    // Of all solves with one setup together, and of all threads: the clock is ours.
+    options.SetNumericValue("max_cpu_time", 1e20);
+  }
   if (!warm) {
     options.SetStringValue("mu_strategy", "adaptive");
     return;
@@ -173,17 +65,128 @@ void set_options(Ipopt::OptionsList& options, bool warm) {
     options.SetNumericValue(push, 1e-9);
 }
 
-std::timed_mutex& solver_mutex() {
+// --- with the stages' pivots ---------------------------------------------------------------------
+
+// What all setups of a thread share. Of a thread, as Ipopt's object tags are.
+struct Common {
+  SmartPtr<Ipopt::Journalist> journalist = new Ipopt::Journalist;
+  SmartPtr<Ipopt::RegisteredOptions> registered = new Ipopt::RegisteredOptions;
+  SmartPtr<RememberedOptions> cold = new RememberedOptions, warm = new RememberedOptions;
+
+  Common() {
+    Ipopt::IpoptApplication::RegisterAllIpoptOptions(registered);
+    for (const bool is_warm : {false, true}) {
+      RememberedOptions& options = is_warm ? *warm : *cold;
+      options.SetJournalist(journalist);
+      options.SetRegisteredOptions(registered);
+      set_options(options, LinearSolver::kStages, is_warm);
+    }
+  }
+};
+
+// Ipopt, set up for problems of one structure.
+class Setup {
+ public:
+  Setup(const Common& common, const Ocp& ocp, Structure structure, bool warm)
+      : structure_{std::move(structure)},
+        warm_{warm},
+        options_{warm ? common.warm : common.cold},
+        pivots_{stage_pivots(ocp)},
+        problem_{new IpoptProblem(ocp)},
+        app_{new Ipopt::IpoptApplication(common.registered, GetRawPtr(options_),
+                                         common.journalist)} {
+    // "": no file of options from wherever the process happens to run.
+    is_good_ = app_->Initialize("") == Ipopt::Solve_Succeeded;
+  }
+
+  [[nodiscard]] bool is_for(const Structure& structure, bool warm) const {
+    return warm == warm_ && structure == structure_;
+  }
+
+  Solution solve(const Ocp& ocp, Bounds all, const Iterate& guess, const SolveLimits& limits);
+
+ private:
+  void set_option(const char* tag, int value) {
+    int now = 0;
+    options_->GetIntegerValue(tag, now, "");
+    if (now != value) options_->SetIntegerValue(tag, value);
+  }
+  void set_option(const char* tag, bool value) {
+    bool now = false;
+    options_->GetBoolValue(tag, now, "");
+    if (now != value) options_->SetStringValue(tag, value ? "yes" : "no");
+  }
+
+  Structure structure_;
+  bool warm_;
+  SmartPtr<RememberedOptions> options_;
+  SparseLdl factors_;
+  std::vector<Pivot> pivots_;
+  SmartPtr<IpoptProblem> problem_;
+  SmartPtr<Ipopt::IpoptApplication> app_;
+  bool is_good_ = false;
+  bool is_used_ = false;      // one solve has gone through
+  bool has_factors_ = false;  // one that was not done before its first step
+};
+
+Solution Setup::solve(const Ocp& ocp, Bounds all, const Iterate& guess, const SolveLimits& limits) {
+  if (!is_good_) return {};
+  const AsMa27 solver{factors_, pivots_};
+  set_option("max_iter", limits.iterations);
+  set_option("warm_start_same_structure", has_factors_);
+  problem_->set(ocp, std::move(all), guess, limits);
+  const SmartPtr<Ipopt::TNLP> problem{GetRawPtr(problem_)};
+  const auto status = is_used_ ? app_->ReOptimizeTNLP(problem) : app_->OptimizeTNLP(problem);
+  is_used_ = true;
+  has_factors_ = has_factors_ || solver.is_used();
+  return problem_->solution(status);
+}
+
+class Setups {
+ public:
+  Setup& get(const Ocp& ocp, const Structure& structure, bool warm) {
+    auto found = std::find_if(setups_.begin(), setups_.end(),
+                              [&](const auto& setup) { return setup->is_for(structure, warm); });
+    if (found == setups_.end()) {
+      if (setups_.size() == kMostSetups) setups_.pop_back();
+      found = setups_.insert(setups_.end(), std::make_unique<Setup>(common_, ocp, structure, warm));
+    }
+    std::rotate(setups_.begin(), found, found + 1);  // the latest first
+    return *setups_.front();
+  }
+  // After a failure nothing is known of what is left in it.
+  void drop_latest() { setups_.erase(setups_.begin()); }
+
+ private:
+  Common common_;
+  std::vector<std::unique_ptr<Setup>> setups_;
+};
+
+// From a warm start at most kPatience iterations.
+Solution solve_with_stages(const Ocp& ocp, const Bounds& all, const Structure& structure,
+                           const Iterate& guess, const SolveLimits& limits) {
+  thread_local Setups setups;
+  const bool warm = !guess.lambda.empty();
+  SolveLimits own = limits;
+  if (warm) own.iterations = std::min(limits.iterations, kPatience);
+  Solution solution = setups.get(ocp, structure, warm).solve(ocp, all, guess, own);
+  if (solution.status == SolveStatus::kFailed) setups.drop_latest();
+  return solution;
+}
+
+// --- with MUMPS ----------------------------------------------------------------------------------
+
+std::timed_mutex& mumps_mutex() {
   static std::timed_mutex mutex;
   return mutex;
 }
 
 // A thread's applications, for cold and for warm starts. To build one, its some hundred options
-// above all, takes longer than a short solve. Of a thread, as Ipopt's object tags are.
+// above all, takes longer than a short solve.
 class Applications {
  public:
   ~Applications() {
-    const std::lock_guard lock{solver_mutex()};  // the last solve's MUMPS goes with them
+    const std::lock_guard lock{mumps_mutex()};  // the last solve's MUMPS goes with them
     cold_ = warm_ = nullptr;
   }
   // Null if Ipopt does not start.
@@ -191,22 +194,19 @@ class Applications {
     auto& app = warm ? warm_ : cold_;
     if (IsValid(app)) return GetRawPtr(app);
     app = new Ipopt::IpoptApplication(false);
-    set_options(*app->Options(), warm);
-    // "": no file of options from wherever the process happens to run.
+    set_options(*app->Options(), LinearSolver::kMumps, warm);
     if (app->Initialize("") != Ipopt::Solve_Succeeded) app = nullptr;
     return GetRawPtr(app);
   }
 
  private:
-  Ipopt::SmartPtr<Ipopt::IpoptApplication> cold_, warm_;
+  SmartPtr<Ipopt::IpoptApplication> cold_, warm_;
 };
 
-}  // namespace
-
-Solution ipopt_solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits) {
-  const bool unlimited = limits.deadline == Clock::time_point::max();
-  std::unique_lock lock{solver_mutex(), std::defer_lock};
-  if (unlimited)
+Solution solve_with_mumps(const Ocp& ocp, Bounds all, const Iterate& guess,
+                          const SolveLimits& limits) {
+  std::unique_lock lock{mumps_mutex(), std::defer_lock};
+  if (limits.deadline == Clock::time_point::max())
     lock.lock();
   else if (!lock.try_lock_until(limits.deadline))
     return {.status = SolveStatus::kTimeout, .point = guess};
@@ -215,9 +215,36 @@ Solution ipopt_solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& li
   Ipopt::IpoptApplication* app = applications.get(!guess.lambda.empty());
   if (app == nullptr) return {};
   app->Options()->SetIntegerValue("max_iter", limits.iterations);
-  const Ipopt::SmartPtr<Problem> problem = new Problem(ocp, guess, limits);
+  const SmartPtr<IpoptProblem> problem = new IpoptProblem(ocp);
+  problem->set(ocp, std::move(all), guess, limits);
   // Not ReOptimizeTNLP: it would keep the first solve's clock and structure.
-  return problem->solution(app->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(GetRawPtr(problem))));
+  return problem->solution(app->OptimizeTNLP(SmartPtr<Ipopt::TNLP>(GetRawPtr(problem))));
+}
+
+}  // namespace
+
+LinearSolver best_linear_solver() {
+  return takes_linear_solver() ? LinearSolver::kStages : LinearSolver::kMumps;
+}
+
+Solution ipopt_solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits,
+                     LinearSolver linear) {
+  Bounds all = bounds(ocp);
+  if (linear == LinearSolver::kMumps) return solve_with_mumps(ocp, std::move(all), guess, limits);
+  const Structure structure = structure_of(ocp, all);
+  if (structure.fixed) return solve_with_mumps(ocp, std::move(all), guess, limits);
+
+  const Solution first = solve_with_stages(ocp, all, structure, guess, limits);
+  const bool is_cold = guess.lambda.empty(), is_late = first.iterations >= kPatience;
+  const bool gave_up = first.status == SolveStatus::kTimeout && is_late && !is_cold;
+  if (first.status != SolveStatus::kFailed && !gave_up) return first;
+  SolveLimits rest = limits;
+  rest.iterations -= first.iterations;
+  if (rest.iterations <= 0) return first;
+  Solution second = gave_up ? solve_with_stages(ocp, all, structure, {guess.z, {}, {}, {}}, rest)
+                            : solve_with_mumps(ocp, std::move(all), guess, rest);
+  second.iterations += first.iterations;
+  return second;
 }
 
 }  // namespace tandem

@@ -18,8 +18,10 @@ Pose2 pose_after(std::span<const double> z, int k) {
 }
 
 CostTerms cost_at(const Ocp& ocp, std::span<const double> z, int k) {
-  return cost_terms(ocp.stages[static_cast<std::size_t>(k)].cost, twist_of(z, k),
-                    {z[at(k, kDv)], z[at(k, kDw)]}, pose_after(z, k));
+  const StageCost& stage = ocp.stages[static_cast<std::size_t>(k)].cost;
+  const Pose2 X = pose_after(z, k);
+  return cost_terms(stage, twist_of(z, k), {z[at(k, kDv)], z[at(k, kDw)]}, X.position(),
+                    Heading::of(X.theta - stage.X_MR.theta));
 }
 
 }  // namespace
@@ -45,7 +47,7 @@ double growth(const Ocp& ocp, const Twist2& twist) {
 }
 
 Pose2 advance(const Ocp& ocp, const Pose2& X_MB, const Twist2& twist) {
-  const Vector2d d = displacement(ocp, X_MB.theta, twist).d;
+  const Vector2d d = displacement(ocp, Heading::of(X_MB.theta), twist).d;
   return {X_MB.x + d.x(), X_MB.y + d.y(), X_MB.theta + ocp.dt * twist.w};
 }
 
@@ -129,7 +131,8 @@ void jacobian_values(const Ocp& ocp, std::span<const double> z, std::span<double
     for (const double value : list) values[i++] = value;
   };
   for (int k = 0; k < ocp.horizon(); ++k) {
-    const Displacement d = displacement(ocp, pose_before(ocp, z, k).theta, twist_of(z, k));
+    const Displacement d =
+        displacement(ocp, Heading::of(pose_before(ocp, z, k).theta), twist_of(z, k));
     put({1.0, -1.0, 1.0, -1.0});
     put({1.0, -d.d_v.x(), -d.d_w.x(), 1.0, -d.d_v.y(), -d.d_w.y()});
     put({1.0, -ocp.dt});
@@ -172,7 +175,8 @@ void hessian_values(const Ocp& ocp, std::span<const double> z, double sigma,
     const Stage& stage = ocp.stages[static_cast<std::size_t>(k)];
     const CostTerms c = cost_at(ocp, z, k);
     const Placed X{pose_after(z, k)};
-    const Displacement d = displacement(ocp, pose_before(ocp, z, k).theta, twist_of(z, k));
+    const Displacement d =
+        displacement(ocp, Heading::of(pose_before(ocp, z, k).theta), twist_of(z, k));
     const auto row = lambda.subspan(static_cast<std::size_t>(kEqualities * k), kEqualities);
     const Vector2d l{-row[2], -row[3]};  // (3) holds −D
 

@@ -10,12 +10,13 @@ struct Sinc {
   double value, first, second;
 };
 
-Sinc sinc(double b) {
+// `turn`: cosine and sine of b.
+Sinc sinc(double b, const Heading& turn) {
   const double b2 = b * b;
   if (std::abs(b) < 0.02)
     return {1.0 - b2 / 6.0 * (1.0 - b2 / 20.0), -b / 3.0 * (1.0 - b2 / 10.0 * (1.0 - b2 / 28.0)),
             -1.0 / 3.0 + b2 / 10.0 * (1.0 - b2 * 10.0 / 168.0)};
-  const double value = std::sin(b) / b, first = (std::cos(b) - value) / b;
+  const double value = turn.s / b, first = (turn.c - value) / b;
   return {value, first, -value - 2.0 * first / b};
 }
 
@@ -50,10 +51,12 @@ void add_wish(const StageCost& c, const Twist2& u, CostTerms& terms) {
 
 }  // namespace
 
-Displacement displacement(const Ocp& ocp, double theta, const Twist2& u) {
-  const double g = ocp.half, alpha = theta + g * u.w, length = u.v * ocp.dt;
-  const Sinc s = sinc(g * u.w);
-  const Vector2d e{std::cos(alpha), std::sin(alpha)}, n{-e.y(), e.x()};
+Displacement displacement(const Ocp& ocp, const Heading& theta, const Twist2& u) {
+  const double g = ocp.half, b = g * u.w, length = u.v * ocp.dt;
+  const Heading turn = b == 0.0 ? Heading{1.0, 0.0} : Heading::of(b);
+  const Sinc s = sinc(b, turn);
+  const Heading alpha = theta.turned_by(turn);
+  const Vector2d e{alpha.c, alpha.s}, n{-e.y(), e.x()};
   const Vector2d bend = g * (s.first * e + s.value * n);
   return {.d = length * s.value * e,
           .d_theta = length * s.value * n,
@@ -66,22 +69,22 @@ Displacement displacement(const Ocp& ocp, double theta, const Twist2& u) {
           .d_w_w = length * g * g * (s.second * e + 2.0 * s.first * n - s.value * e)};
 }
 
-CostTerms cost_terms(const StageCost& c, const Twist2& u, const Twist2& change, const Pose2& X_MB) {
-  const double e_x = X_MB.x - c.X_MR.x, e_y = X_MB.y - c.X_MR.y;
+CostTerms cost_terms(const StageCost& c, const Twist2& u, const Twist2& change,
+                     const Vector2d& p_MB, const Heading& error) {
+  const double e_x = p_MB.x() - c.X_MR.x, e_y = p_MB.y() - c.X_MR.y;
   const double e_v = u.v - c.twist.v, e_w = u.w - c.twist.w;
   const double e_dv = change.v - c.change.v, e_dw = change.w - c.change.w;
-  const double turn = X_MB.theta - c.X_MR.theta, cos = std::cos(turn), sin = std::sin(turn);
-  CostTerms terms{.value = c.q_x * e_x * e_x + c.q_y * e_y * e_y + 2.0 * c.q_theta * (1.0 - cos) +
-                           c.r_v * e_v * e_v + c.r_w * e_w * e_w + c.c_v * e_dv * e_dv +
-                           c.c_w * e_dw * e_dw,
+  CostTerms terms{.value = c.q_x * e_x * e_x + c.q_y * e_y * e_y +
+                           2.0 * c.q_theta * (1.0 - error.c) + c.r_v * e_v * e_v +
+                           c.r_w * e_w * e_w + c.c_v * e_dv * e_dv + c.c_w * e_dw * e_dw,
                   .u = {2.0 * c.r_v * e_v, 2.0 * c.r_w * e_w},
                   .change = {2.0 * c.c_v * e_dv, 2.0 * c.c_w * e_dw},
-                  .X = {2.0 * c.q_x * e_x, 2.0 * c.q_y * e_y, 2.0 * c.q_theta * sin},
+                  .X = {2.0 * c.q_x * e_x, 2.0 * c.q_y * e_y, 2.0 * c.q_theta * error.s},
                   .vv = 2.0 * c.r_v,
                   .vw = 0.0,
                   .ww = 2.0 * c.r_w,
                   .change2 = {2.0 * c.c_v, 2.0 * c.c_w},
-                  .X2 = {2.0 * c.q_x, 2.0 * c.q_y, 2.0 * c.q_theta * cos}};
+                  .X2 = {2.0 * c.q_x, 2.0 * c.q_y, 2.0 * c.q_theta * error.c}};
   if (c.c_dir > 0.0) add_wish(c, u, terms);
   return terms;
 }

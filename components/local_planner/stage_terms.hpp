@@ -11,6 +11,17 @@
 
 namespace tandem {
 
+/// A heading by its cosine and sine, computed once for all that asks for them.
+struct Heading {
+  double c, s;
+
+  static Heading of(double theta) { return {std::cos(theta), std::sin(theta)}; }
+  [[nodiscard]] Heading turned_by(const Heading& other) const {
+    return {c * other.c - s * other.s, s * other.c + c * other.s};
+  }
+  [[nodiscard]] Heading from(const Heading& other) const { return turned_by({other.c, -other.s}); }
+};
+
 /// Derivatives of (5) of ocp.hpp, with D the displacement, e = (cos α, sin α), n = (−sin α, cos α),
 /// α = θ + γ w, S = sinc(γ w) and its derivatives S', S'':
 ///
@@ -21,7 +32,7 @@ namespace tandem {
 struct Displacement {
   Eigen::Vector2d d, d_theta, d_v, d_w, d_theta_theta, d_theta_v, d_theta_w, d_v_w, d_w_w;
 };
-[[nodiscard]] Displacement displacement(const Ocp& ocp, double theta, const Twist2& u);
+[[nodiscard]] Displacement displacement(const Ocp& ocp, const Heading& theta, const Twist2& u);
 
 /// Cost (1) of a stage without its slack. What is not listed of the Hessian is zero.
 struct CostTerms {
@@ -32,15 +43,15 @@ struct CostTerms {
   Eigen::Vector2d change2;    ///< … its diagonal
   Eigen::Vector3d X2;         ///< … its diagonal
 };
+/// `error`: θ⁺ − θ_r.
 [[nodiscard]] CostTerms cost_terms(const StageCost& cost, const Twist2& u, const Twist2& change,
-                                   const Pose2& X_MB);
+                                   const Eigen::Vector2d& p_MB, const Heading& error);
 
-/// A pose, its heading's cosine and sine computed once for all pairs of a stage.
+/// A pose.
 struct Placed {
-  explicit Placed(const Pose2& X_MB)
-      : p_MB{X_MB.position()}, c{std::cos(X_MB.theta)}, s{std::sin(X_MB.theta)} {}
+  explicit Placed(const Pose2& X_MB) : p_MB{X_MB.position()}, theta{Heading::of(X_MB.theta)} {}
   Eigen::Vector2d p_MB;
-  double c, s;
+  Heading theta;
 };
 
 /// Clearance φ(C(X)) − gap of a pair. The disc's centre C = p + R(θ) c has C_θ = R(θ) c⊥ and
@@ -66,8 +77,9 @@ struct PairTerms {
 };
 
 [[nodiscard]] inline PairTerms pair_terms(const Pair& pair, const Placed& X) {
-  const Eigen::Vector2d arm{X.c * pair.p_BC.x() - X.s * pair.p_BC.y(),
-                            X.s * pair.p_BC.x() + X.c * pair.p_BC.y()};
+  const auto [c, s] = X.theta;
+  const Eigen::Vector2d arm{c * pair.p_BC.x() - s * pair.p_BC.y(),
+                            s * pair.p_BC.x() + c * pair.p_BC.y()};
   const SignedDistance phi = signed_distance(pair.obstacle, X.p_MB + arm);
   const Eigen::Vector2d& n = phi.normal;
   return {phi.value - pair.gap, n.x(),        n.y(), n.y() * arm.x() - n.x() * arm.y(),

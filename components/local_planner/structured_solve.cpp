@@ -64,7 +64,10 @@ struct StructuredSolver::State {
 bool StructuredSolver::State::start(const Ocp& ocp, const Iterate& guess) {
   const std::size_t stages = ocp.stages.size(), pairs = pair_count(ocp);
   box.resize(stages);
-  for (ChainPoint* point : {&now, &trial}) point->resize(stages, pairs);
+  for (ChainPoint* point : {&now, &trial}) {
+    point->resize(stages, pairs);
+    point->set_targets(ocp);
+  }
   multipliers.resize(stages, pairs);
   system.resize(stages, pairs);
   system.reset();
