@@ -188,9 +188,12 @@ CostParts cost_parts(const Candidate& candidate) {
     twist.q_x = twist.q_y = twist.q_theta = smooth.q_x = smooth.q_y = smooth.q_theta = 0.0;
     pose.r_v = pose.r_w = pose.c_dir = smooth.r_v = smooth.r_w = smooth.c_dir = 0.0;
     pose.c_v = pose.c_w = twist.c_v = twist.c_w = 0.0;
-    parts.pose += cost_terms(pose, u, change, motion.X_MB[k + 1]).value;
-    parts.twist += cost_terms(twist, u, change, motion.X_MB[k + 1]).value;
-    parts.change += cost_terms(smooth, u, change, motion.X_MB[k + 1]).value;
+    const Pose2& X = motion.X_MB[k + 1];
+    const Eigen::Vector2d p_MB = X.position();
+    const Heading error = Heading::of(X.theta - pose.X_MR.theta);
+    parts.pose += cost_terms(pose, u, change, p_MB, error).value;
+    parts.twist += cost_terms(twist, u, change, p_MB, error).value;
+    parts.change += cost_terms(smooth, u, change, p_MB, error).value;
   }
   parts.slack = candidate.cost - parts.pose - parts.twist - parts.change;
   return parts;

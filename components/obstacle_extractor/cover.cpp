@@ -2,19 +2,28 @@
 #include "obstacle_extractor/cover.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "obstacle_extractor/ellipse_fit.hpp"
 
 namespace tandem {
 namespace {
 
-constexpr double kJoinGap = 0.25;  // [m] parts farther apart are not tried together
+constexpr double kJoinGap = 0.4;     // [m] parts farther apart are not tried together
+constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split until they take less
+
+constexpr double kLeastGain = 0.02;  // of (1): what a rearrangement must save
+constexpr int kRounds = 6;
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 struct Part {
-  std::vector<CellIndex> cells;
+  std::vector<CellIndex> cells;  // none: joined into another
   Points hull;
   EllipseFit fit;
   Eigen::Vector2d low, high;  // of the hull [m]
@@ -28,12 +37,12 @@ Points corners(const Grid& grid, const CellIndex& cell) {
 
 class Coverer {
  public:
-  Coverer(const Grid& grid, const FreeDepth& depth, double max_excess)
-      : grid_{grid}, depth_{depth}, max_excess_{max_excess} {}
+  Coverer(const Grid& grid, const FreeSpace& space, const CoverParams& params)
+      : grid_{grid}, space_{space}, params_{params} {}
 
   void split(std::vector<CellIndex> cells) {
-    Part part = make(cells, convex_hull(all_corners(cells)));
-    if (cells.size() == 1 || part.fit.excess <= max_excess_) {
+    Part part = make(cells, convex_hull(all_corners(cells)), kTightShare * params_.space_per_shape);
+    if (cells.size() == 1 || part.fit.found) {
       parts_.push_back(std::move(part));
       return;
     }
@@ -42,25 +51,42 @@ class Coverer {
     split({middle, cells.end()});
   }
 
-  // Joins pairs of neighbours as long as one shape does for both.
+  // Joins the pair that lowers (1) most, until none does.
   void join() {
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-      for (std::size_t j = 0; j < parts_.size(); ++j) {
-        if (i == j || !neighbours(parts_[i], parts_[j])) continue;
-        Points points = parts_[i].hull;
-        points.insert(points.end(), parts_[j].hull.begin(), parts_[j].hull.end());
-        Part both = make({}, convex_hull(std::move(points)));
-        if (both.fit.excess > max_excess_) continue;
-        both.cells = std::move(parts_[i].cells);
-        both.cells.insert(both.cells.end(), parts_[j].cells.begin(), parts_[j].cells.end());
-        parts_[i] = std::move(both);
-        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(j));
-        if (j < i) --i;
-        j = static_cast<std::size_t>(-1);  // try all again with what this part has become
+    for (std::size_t i = 0; i < parts_.size(); ++i) try_with_earlier(i);
+    while (!joins_.empty()) {
+      const auto best =
+          std::max_element(joins_.begin(), joins_.end(), [](const Join& a, const Join& b) {
+            return a.gain != b.gain ? a.gain < b.gain : std::tie(a.i, a.j) > std::tie(b.i, b.j);
+          });
+      Join join = std::move(*best);
+      std::erase_if(joins_, [&](const Join& other) {
+        return other.i == join.i || other.i == join.j || other.j == join.i || other.j == join.j;
+      });
+      for (const std::size_t old : {join.i, join.j}) {
+        auto& cells = parts_[old].cells;
+        join.both.cells.insert(join.both.cells.end(), cells.begin(), cells.end());
+        cells.clear();
       }
+      parts_.push_back(std::move(join.both));
+      try_with_earlier(parts_.size() - 1);
+    }
+    std::erase_if(parts_, [](const Part& part) { return part.cells.empty(); });
   }
 
-  // Gives every cell to the largest shape that contains it; shapes left without cells go.
+  // Halves a part and gives each half to the neighbour, or leaves it alone, whichever lowers (1)
+  // most, until nothing does.
+  void rearrange() {
+    for (int round = 0, changes = 1; round < kRounds && changes > 0; ++round) {
+      changes = 0;
+      for (std::size_t i = 0; i < parts_.size(); ++i)
+        if (!parts_[i].cells.empty() && (move_halves(i, 0.0) || move_halves(i, 0.5))) ++changes;
+    }
+    std::erase_if(parts_, [](const Part& part) { return part.cells.empty(); });
+  }
+
+  // Gives every cell to the largest shape that contains it; shapes left without cells go, those
+  // left with fewer are fitted again.
   [[nodiscard]] std::vector<CoverShape> shapes() {
     std::vector<std::size_t> order(parts_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -75,11 +101,102 @@ class Coverer {
         })].push_back(cell);
     std::vector<CoverShape> result;
     for (std::size_t i = 0; i < parts_.size(); ++i)
-      if (!cells_of[i].empty()) result.push_back(shape(parts_[i].fit.shape, cells_of[i]));
+      if (!cells_of[i].empty()) result.push_back(shape(fit_again(i, cells_of[i]), cells_of[i]));
     return result;
   }
 
  private:
+  struct Join {
+    std::size_t i, j;
+    double gain;
+    Part both;
+  };
+
+  [[nodiscard]] double cost(const Part& part) const {
+    return 1.0 + part.fit.taken / params_.space_per_shape;  // (1)
+  }
+
+  // Where a half of a part goes: to part `to`, or (to = none) stays a part of its own.
+  struct Move {
+    double cost = std::numeric_limits<double>::infinity();  // more than now
+    std::size_t to = kNone;
+    Part part;
+  };
+
+  // The best two moves of a half, to different parts.
+  [[nodiscard]] std::array<Move, 2> moves(const std::vector<CellIndex>& cells, std::size_t from,
+                                          double most) const {
+    std::array<Move, 2> best;
+    const auto consider = [&](Move move) {
+      if (move.cost < best[0].cost) std::swap(move, best[0]);
+      if (move.cost < best[1].cost) std::swap(move, best[1]);
+    };
+    const double taken = most * params_.space_per_shape;
+    Part alone = make(cells, convex_hull(all_corners(cells)), taken);
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      if (j == from || parts_[j].cells.empty() || !neighbours(parts_[j], alone)) continue;
+      Points points = parts_[j].hull;
+      points.insert(points.end(), alone.hull.begin(), alone.hull.end());
+      Part both = make({}, convex_hull(std::move(points)), parts_[j].fit.taken + taken);
+      if (both.fit.found) consider({cost(both) - cost(parts_[j]), j, std::move(both)});
+    }
+    if (alone.fit.found) consider({cost(alone), kNone, std::move(alone)});
+    return best;
+  }
+
+  [[nodiscard]] bool move_halves(std::size_t i, double turn) {
+    std::vector<CellIndex> cells = parts_[i].cells;
+    if (cells.size() < 2) return false;
+    const auto middle = halve(cells, parts_[i].fit.length_angle + turn * std::numbers::pi);
+    const std::vector<CellIndex> first{cells.begin(), middle}, second{middle, cells.end()};
+    const double now = cost(parts_[i]) - kLeastGain;
+    auto a = moves(first, i, now), b = moves(second, i, now);
+    double least = now;
+    std::pair<int, int> best{-1, -1};
+    for (int m = 0; m < 2; ++m)
+      for (int n = 0; n < 2; ++n) {
+        const Move &one = a[static_cast<std::size_t>(m)], &two = b[static_cast<std::size_t>(n)];
+        if (one.to == two.to && one.to != kNone) continue;
+        if (one.cost + two.cost < least) {
+          least = one.cost + two.cost;
+          best = {m, n};
+        }
+      }
+    if (best.first < 0) return false;
+    parts_[i].cells.clear();
+    apply(std::move(a[static_cast<std::size_t>(best.first)]), first);
+    apply(std::move(b[static_cast<std::size_t>(best.second)]), second);
+    return true;
+  }
+
+  void apply(Move move, const std::vector<CellIndex>& cells) {
+    if (move.to != kNone) {
+      move.part.cells = std::move(parts_[move.to].cells);
+      move.part.cells.insert(move.part.cells.end(), cells.begin(), cells.end());
+      parts_[move.to] = std::move(move.part);
+    } else {
+      parts_.push_back(std::move(move.part));
+    }
+  }
+
+  void try_with_earlier(std::size_t j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      if (parts_[i].cells.empty() || !neighbours(parts_[i], parts_[j])) continue;
+      Points points = parts_[i].hull;
+      points.insert(points.end(), parts_[j].hull.begin(), parts_[j].hull.end());
+      const double now = cost(parts_[i]) + cost(parts_[j]);
+      Part both = make({}, convex_hull(std::move(points)), (now - 1.0) * params_.space_per_shape);
+      const double gain = now - cost(both);
+      if (both.fit.found && gain > 0.0) joins_.push_back({i, j, gain, std::move(both)});
+    }
+  }
+
+  [[nodiscard]] Obstacle fit_again(std::size_t i, const std::vector<CellIndex>& own) const {
+    if (own.size() == parts_[i].cells.size()) return parts_[i].fit.shape;
+    const Part again = make({}, convex_hull(all_corners(own)), parts_[i].fit.taken);
+    return again.fit.found ? again.fit.shape : parts_[i].fit.shape;
+  }
+
   [[nodiscard]] Points all_corners(const std::vector<CellIndex>& cells) const {
     Points points;
     points.reserve(4 * cells.size());
@@ -88,9 +205,9 @@ class Coverer {
     return points;
   }
 
-  [[nodiscard]] Part make(std::vector<CellIndex> cells, Points hull) const {
+  [[nodiscard]] Part make(std::vector<CellIndex> cells, Points hull, double taken) const {
     Part part{std::move(cells), std::move(hull), {}, {}, {}};
-    part.fit = fit_ellipse(part.hull, depth_, max_excess_);
+    part.fit = fit_ellipse(part.hull, space_, {params_.max_excess, taken});
     part.low = part.high = part.hull[0];
     for (const auto& p : part.hull) {
       part.low = part.low.cwiseMin(p);
@@ -143,18 +260,20 @@ class Coverer {
   }
 
   const Grid& grid_;
-  const FreeDepth& depth_;
-  double max_excess_;
+  const FreeSpace& space_;
+  CoverParams params_;
   std::vector<Part> parts_;
+  std::vector<Join> joins_;
 };
 
 }  // namespace
 
 std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<CellIndex>>& clusters,
-                              const FreeDepth& depth, double max_excess) {
-  Coverer coverer(grid, depth, max_excess);
+                              const FreeSpace& space, const CoverParams& params) {
+  Coverer coverer(grid, space, params);
   for (const auto& cells : clusters) coverer.split(cells);
   coverer.join();
+  coverer.rearrange();
   return coverer.shapes();
 }
 

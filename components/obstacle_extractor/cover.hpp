@@ -7,7 +7,7 @@
 
 #include "map/grid.hpp"
 #include "model/obstacle.hpp"
-#include "obstacle_extractor/free_depth.hpp"
+#include "obstacle_extractor/free_space.hpp"
 
 namespace tandem {
 
@@ -24,13 +24,27 @@ struct CoverShape {
   Eigen::Vector2d low, high;
 };
 
-/// Each of the connected `clusters` is split until the best ellipse around each part reaches at
-/// most `max_excess` into free space; neighbouring parts are joined again where one ellipse does
-/// for both; shapes whose cells others cover as well are dropped. Every cell lies wholly in a
-/// shape; a single cell has one whatever its excess. Ids are 1 + the index of the lowest cell
-/// that the shape answers for.
+/// From a point to the box around the shape's cells [m].
+[[nodiscard]] inline double distance_to_cells(const CoverShape& shape, const Eigen::Vector2d& p) {
+  return (shape.low - p).cwiseMax(p - shape.high).cwiseMax(0.0).norm();
+}
+
+struct CoverParams {
+  double max_excess;       ///< no shape reaches deeper into free space [m]
+  double space_per_shape;  ///< free space that one shape less may take [m²]
+};
+
+/// Shapes that cover the connected `clusters` at little cost,
+///
+///   J = Σ over shapes of 1 + A / A₁                                                    (1)
+///
+/// with A what the shape takes of the free space (FreeSpace::taken_by) and A₁ = `space_per_shape`.
+/// Clusters are split until each part's shape is tight; then the two neighbours whose common shape
+/// lowers J most are joined, as long as one does. Every cell lies wholly in a shape; a single cell
+/// has one whatever its excess. Ids are 1 + the index of the lowest cell that the shape answers
+/// for. No randomness: equal arguments give equal shapes.
 [[nodiscard]] std::vector<CoverShape> cover(const Grid& grid,
                                             const std::vector<std::vector<CellIndex>>& clusters,
-                                            const FreeDepth& depth, double max_excess);
+                                            const FreeSpace& space, const CoverParams& params);
 
 }  // namespace tandem

@@ -103,9 +103,9 @@ Obstacle smallest_circle(const Points& hull) {
 }
 
 // (1), or a circle of radius b if the ellipse would be shorter than wide.
-Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b) {
+Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, double shift) {
   Obstacle ellipse;
-  ellipse.p_MO = box.p_MC;
+  ellipse.p_MO = box.p_MC + shift * Eigen::Vector2d{-std::sin(box.angle), std::cos(box.angle)};
   ellipse.angle = box.angle;
   for (const auto& p : hull) {
     const Eigen::Vector2d q = in_axes(ellipse, p);
@@ -117,44 +117,39 @@ Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b) {
   return ellipse;
 }
 
-// Depth of points along an ellipse with the shape's centre and heading, until one is deeper than
-// `stop_above`.
-double deepest_along(const Obstacle& shape, const Eigen::Vector2d& half, const FreeDepth& depth,
-                     double stop_above) {
+// Whether every point along an ellipse with the shape's centre and heading is allowed.
+bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const FreeSpace& space,
+                     double most) {
   constexpr double kSpacing = 0.04;  // [m]
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const int points = std::max(16, static_cast<int>(4.0 * half.sum() / kSpacing));
   const double step = 2.0 * std::numbers::pi / points;
   const double cos_step = std::cos(step), sin_step = std::sin(step);
-  double x = 1.0, y = 0.0, deepest = 0.0;
-  for (int i = 0; i < points && deepest <= stop_above; ++i) {
+  double x = 1.0, y = 0.0;
+  for (int i = 0; i < points; ++i) {
     const Eigen::Vector2d q{half.x() * x, half.y() * y};
-    deepest = std::max(deepest, depth.at(shape.p_MO + Eigen::Vector2d{c * q.x() - s * q.y(),
-                                                                      s * q.x() + c * q.y()}));
+    const Eigen::Vector2d turned_q{c * q.x() - s * q.y(), s * q.x() + c * q.y()};
+    if (!space.allows(shape.p_MO + turned_q, most)) return false;
     const double turned = cos_step * x - sin_step * y;
     y = sin_step * x + cos_step * y;
     x = turned;
   }
-  return deepest;
+  return true;
 }
 
-// Deepest point of the shape in free space: along its outline, smaller copies inside, and its long
-// axis, where those are far apart. Ends at the first that is deeper than `stop_above`. Infinite if
-// the shape leaves the known window.
-double excess(const Obstacle& shape, const FreeDepth& depth, double stop_above) {
+// Whether the shape reaches no deeper into free space than `most`: its outline, smaller copies
+// inside, and its long axis, where those are far apart. False if it leaves the known window.
+bool is_within(const Obstacle& shape, const FreeSpace& space, double most) {
   constexpr double kRing = 0.07;  // [m] between two copies, across
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const Eigen::Vector2d reach{std::hypot(c * shape.a, s * shape.b),
                               std::hypot(s * shape.a, c * shape.b)};
-  if (!depth.knows(shape.p_MO - reach, shape.p_MO + reach))
-    return std::numeric_limits<double>::infinity();
+  if (!space.knows(shape.p_MO - reach, shape.p_MO + reach)) return false;
   const Eigen::Vector2d half{shape.a, shape.b};
   const int rings = std::max(1, static_cast<int>(std::ceil(shape.b / kRing)));
-  double deepest = 0.0;
-  for (int ring = rings; ring > 0 && deepest <= stop_above; --ring)
-    deepest = std::max(deepest, deepest_along(shape, half * ring / rings, depth, stop_above));
-  if (deepest > stop_above) return deepest;
-  return std::max(deepest, deepest_along(shape, {shape.a, 0.0}, depth, stop_above));
+  for (int ring = rings; ring > 0; --ring)
+    if (!is_within_along(shape, half * ring / rings, space, most)) return false;
+  return is_within_along(shape, {shape.a, 0.0}, space, most);
 }
 
 }  // namespace
@@ -177,20 +172,28 @@ Points convex_hull(Points points) {
   return hull;
 }
 
-EllipseFit fit_ellipse(const Points& hull, const FreeDepth& depth, double enough) {
+EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimits& limits) {
   const TurnedBox box = smallest_box(hull);
-  EllipseFit best{smallest_circle(hull), 0.0, box.angle};
-  best.excess = excess(best.shape, depth, enough);
-  if (best.excess <= enough) return best;
-  const double l = box.half.x(), h = box.half.y();
-  for (const double b : {h + 0.9 * enough, h + 0.6 * enough, h + 0.3 * enough, std::sqrt(2.0) * h,
-                         1.1 * h, std::sqrt(l * h) + 0.5 * enough}) {
-    if (b <= h) continue;
-    const Obstacle ellipse = ellipse_of_width(hull, box, b);
-    const double reach = excess(ellipse, depth, std::min(enough, best.excess));
-    if (reach <= enough && reach < best.excess) best = {ellipse, reach, box.angle};
-  }
-  return best;
+  struct Candidate {
+    Obstacle shape;
+    double taken;
+  };
+  std::vector<Candidate> candidates;
+  const auto add = [&](const Obstacle& shape) {
+    if (const double taken = space.taken_by(shape); taken <= limits.taken)
+      candidates.push_back({shape, taken});
+  };
+  const Obstacle circle = smallest_circle(hull);
+  add(circle);
+  const double h = box.half.y();
+  for (const double shift : {0.0, 1.0, -1.0, 3.0, -3.0})
+    for (const double bulge : {0.01, 0.02, 0.03, 0.045, 0.07, 0.11, 0.16, 0.23})
+      add(ellipse_of_width(hull, box, h + std::abs(shift * bulge) + bulge, shift * bulge));
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.taken < b.taken; });
+  for (const auto& [shape, taken] : candidates)
+    if (is_within(shape, space, limits.excess)) return {shape, taken, true, box.angle};
+  return {circle, space.taken_by(circle), false, box.angle};
 }
 
 }  // namespace tandem

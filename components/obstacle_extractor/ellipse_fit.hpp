@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "model/obstacle.hpp"
-#include "obstacle_extractor/free_depth.hpp"
+#include "obstacle_extractor/free_space.hpp"
 
 namespace tandem {
 
@@ -16,22 +16,29 @@ using Points = std::vector<Eigen::Vector2d>;
 /// Convex hull, counter-clockwise from its lowest point, without points on its edges.
 [[nodiscard]] Points convex_hull(Points points);
 
-/// Shape that contains some points, and the deepest it reaches into free space [m].
+/// Shape that contains some points, and what it costs.
 struct EllipseFit {
   Obstacle shape;
-  double excess = 0.0;
+  double taken = 0.0;         ///< of the free space [m²]
+  bool found = false;         ///< false: a circle beyond the limits, as all are
   double length_angle = 0.0;  ///< heading of the points' longest extent [rad]
 };
 
-/// Ellipse or circle that contains the hull, with an excess within `enough` [m] if one is found;
-/// else a circle, whose `excess` then only says that it is more than enough. A circle is preferred.
-/// Among ellipses along the sides of the hull's smallest rectangle, of half sides l ≥ h, each half
-/// width b > h gives the shortest half length
+struct FitLimits {
+  double excess;  ///< how deep a shape may reach into free space [m]
+  double taken;   ///< how much it may take of it [m²]
+};
+
+/// Circle or ellipse that contains the hull and takes the least free space within the limits. Of
+/// the ellipses along the sides of the hull's smallest rectangle, of half sides l ≥ h, with centre
+/// (0, s) in it, each half width b > h + |s| gives the shortest half length
 ///
-///   a(b) = max over hull points (x, y) of |x| / √(1 − (y/b)²)                               (1)
+///   a(b, s) = max over hull points (x, y) of |x| / √(1 − ((y − s)/b)²)                      (1)
 ///
-/// and the b of least excess wins: a straight wall wants b ≈ 2 h, which overshoots its ends little,
-/// not the smallest area (b = √2 h), which overshoots them by 0.41 l.
-[[nodiscard]] EllipseFit fit_ellipse(const Points& hull, const FreeDepth& depth, double enough);
+/// A straight wall wants b ≈ 2 h, which overshoots its ends little, not the smallest area
+/// (b = √2 h), which overshoots them by 0.41 l. An s away from the room makes the side towards it
+/// flat, where the other side is of no use.
+[[nodiscard]] EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space,
+                                     const FitLimits& limits);
 
 }  // namespace tandem

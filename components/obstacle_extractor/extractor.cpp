@@ -16,28 +16,31 @@ int cells(double length, const Grid& grid) {
   return std::max(1, static_cast<int>(std::ceil(length / grid.resolution - 1e-9)));
 }
 
-double distance_to_box(const Eigen::Vector2d& p, const CoverShape& shape) {
-  return (shape.low - p).cwiseMax(p - shape.high).cwiseMax(0.0).norm();
-}
-
-bool has_no_free_cell(const Grid& grid) {
-  return std::find(grid.cells.begin(), grid.cells.end(), Cell::kFree) == grid.cells.end();
+const ExtractorParams& checked(const ExtractorParams& params) {
+  check(params);
+  return params;
 }
 
 }  // namespace
 
 Extractor::Extractor(std::shared_ptr<const StaticMap> map, const ExtractorParams& params)
-    : map_{std::move(map)}, params_{params}, unknown_is_free_{has_no_free_cell(map_->grid())} {
-  check(params);
-}
+    : map_{std::move(map)}, params_{params}, places_{*map_, checked(params).smallest_gap} {}
 
 std::vector<Obstacle> Extractor::near(const Eigen::Vector2d& p_MB) {
   std::vector<Obstacle> obstacles;
-  if (!p_MB.allFinite()) return obstacles;
+  for (const CoverShape& shape : shapes_near(p_MB, params_.range))
+    obstacles.push_back(shape.obstacle);
+  return obstacles;
+}
+
+std::vector<CoverShape> Extractor::shapes_near(const Eigen::Vector2d& p_MB, double range) {
+  std::vector<CoverShape> shapes;
+  if (!p_MB.allFinite()) return shapes;
+  enter_region(p_MB);
   const Grid& grid = map_->grid();
   const int side = cells(params_.tile, grid);
   // A whole cluster may reach from its tile into the next ones up, left and right.
-  const double reach = params_.range + kWhole + grid.resolution;
+  const double reach = range + kWhole + grid.resolution;
   const auto tile = [&](double metres, int tiles) {
     return static_cast<int>(std::clamp(std::floor(metres / (side * grid.resolution)), -1.0,
                                        static_cast<double>(tiles)));
@@ -50,12 +53,18 @@ std::vector<Obstacle> Extractor::near(const Eigen::Vector2d& p_MB) {
     for (int tx = std::max(0, tile(low.x(), columns));
          tx <= std::min(columns - 1, tile(high.x(), columns)); ++tx)
       for (const CoverShape& shape : tile_at(tx, ty))
-        if (distance_to_box(p_MB, shape) <= params_.range) obstacles.push_back(shape.obstacle);
-  return obstacles;
+        if (distance_to_cells(shape, p_MB) <= range) shapes.push_back(shape);
+  return shapes;
+}
+
+void Extractor::enter_region(const Eigen::Vector2d& p_MB) {
+  if (region_ != 0 && places_.is_beside(p_MB, region_)) return;
+  const int region = places_.region_at(p_MB);
+  if (region != 0) region_ = region;
 }
 
 const std::vector<CoverShape>& Extractor::tile_at(int tx, int ty) {
-  const auto [entry, is_new] = tiles_.try_emplace((static_cast<std::int64_t>(ty) << 32) + tx);
+  const auto [entry, is_new] = tiles_.try_emplace({region_, tx, ty});
   if (!is_new) return entry->second;
   const Grid& grid = map_->grid();
   const int side = cells(params_.tile, grid), whole = cells(kWhole, grid);
@@ -63,10 +72,12 @@ const std::vector<CoverShape>& Extractor::tile_at(int tx, int ty) {
   const auto clusters = clusters_of_tile(*map_, tile, whole);
   if (clusters.empty()) return entry->second;
   const int margin = 2 * whole;
-  const FreeDepth depth(
-      *map_, {tile.x0 - margin, tile.y0 - margin, tile.x1 + margin, tile.y1 + margin},
-      {.smallest_gap = params_.smallest_gap, .unknown_is_free = unknown_is_free_});
-  return entry->second = cover(grid, clusters, depth, params_.max_excess);
+  const FreeSpace space(*map_, places_,
+                        {tile.x0 - margin, tile.y0 - margin, tile.x1 + margin, tile.y1 + margin},
+                        region_);
+  return entry->second =
+             cover(grid, clusters, space,
+                   {.max_excess = params_.max_excess, .space_per_shape = params_.space_per_shape});
 }
 
 std::vector<Obstacle> extract(const StaticMap& map, const Eigen::Vector2d& p_MB,

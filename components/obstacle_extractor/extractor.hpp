@@ -4,37 +4,43 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <map>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "map/static_map.hpp"
 #include "model/obstacle.hpp"
 #include "obstacle_extractor/cover.hpp"
+#include "obstacle_extractor/places.hpp"
 #include "params.hpp"
 
 namespace tandem {
 
 struct ExtractorParams {
   double range = 4.0;
-  double max_excess = 0.06;
-  double smallest_gap = 0.40;
+  double max_excess = 0.25;
+  double smallest_gap = 0.42;
+  double space_per_shape = 0.05;
   double tile = 4.0;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     field("range", range, Range{0.5, 50.0}, "[m] obstacles are fitted this near to the robot");
     field("max_excess", max_excess, Range{0.01, 1.0},
-          "[m] how far a shape may reach into free space beyond its cells");
+          "[m] how far a shape may reach into free space; in narrow ways at most 0.05");
     field("smallest_gap", smallest_gap, Range{0.0, 2.0},
           "[m] gaps narrower than this may be filled; below the robot's width");
+    field("space_per_shape", space_per_shape, Range{0.001, 10.0},
+          "[m²] free space that one shape less may take; less: more and tighter shapes");
     field("tile", tile, Range{1.0, 20.0}, "[m] side of the squares that the map is fitted in");
   }
 };
 
 /// Covers the obstacle cells of a map by circles and ellipses, tile by tile as the robot comes
 /// near, once each: a shape does not depend on where the robot is, and the cost of a call only on
-/// the tiles it newly reaches.
+/// the tiles it newly reaches. What free space is worth does depend on the part of the map that the
+/// robot can drive in; put down in another part, it gets shapes of their own for that.
 class Extractor {
  public:
   /// Throws std::invalid_argument on parameters out of their ranges.
@@ -45,13 +51,18 @@ class Extractor {
   /// not finite.
   [[nodiscard]] std::vector<Obstacle> near(const Eigen::Vector2d& p_MB);
 
+  /// The same for any range [m], with the cells that each shape answers for.
+  [[nodiscard]] std::vector<CoverShape> shapes_near(const Eigen::Vector2d& p_MB, double range);
+
  private:
   [[nodiscard]] const std::vector<CoverShape>& tile_at(int tx, int ty);
+  void enter_region(const Eigen::Vector2d& p_MB);
 
   std::shared_ptr<const StaticMap> map_;
   ExtractorParams params_;
-  bool unknown_is_free_;  // there is no known free space: then the unknown must do
-  std::unordered_map<std::int64_t, std::vector<CoverShape>> tiles_;
+  Places places_;
+  int region_ = 0;  // where the robot was last; 0: none yet
+  std::map<std::array<int, 3>, std::vector<CoverShape>> tiles_;  // by region and place
 };
 
 /// Extractor::near for one position, without memory.

@@ -11,23 +11,25 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       params_{node.declare_parameters<ObstacleExtractorNodeParams>()},
       map_{node, params_->map},
       robot_{node, params_->input},
+      shapes_{params_->extractor},
       obstacles_{node.create_publisher(topics::obstacles)},
       markers_{node.create_publisher(topics::obstacle_markers)} {
-  check(params_->extractor);
   timer_ = node.create_timer(params_->period, [this] { extract(); });
 }
 
 void ObstacleExtractorNode::extract() {
-  if (const auto map = map_.map(); map != fitted_) {
-    fitted_ = map;
-    extractor_.emplace(map, params_->extractor);
-  }
+  const auto map = map_.map();
   const auto robot = robot_.state();
-  if (!extractor_ || !robot) {
-    node_.log().warn_every(1.0, "no obstacles: {}", extractor_ ? "not localised" : "no map yet");
+  if (!map || !robot) {
+    node_.log().warn_every(1.0, "no obstacles: {}", map ? "not localised" : "no map yet");
     return;
   }
-  const auto shapes = extractor_->near(robot->X_MB.position());
+  const auto near = shapes_.near(map, robot->X_MB.position());
+  if (!near) {
+    node_.log().warn_every(1.0, "no obstacles: not fitted yet");
+    return;
+  }
+  const auto& shapes = *near;
   const auto map_header = header(node_.stamp(), params_->input.frames.map);
   obstacles_.publish(to_msg(shapes, map_header));
   if (markers_.matched() == 0 || lists_++ % kMarkersEvery != 0) return;

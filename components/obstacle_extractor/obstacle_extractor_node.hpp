@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
-#include <optional>
-
 #include "map_input.hpp"
-#include "obstacle_extractor/extractor.hpp"
+#include "obstacle_extractor/shapes_ahead.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 
@@ -28,7 +25,8 @@ struct ObstacleExtractorNodeParams {
 
 /// octomap_binary, odom, tf → obstacles, obstacles/markers.
 ///
-/// Silent until there is a map and the robot is localised: no list is not an empty list.
+/// Silent until there is a map, the robot is localised and the place is fitted: no list is not an
+/// empty list.
 class ObstacleExtractorNode {
  public:
   static constexpr int kMarkersEvery = 8;  // lists per markers: eyes need fewer
@@ -42,8 +40,7 @@ class ObstacleExtractorNode {
   rt::Parameters<ObstacleExtractorNodeParams> params_;
   MapInput map_;
   RobotStateInput robot_;
-  std::shared_ptr<const StaticMap> fitted_;
-  std::optional<Extractor> extractor_;
+  ShapesAhead shapes_;
   int lists_ = 0;
 
   rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;

@@ -3,10 +3,11 @@
 #include <benchmark/benchmark.h>
 
 #include <random>
+#include <thread>
 
 #include "../obstacle_extractor/worlds.hpp"
 #include "model/footprint.hpp"
-#include "obstacle_extractor/extractor.hpp"
+#include "obstacle_extractor/shapes_ahead.hpp"
 
 namespace tandem {
 namespace {
@@ -54,20 +55,51 @@ void field(benchmark::State& state, const World& world) {
   for (auto _ : state) benchmark::DoNotOptimize(StaticMap(world->grid()).grid().width);
 }
 
-void first_update(benchmark::State& state, const World& world) {
-  const auto all = poses(world->grid());
-  std::size_t i = 0;
-  for (auto _ : state)
-    benchmark::DoNotOptimize(extract(*world, all[++i % all.size()].position(), {}).size());
+// The places a robot can be in, once per map; on the fitting thread.
+void places(benchmark::State& state, const World& world) {
+  for (auto _ : state) benchmark::DoNotOptimize(Places(*world, 0.42).radius());
 }
 
-void next_update(benchmark::State& state, const World& world) {
+// All tiles about a place, never seen before; on the fitting thread.
+void first_look(benchmark::State& state, const World& world) {
   const auto all = poses(world->grid());
-  Extractor extractor(world, {});
-  for (const Pose2& X : all) (void)extractor.near(X.position());
   std::size_t i = 0;
-  for (auto _ : state)
+  for (auto _ : state) {
+    state.PauseTiming();
+    Extractor extractor(world, {});
+    state.ResumeTiming();
     benchmark::DoNotOptimize(extractor.near(all[++i % all.size()].position()).size());
+  }
+}
+
+// What the node does each period: positions about the middle of a window of 8 m x 8 m.
+void update(benchmark::State& state, const World& world) {
+  const Grid& grid = world->grid();
+  const Eigen::Vector2d middle = grid.center(grid.width / 2, grid.height / 2);
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> metres(-0.6, 0.6);
+  ShapesAhead shapes({});
+  while (!shapes.near(world, middle)) std::this_thread::yield();
+  for (auto _ : state) {
+    const auto near = shapes.near(world, middle + Eigen::Vector2d{metres(random), metres(random)});
+    if (!near) state.SkipWithError("not fitted");
+    benchmark::DoNotOptimize(near->size());
+  }
+}
+
+// The forest's cells again and again, the same about the middle, over `side` x `side` cells.
+World forests(int side) {
+  const Grid& one = forest()->grid();
+  Grid grid = one;
+  grid.width = grid.height = side;
+  grid.cells.clear();
+  const auto wrap = [](int i, int middle, int size) {
+    return ((i - middle + size / 2) % size + size) % size;
+  };
+  for (int iy = 0; iy < side; ++iy)
+    for (int ix = 0; ix < side; ++ix)
+      grid.cells.push_back(one.at(wrap(ix, side / 2, one.width), wrap(iy, side / 2, one.height)));
+  return std::make_shared<StaticMap>(std::move(grid));
 }
 
 void add(const std::string& name, const World& world) {
@@ -77,9 +109,11 @@ void add(const std::string& name, const World& world) {
                                  clearance, world, cap);
   benchmark::RegisterBenchmark((name + "/distance field").c_str(), field, world)
       ->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark((name + "/first update").c_str(), first_update, world)
+  benchmark::RegisterBenchmark((name + "/places").c_str(), places, world)
       ->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark((name + "/next update").c_str(), next_update, world)
+  benchmark::RegisterBenchmark((name + "/first look").c_str(), first_look, world)
+      ->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark((name + "/update").c_str(), update, world)
       ->Unit(benchmark::kMicrosecond);
 }
 
@@ -89,6 +123,11 @@ void add(const std::string& name, const World& world) {
 int main(int argc, char** argv) {
   tandem::add("forest", tandem::forest());
   tandem::add("building", tandem::building());
+  for (const int side : {316, 3162})
+    benchmark::RegisterBenchmark(
+        ("forest of " + std::to_string(side * side) + " cells/update").c_str(), tandem::update,
+        tandem::forests(side))
+        ->Unit(benchmark::kMicrosecond);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

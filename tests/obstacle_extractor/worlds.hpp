@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "map/barn_world.hpp"
 #include "map/octomap_file.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
@@ -20,6 +21,16 @@ inline std::filesystem::path project_map(const std::string& name) {
 /// The real building; may be missing.
 inline std::filesystem::path building_map() {
   return std::filesystem::path(TANDEM_SHARED_DIR) / "maps/geb079.bt";
+}
+
+/// The BARN worlds; may be missing.
+inline std::filesystem::path barn_file() {
+  return std::filesystem::path(TANDEM_SHARED_DIR) / "barn/worlds.json";
+}
+
+inline std::shared_ptr<const StaticMap> barn_world(int number) {
+  const auto tree = build_octomap(load_barn_world(barn_file(), number));
+  return std::make_shared<StaticMap>(slice(*tree, {.z_min = 0.10, .z_max = 1.0}));
 }
 
 inline std::shared_ptr<const StaticMap> load_world(const std::filesystem::path& file) {

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a window of the map. Out: which of its free space a robot can use, and what a shape takes.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "map/static_map.hpp"
+#include "model/obstacle.hpp"
+#include "obstacle_extractor/places.hpp"
+
+namespace tandem {
+
+/// What a robot can use of a window: not the obstacles, not narrow slots and corners, not pockets
+/// without a way out, nor unknown space.
+class FreeSpace {
+ public:
+  /// `region`: the places the robot can go to; 0: all.
+  FreeSpace(const StaticMap& map, const Places& places, const CellRect& window, int region);
+
+  /// Distance from the point to the nearest place that no disc at any of the map's places
+  /// reaches [m], linear between cell centres; 0 there.
+  [[nodiscard]] double depth(const Eigen::Vector2d& p_MQ) const;
+
+  /// Whether a shape may contain the point: it lies at most `most` [m] deep, and where the region
+  /// is narrow at most 5 cm.
+  [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, double most) const;
+
+  /// Area of the region's places that the shape takes [m²]: those where the disc touches it.
+  [[nodiscard]] double taken_by(const Obstacle& shape) const;
+
+  /// Whether the box lies in the window: only there is the space known.
+  [[nodiscard]] bool knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
+
+ private:
+  void find_passages(const std::vector<std::uint8_t>& places);
+  void sum_up(const Places& places, const std::vector<std::uint8_t>& own);
+  [[nodiscard]] double gap_at(const Places& places, int x, int y) const;
+
+  double resolution_;
+  double radius_;                 // of the disc, in cells
+  CellRect window_;               // with a border, so that gaps at its edge are judged whole
+  Eigen::Vector2d first_center_;  // of the window's lowest cell [m]
+  Eigen::Vector2d low_, high_;    // of the window without the border [m]
+  std::vector<float> depth_;
+  std::vector<std::uint8_t> in_passage_;
+
+  // The places again at `fine_` points per cell and axis: a shape's bulge is less than a cell.
+  int fine_;
+  Eigen::Vector2d first_point_;  // [m]
+  std::vector<float> sums_;      // of the places, from the left of each row
+};
+
+}  // namespace tandem

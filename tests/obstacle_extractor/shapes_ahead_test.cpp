@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obstacle_extractor/shapes_ahead.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <limits>
+#include <vector>
+
+#include "worlds.hpp"
+
+namespace tandem {
+namespace {
+
+using test::load_world;
+using test::project_map;
+
+// Asks until there is an answer; the thread has all the time that the test may take.
+std::vector<Obstacle> wait_for(ShapesAhead& shapes, const std::shared_ptr<const StaticMap>& map,
+                               const Eigen::Vector2d& p_MB) {
+  while (true)
+    if (auto near = shapes.near(map, p_MB)) return *near;
+}
+
+void expect_equal(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].id, b[i].id);
+    EXPECT_EQ(a[i].p_MO, b[i].p_MO);
+    EXPECT_EQ(a[i].a, b[i].a);
+    EXPECT_EQ(a[i].angle, b[i].angle);
+  }
+}
+
+TEST(ShapesAhead, GivesTheShapesOfTheExtractor) {
+  const auto map = load_world(project_map("corridor"));
+  ShapesAhead shapes({});
+  Extractor extractor(map, {});
+  for (double x = 1.0; x < 14.0; x += 0.5)
+    expect_equal(wait_for(shapes, map, {x, 0.0}), extractor.near({x, 0.0}));
+}
+
+// A robot of 1 m/s asks 40 times a second; fits that take 0.9 s each come in time.
+TEST(ShapesAhead, HasTheNextShapesBeforeTheRobotIsThere) {
+  const ExtractorParams params;
+  Extractor extractor(load_world(project_map("corridor")), params);
+  const auto fit = [&](const Eigen::Vector2d& p) {
+    return FittedArea{p, extractor.shapes_near(p, params.range + ShapesAhead::kAhead)};
+  };
+  FittedArea area = fit({1.0, 0.0});
+  Eigen::Vector2d asked = area.p_MC;
+  int late = 0;
+  for (double x = 1.0; x < 14.0; x += 0.025) {
+    const Eigen::Vector2d p_MB{x, 0.0};
+    const auto shapes = shapes_within(area, p_MB, params.range);
+    ASSERT_TRUE(shapes) << "at x = " << x;
+    expect_equal(*shapes, extractor.near(p_MB));
+    if (late == 0 && (p_MB - asked).norm() >= ShapesAhead::kRenew) {
+      asked = p_MB;
+      late = 36;
+    }
+    if (late > 0 && --late == 0) area = fit(asked);
+  }
+}
+
+TEST(ShapesAhead, SaysNothingWhereNothingIsFitted) {
+  const auto map = load_world(project_map("corridor"));
+  Extractor extractor(map, {});
+  const FittedArea area{{1.0, 0.0}, extractor.shapes_near({1.0, 0.0}, 6.0)};
+  EXPECT_TRUE(shapes_within(area, {2.9, 0.0}, 4.0));
+  EXPECT_FALSE(shapes_within(area, {3.1, 0.0}, 4.0));
+  EXPECT_FALSE(shapes_within(area, {std::numeric_limits<double>::quiet_NaN(), 0.0}, 4.0));
+  ShapesAhead shapes({});
+  EXPECT_FALSE(shapes.near(nullptr, {1.0, 0.0}));
+  EXPECT_FALSE(shapes.near(map, {std::numeric_limits<double>::quiet_NaN(), 0.0}));
+}
+
+TEST(ShapesAhead, KeepsTheOldMapsShapesUntilTheNewOnesAreFitted) {
+  const auto corridor = load_world(project_map("corridor")),
+             slalom = load_world(project_map("slalom"));
+  const Eigen::Vector2d p_MB{3.0, 0.0};
+  ShapesAhead shapes({});
+  const auto old = wait_for(shapes, corridor, p_MB);
+  const auto fresh = extract(*slalom, p_MB, {});
+  while (true) {  // never nothing, and in the end the new
+    const auto now = shapes.near(slalom, p_MB);
+    ASSERT_TRUE(now);
+    if (now->size() == fresh.size()) break;
+    ASSERT_EQ(now->size(), old.size());
+  }
+}
+
+TEST(ShapesAhead, EndsWhileItFits) {
+  const auto map = load_world(project_map("forest"));
+  for (int i = 0; i < 20; ++i) {
+    ShapesAhead shapes({});
+    EXPECT_FALSE(shapes.near(map, {0.0, 0.0}));
+  }
+}
+
+}  // namespace
+}  // namespace tandem
