@@ -38,7 +38,7 @@ World world_of(const std::string& family, unsigned seed) {
 
 // Under its name at once, as other processes may be reading it.
 fs::path save(const octomap::OcTree& tree, const std::string& name) {
-  const fs::path folder = fs::temp_directory_path() / "tandem_worlds";
+  const fs::path folder = fs::temp_directory_path() / fmt::format("tandem_worlds_{}", geteuid());
   fs::create_directories(folder);
   const fs::path part = folder / fmt::format("{}.{}.part", name, getpid());
   const fs::path file = folder / (name + ".bt");

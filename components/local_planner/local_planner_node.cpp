@@ -124,8 +124,7 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   status_.disagreements(status_.disagreements() + static_cast<std::uint64_t>(plan.disagreements));
   status_out_.publish(status_);
   if (plan.disagreements > 0)
-    node_.log().warn_every(1.0, "{} of {} solves are not confirmed by the second solver",
-                           plan.disagreements, plan.solves);
+    node_.log().warn_every(1.0, "the second solver does not confirm the plan");
   publish_paths(plan, request);
 }
 

@@ -169,9 +169,10 @@ Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
 // robot does not dither between two ways that are worth about the same.
 void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   if (params.extra_guesses == 0) return;
-  const bool poor = is_poor(cycle, best), clear = is_clear(cycle, best);
-  const double to_beat = clear ? (poor ? kBetterThanPoor : kBetter) * best.value : kUnbounded;
-  const unsigned arcs = static_cast<unsigned>(params.extra_guesses) * (poor || !clear ? 3 : 1);
+  const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
+  const bool poor = !usable || is_poor(cycle, best);
+  const double to_beat = usable ? (poor ? kBetterThanPoor : kBetter) * best.value : kUnbounded;
+  const unsigned arcs = static_cast<unsigned>(params.extra_guesses) * (poor ? 3 : 1);
   std::optional<Candidate> found;
   for (const Forecast& guess : other_guesses(cycle, turn, arcs)) {
     if (!has_time_for_another(kExplores)) break;

@@ -61,9 +61,10 @@ struct NmpcParams {
     field(
         "iteration_budget", iteration_budget, Range{0, 100000},
         "iterations of one planning cycle, a deterministic stand-in for time_budget; 0: no limit");
-    field("extra_guesses", extra_guesses, Range{0, 10},
-          "sampled arcs a cycle starts from beside the last plan, left and right of what blocks the "
-          "way, the wish and rest, thrice as many if that leads nowhere; 0: the last plan only");
+    field(
+        "extra_guesses", extra_guesses, Range{0, 10},
+        "sampled arcs a cycle starts from beside the last plan, left and right of what blocks the "
+        "way, the wish and rest, thrice as many if that leads nowhere; 0: the last plan only");
     field("solver", solver, OneOf{{"ipopt", "structured", "certified"}},
           "structured: far faster than ipopt; certified: structured, confirmed by ipopt");
     field("model", model, OneOf{{"arc", "euler"}}, "discrete motion: exact arc, or Euler's step");
