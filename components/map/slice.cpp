@@ -63,29 +63,58 @@ void stamp(Grid& grid, std::array<int, 2> first, int size, Cell state) {
     }
 }
 
+// Visits every leaf that reaches into the heights (low, high) [m] with the key of its lowest voxel
+// and whether it reaches down to `low`.
+template <class Visit>
+void for_leaves_between(const octomap::OcTree& tree, double low, double high, const Visit& visit) {
+  const double from_voxel = low / tree.getResolution() + kMiddleKey + kTouching;
+  const double to_voxel = high / tree.getResolution() + kMiddleKey - kTouching;
+  if (to_voxel < 0.0 || from_voxel > kLastKey + 1) return;
+  const auto key = [](double value) {
+    return static_cast<octomap::key_type>(std::clamp(std::floor(value), 0.0, 1.0 * kLastKey));
+  };
+  const octomap::OcTreeKey from(0, 0, key(from_voxel)), to(kLastKey, kLastKey, key(to_voxel));
+  for (auto leaf = tree.begin_leafs_bbx(from, to); leaf != tree.end_leafs_bbx(); ++leaf) {
+    const octomap::OcTreeKey first = leaf.getIndexKey();
+    // The iterator also gives large leaves that end just below the band.
+    if (first[2] + voxels(leaf.getDepth()) > from[2]) visit(leaf, first, first[2] <= from[2]);
+  }
+}
+
+// Cells that one can see through to the depth of a drop-off, with no floor above.
+void stamp_drop_offs(const octomap::OcTree& tree, const SliceParams& params, const KeyBox& box,
+                     Grid& grid) {
+  Grid below = unknown_grid(grid.resolution, box);
+  for_leaves_between(tree, params.floor - params.drop_off, params.floor + params.z_min,
+                     [&](const auto& leaf, const octomap::OcTreeKey& first, bool is_lowest) {
+                       const bool is_floor = tree.isNodeOccupied(*leaf);
+                       if (is_floor || is_lowest)
+                         stamp(below, {first[0] - box.begin[0], first[1] - box.begin[1]},
+                               voxels(leaf.getDepth()), is_floor ? Cell::kOccupied : Cell::kFree);
+                     });
+  for (std::size_t i = 0; i < grid.cells.size(); ++i)
+    if (below.cells[i] == Cell::kFree) grid.cells[i] = Cell::kOccupied;
+}
+
 }  // namespace
 
 Grid slice(const octomap::OcTree& tree, const SliceParams& params) {
   check(params);
   if (!(params.z_min < params.z_max))
     throw std::invalid_argument("slice: z_min must be below z_max");
+  if (params.drop_off > 0.0 && !(params.z_min > -params.drop_off))
+    throw std::invalid_argument("slice: z_min must be above -drop_off");
   const KeyBox box = bounds(tree);
   Grid grid = unknown_grid(tree.getResolution(), box);
 
-  const double low = (params.floor + params.z_min) / grid.resolution + kMiddleKey + kTouching;
-  const double high = (params.floor + params.z_max) / grid.resolution + kMiddleKey - kTouching;
-  if (grid.cells.empty() || high < 0.0 || low > kLastKey + 1) return grid;
-  const auto key = [](double value) {
-    return static_cast<octomap::key_type>(std::clamp(std::floor(value), 0.0, 1.0 * kLastKey));
-  };
-  const octomap::OcTreeKey from(0, 0, key(low)), to(kLastKey, kLastKey, key(high));
-  for (auto leaf = tree.begin_leafs_bbx(from, to); leaf != tree.end_leafs_bbx(); ++leaf) {
-    const octomap::OcTreeKey first = leaf.getIndexKey();
-    // The iterator also gives large leaves that end just below the band.
-    if (first[2] + voxels(leaf.getDepth()) <= from[2]) continue;
-    stamp(grid, {first[0] - box.begin[0], first[1] - box.begin[1]}, voxels(leaf.getDepth()),
-          tree.isNodeOccupied(*leaf) ? Cell::kOccupied : Cell::kFree);
-  }
+  if (grid.cells.empty()) return grid;
+  for_leaves_between(tree, params.floor + params.z_min, params.floor + params.z_max,
+                     [&](const auto& leaf, const octomap::OcTreeKey& first, bool) {
+                       stamp(grid, {first[0] - box.begin[0], first[1] - box.begin[1]},
+                             voxels(leaf.getDepth()),
+                             tree.isNodeOccupied(*leaf) ? Cell::kOccupied : Cell::kFree);
+                     });
+  if (params.drop_off > 0.0) stamp_drop_offs(tree, params, box, grid);
   return grid;
 }
 

@@ -14,18 +14,25 @@ struct SliceParams {
   double z_min = 0.10;
   double z_max = 1.0;
   double floor = 0.0;
+  double drop_off = 0.0;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     field("z_min", z_min, Range{-10.0, 100.0}, "[m] above the floor: ground clearance");
     field("z_max", z_max, Range{-10.0, 100.0}, "[m] above the floor: the robot's height");
     field("floor", floor, Range{-1000.0, 1000.0}, "[m] height of the floor in the map");
+    field(
+        "drop_off", drop_off, Range{0.0, 10.0},
+        "[m] a floor seen to be missing down to this depth is an obstacle; 0: it is not looked at");
   }
 };
 
 /// Cells at the tree's resolution over its bounding box. A cell is occupied if any occupied voxel
 /// of its column, pruned ones included, reaches into the open band (z_min, z_max); else free if
-/// any voxel there is known free; else unknown. Throws std::invalid_argument if z_min ≥ z_max,
+/// any voxel there is known free; else unknown. With `drop_off` > 0 a cell is occupied as well if
+/// its floor is missing: nothing occupied reaches into (−drop_off, z_min), and the voxel `drop_off`
+/// below the floor is known to be free. What nobody has seen is no drop-off.
+/// Throws std::invalid_argument if z_min ≥ z_max, or with a drop_off if z_min ≤ −drop_off;
 /// std::runtime_error if the plane would have more than 10⁸ cells.
 [[nodiscard]] Grid slice(const octomap::OcTree& tree, const SliceParams& params);
 

@@ -39,10 +39,11 @@ struct CoverParams {
 ///   J = Σ over shapes of 1 + A / A₁                                                    (1)
 ///
 /// with A what the shape takes of the free space (FreeSpace::taken_by) and A₁ = `space_per_shape`.
-/// Clusters are split until each part's shape is tight; then the two neighbours whose common shape
-/// lowers J most are joined, as long as one does. Every cell lies wholly in a shape; a single cell
-/// has one whatever its excess. Ids are 1 + the index of the lowest cell that the shape answers
-/// for. No randomness: equal arguments give equal shapes.
+/// Clusters are split until each part's shape takes next to nothing; then the two neighbours whose
+/// common shape lowers J most are joined, as long as one does; then halves of parts go to their
+/// neighbours where that lowers J. Every cell lies wholly in a shape; a single cell has one
+/// whatever its excess. Ids are 1 + the index of the lowest cell that the shape answers for. No
+/// randomness: equal arguments give equal shapes.
 [[nodiscard]] std::vector<CoverShape> cover(const Grid& grid,
                                             const std::vector<std::vector<CellIndex>>& clusters,
                                             const FreeSpace& space, const CoverParams& params);

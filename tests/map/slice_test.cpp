@@ -87,6 +87,56 @@ TEST(Slice, RefusesAnEmptyBandAndAPlaneWithoutMeasure) {
   EXPECT_THROW((void)slice(tree, {}), std::runtime_error);
 }
 
+// 3 m × 1 m of space seen from z = −0.5 m to 0.5 m, with a floor just below 0 for x < 1 m, a step
+// of 0.1 m down from there to 2 m, and a hole in which nothing was seen down there after that.
+octomap::OcTree stairs() {
+  octomap::OcTree tree(0.05);
+  for (int ix = 0; ix < 60; ++ix)
+    for (int iy = 0; iy < 20; ++iy)
+      for (int iz = -10; iz < 10; ++iz) {
+        const int floor = ix < 20 ? -1 : ix < 40 ? -3 : -100;
+        if (iz >= floor)
+          tree.setNodeValue(0.05 * (ix + 0.5), 0.05 * (iy + 0.5), 0.05 * (iz + 0.5),
+                            iz == floor ? 2.0F : -2.0F, true);
+      }
+  tree.updateInnerOccupancy();
+  tree.prune();
+  return tree;
+}
+
+// State along the middle of the stairs at x [m].
+Cell on_stairs(const SliceParams& params, double x) {
+  return slice(stairs(), params).at(static_cast<int>(x / 0.05), 10);
+}
+
+TEST(Slice, TakesAMissingFloorForAnObstacleIfAsked) {
+  for (const double x : {0.5, 1.5, 2.5}) EXPECT_EQ(on_stairs({}, x), Cell::kFree);
+  const SliceParams deep{.drop_off = 0.2}, shallow{.drop_off = 0.08}, deeper{.drop_off = 0.7};
+  EXPECT_EQ(on_stairs(deep, 0.97), Cell::kFree);
+  EXPECT_EQ(on_stairs(deep, 1.5), Cell::kFree);  // a step of 0.1 m
+  EXPECT_EQ(on_stairs(deep, 1.97), Cell::kFree);
+  EXPECT_EQ(on_stairs(deep, 2.03), Cell::kOccupied);
+  EXPECT_EQ(on_stairs(shallow, 0.97), Cell::kFree);
+  EXPECT_EQ(on_stairs(shallow, 1.03), Cell::kOccupied);
+  EXPECT_EQ(on_stairs(deeper, 2.5), Cell::kFree);  // nobody has looked so far down
+}
+
+TEST(Slice, MeasuresADropOffFromTheFloor) {
+  EXPECT_EQ(on_stairs({.floor = -0.1, .drop_off = 0.08}, 1.5), Cell::kFree);
+  EXPECT_EQ(on_stairs({.floor = -0.1, .drop_off = 0.08}, 2.5), Cell::kOccupied);
+}
+
+TEST(Slice, TakesAFloorNobodyMappedForNoDropOff) {
+  octomap::OcTree tree(0.05);
+  tree.updateNode(octomap::point3d(0.025F, 0.025F, 0.525F), false);
+  EXPECT_EQ(slice(tree, {.drop_off = 0.1}).at(0, 0), Cell::kFree);
+}
+
+TEST(Slice, RefusesABandThatBeginsBelowTheDropOff) {
+  EXPECT_THROW((void)slice(stairs(), {.z_min = -0.2, .drop_off = 0.1}), std::invalid_argument);
+  EXPECT_THROW((void)slice(stairs(), {.drop_off = -0.1}), std::invalid_argument);
+}
+
 TEST(Slice, OfTheRealBuildingHasItsCorridorFree) {
   const std::filesystem::path file = std::filesystem::path(TANDEM_SHARED_DIR) / "maps/geb079.bt";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
