@@ -3,6 +3,8 @@
 // solver, each from the warm start it had there. Rows: <solver>/<problem>/<parameters>.
 #include <benchmark/benchmark.h>
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -151,8 +153,7 @@ Recording record_alley(int horizon, int obstacles, int discs) {
   });
 }
 
-// --- rows
-// ------------------------------------------------------------------------------------------
+// --- rows ----------------------------------------------------------------------------------------
 
 struct Structured {
   StructuredSolver solver = {};
@@ -164,6 +165,12 @@ struct Structured {
 struct Ipopt {
   Solution operator()(const Ocp& ocp, const Iterate& guess) {
     return ipopt_solve(ocp, guess, {.iterations = 300});
+  }
+};
+
+struct IpoptWithMumps {
+  Solution operator()(const Ocp& ocp, const Iterate& guess) {
+    return ipopt_solve(ocp, guess, {.iterations = 300}, LinearSolver::kMumps);
   }
 };
 
@@ -181,23 +188,33 @@ double percentile(std::vector<double> values, double p) {
   return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
 }
 
+// What this thread has computed [us], whatever else runs on the machine.
+double cpu_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
 template <class Solver>
 void run(benchmark::State& state, const Recording& recording) {
   Solver solver;
   std::size_t next = 0;
-  std::vector<double> times, iterations;
+  std::vector<double> times, cpu_times, iterations;
   double not_converged = 0.0;
   for (auto _ : state) {
     const Recorded& now = recording.problems[next++ % recording.problems.size()];
+    const double cpu_before = cpu_time();
     const auto before = Clock::now();
     const Solution& solution = solver(now.ocp, now.guess);
     times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - before).count());
+    cpu_times.push_back(cpu_time() - cpu_before);
     iterations.push_back(solution.iterations);
     not_converged += solution.status == SolveStatus::kConverged ? 0.0 : 1.0;
   }
   if (recording.closed_loop_cost > 0.0)
     state.counters["closed_loop_cost"] = recording.closed_loop_cost;
   state.counters["p50_us"] = percentile(times, 0.5);
+  state.counters["cpu_p50_us"] = percentile(cpu_times, 0.5);
   state.counters["p99_us"] = percentile(times, 0.99);
   state.counters["iterations_p50"] = percentile(iterations, 0.5);
   state.counters["iterations_max"] = percentile(iterations, 1.0);
@@ -222,9 +239,11 @@ void add_rows(const std::string& problem, const Recorder& recorder) {
 }
 
 void add_all() {
-  for (const std::size_t nearest : {16, 2})
-    add_rows("script_b2/nearest:" + std::to_string(nearest),
-             [=] { return record_script_b2(nearest); });
+  for (const std::size_t nearest : {16, 2}) {
+    const std::string problem = "script_b2/nearest:" + std::to_string(nearest);
+    add_rows(problem, [=] { return record_script_b2(nearest); });
+    add_row<IpoptWithMumps>("ipopt_with_mumps", problem, [=] { return record_script_b2(nearest); });
+  }
   add_rows("product", record_product);
   const auto alley = [](int horizon, int obstacles, int discs) {
     add_rows("alley/N:" + std::to_string(horizon) + "/obstacles:" + std::to_string(obstacles) +

@@ -76,7 +76,7 @@ TEST(StructuredSolver, EndsInAnOptimumFromWarmColdAndInfeasibleStarts) {
 TEST(StructuredSolver, AgreesWithIpopt) {
   StructuredSolver solver;
   int agree = 0, better = 0, worse = 0, unjudged = 0, unexplained = 0, far = 0;
-  for (unsigned seed = 10000; seed < 10000 + 900 / kFewer; ++seed)
+  for (unsigned seed = 10000; seed < 10000 + 2500 / kFewer; ++seed)
     for_each_begin(seed, [&](Begin begin, const StartingPoint& start) {
       const Solution& ours = solver.solve(start.ocp, start.guess, {.iterations = 300});
       const Solution theirs = ipopt_solve(start.ocp, start.guess, {.iterations = 300});
