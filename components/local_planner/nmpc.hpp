@@ -12,8 +12,8 @@ namespace tandem {
 
 /// Receding-horizon planner; the optimal control problem is stated in ocp.hpp.
 ///
-/// One Ipopt solve runs at a time per process; the structured solver waits for nobody. With
-/// time_budget = 0 equal sequences of requests give equal plans, bit for bit.
+/// Where Ipopt has to solve with MUMPS, one solve runs at a time per process; else none waits for
+/// another. With time_budget = 0 equal sequences of requests give equal plans, bit for bit.
 class Nmpc {
  public:
   /// Throws std::invalid_argument on parameters out of range or that contradict each other.
