@@ -24,7 +24,8 @@ struct MapInputParams {
   void visit(Visitor&& field) {
     slice.visit(field);
     field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen count as obstacles");
-    field("fixtures", fixtures, "YAML file of virtual fixtures (forbidden regions, guidance lines); empty: none");
+    field("fixtures", fixtures,
+          "YAML file of virtual fixtures (forbidden regions, guidance lines); empty: none");
   }
 };
 
