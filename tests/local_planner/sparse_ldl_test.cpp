@@ -67,7 +67,7 @@ int negative_eigenvalues(const MatrixXd& A) {
 TEST(SparseLdl, SolvesTheSystemsOfIpoptsStepsAndCountsTheirNegativeEigenvalues) {
   Random random{std::mt19937(5)};
   int right = 0, wrong = 0;
-  for (unsigned seed = 0; seed < 25; ++seed) {
+  for (unsigned seed = 0; seed < 50; ++seed) {
     PlanningCase c = random_case(seed);
     c.params.horizon_steps = 6;
     const StartingPoint start = first_problem(c, true);
