@@ -38,7 +38,7 @@ struct NmpcParams {
   double intention_position = 0.4;
 
   double margin = 0.04;
-  double margin_v = 0.15;
+  double margin_v = 0.18;
   double margin_w = 0.02;
   double weight_slack = 3.0;
   int discs = 5;
