@@ -220,12 +220,30 @@ std::string dds_name(const std::string& name) {
 int main(int argc, char** argv) try {
   Structures all;
   for (int i = 2; i < argc; ++i) Parser{argv[i], all}.parse();
-  std::ostringstream rows;
-  for (const auto& entry : all)
-    rows << "    {\"" << dds_name(entry.first) << "\", \"" << hash(entry.first, all) << "\"},\n";
+  std::ostringstream rows, types, fields;
+  std::size_t count = 0;
+  for (const auto& [name, members] : all) {
+    const std::string its_hash = hash(name, all);
+    rows << "    {\"" << dds_name(name) << "\", \"" << its_hash << "\"},\n";
+    types << "    {\"" << name << "\", \"" << its_hash << "\", {kDescribedFields + " << count
+          << ", " << members.size() << "}},\n";
+    for (const Field& field : members)
+      fields << "    {\"" << field.name << "\", " << field.type_id << ", " << field.capacity << ", "
+             << field.string_capacity << ", \"" << field.nested << "\"},\n";
+    count += members.size();
+  }
   std::ofstream out{argv[1]};
   out << "#include \"type_hashes.hpp\"\n\n#include <map>\n\n"
          "namespace tandem::runtime {\n\n"
+         "static const DescribedField kDescribedFields[] = {\n"
+      << fields.str()
+      << "};\n\n"
+         "const DescribedType* described_type(std::string_view name) {\n"
+         "  static const DescribedType types[] = {\n"
+      << types.str()
+      << "  };\n"
+         "  for (const auto& type : types)\n    if (type.name == name) return &type;\n"
+         "  return nullptr;\n}\n\n"
          "std::string_view type_hash(std::string_view dds_type) {\n"
          "  static const std::map<std::string_view, std::string_view> hashes{\n"
       << rows.str()
