@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/arguments.hpp"
 
-#include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -87,6 +87,20 @@ class Parser {
 
 RosArguments parse_ros_arguments(const std::vector<std::string>& arguments) {
   return Parser{arguments}.parse();
+}
+
+std::vector<std::string> strangers_in(const RosArguments& arguments,
+                                      const std::vector<NodeOptions>& nodes) {
+  std::set<std::string> before{""}, after{""}, strangers;
+  for (const auto& node : nodes) {
+    before.insert(node.name);
+    after.insert(with_arguments(node, arguments).name);
+  }
+  for (const auto& [node, rules] : arguments.remappings)
+    if (!before.contains(node)) strangers.insert(node);
+  for (const auto& [node, values] : arguments.parameters)
+    if (!before.contains(node) && !after.contains(node)) strangers.insert(node);
+  return {strangers.begin(), strangers.end()};
 }
 
 NodeOptions with_arguments(NodeOptions options, const RosArguments& arguments) {

@@ -21,6 +21,11 @@ struct RosArguments {
 /// Throws std::invalid_argument for an argument that ROS 2 would not understand.
 [[nodiscard]] RosArguments parse_ros_arguments(const std::vector<std::string>& arguments);
 
+/// The nodes that rules name and that are none of these: with those rules nothing is done. A rule
+/// holds under the name a node has before remapping; a parameter's also under the name after it.
+[[nodiscard]] std::vector<std::string> strangers_in(const RosArguments& arguments,
+                                                    const std::vector<NodeOptions>& nodes);
+
 /// `options` with what the command line says laid over it (`__node`, `__name` and `__ns` too).
 [[nodiscard]] NodeOptions with_arguments(NodeOptions options, const RosArguments& arguments);
 

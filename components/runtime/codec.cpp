@@ -14,6 +14,8 @@ namespace {
 std::size_t max_size_of(std::string_view type_name) {
   constexpr std::array<std::string_view, 3> kBulk{
       "octomap_msgs/msg/Octomap", "nav_msgs/msg/OccupancyGrid", "sensor_msgs/msg/PointCloud2"};
+  // Every node takes these from anyone, and their elements are fifty times their least bytes.
+  if (type_name.starts_with("rcl_interfaces/srv/")) return std::size_t{1} << 17;
   const bool bulk = std::find(kBulk.begin(), kBulk.end(), type_name) != kBulk.end();
   return bulk ? BytesType::kMaxSize : std::size_t{1} << 20;
 }
@@ -97,6 +99,16 @@ bool Codec::decode(const Bytes& bytes, void* message) const {
   } catch (...) {  // whatever generated code and Fast CDR throw at bytes from outside
     return false;
   }
+}
+
+bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type, void* message) {
+  return Codec{type}.decode(bytes, message);
+}
+
+std::vector<std::uint8_t> encode(TypeRef type, const void* message) {
+  Bytes bytes;
+  if (!Codec{type}.encode(message, bytes)) bytes.clear();
+  return bytes;
 }
 
 #if TANDEM_FASTDDS_3

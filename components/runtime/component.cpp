@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "runtime/graph.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -141,8 +143,12 @@ struct RunningComponent::State {
   std::thread thread;
 };
 
-RunningComponent::RunningComponent(const std::string& component, NodeOptions options)
-    : state_{std::make_unique<State>(find(component), std::move(options))} {}
+RunningComponent::RunningComponent(const std::string& component, NodeOptions options) {
+  const MakeComponent make = find(component);
+  const auto participant = Participant::shared();
+  const Graph::Batch all_endpoints{participant->graph()};
+  state_ = std::make_unique<State>(make, std::move(options));
+}
 
 RunningComponent::~RunningComponent() = default;
 RunningComponent::RunningComponent(RunningComponent&&) noexcept = default;

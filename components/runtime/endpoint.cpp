@@ -2,31 +2,26 @@
 #include "runtime/endpoint.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "runtime/names.hpp"
+#include "runtime/time.hpp"
 #include "type_hashes.hpp"
 
 namespace tandem::runtime {
 namespace {
 
-constexpr int kBatch = 32;              // samples of one topic before the others get their turn
-constexpr double kMaxBlocking = 0.010;  // [s] that a reliable write may wait
-constexpr double kHeartbeat = 0.1;      // [s] until a lost sample is noticed
-
-// Where ROS 2 from Iron on looks for the type's hash; Humble knows none.
-template <class DdsQos>
-void set_type_hash(DdsQos& dds, const Participant& participant, const std::string& type) {
-  const std::string_view hash = type_hash(type);
-  if (hash.empty() || participant.speaks_humble()) return;
-  const std::string text = "typehash=" + std::string{hash} + ";";
-  dds.user_data().data_vec({text.begin(), text.end()});
-}
+constexpr int kBatch = 32;                // samples of one topic before the others get their turn
+constexpr std::size_t kMostWriters = 64;  // whose samples' ways are known
+constexpr double kMaxBlocking = 0.010;    // [s] that a reliable write may wait
+constexpr double kHeartbeat = 0.1;        // [s] until a lost sample is noticed
 
 template <class DdsQos>
 void set_common(DdsQos& dds, const Participant& participant, const Endpoint& endpoint) {
   const QoS& qos = endpoint.qos;
-  set_type_hash(dds, participant, endpoint.type);
+  const std::string user_data = endpoint.user_data(participant.speaks_humble());
+  dds.user_data().data_vec({user_data.begin(), user_data.end()});
   const bool reliable = qos.reliability == Reliability::kReliable;
   dds.reliability().kind =
       reliable ? fdds::RELIABLE_RELIABILITY_QOS : fdds::BEST_EFFORT_RELIABILITY_QOS;
@@ -37,7 +32,7 @@ void set_common(DdsQos& dds, const Participant& participant, const Endpoint& end
   dds.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
   dds.history().depth = qos.depth;
   dds.resource_limits().max_samples_per_instance = std::max(400, qos.depth);
-  dds.resource_limits().allocated_samples = std::min(100, qos.depth);
+  dds.resource_limits().allocated_samples = std::min(10, qos.depth);  // grows when needed
   dds.data_sharing().off();
   dds.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 }
@@ -57,6 +52,7 @@ fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& e
   fdds::DataWriterQos dds = fdds::DATAWRITER_QOS_DEFAULT;
   set_common(dds, participant, endpoint);
   dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
+  dds.lifespan().duration = to_duration(endpoint.qos.lifespan);
 #if TANDEM_FASTDDS_3
   dds.reliable_writer_qos().times.heartbeat_period = to_duration(kHeartbeat);
 #else
@@ -67,20 +63,24 @@ fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& e
 
 }  // namespace
 
-Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver,
-               Malformed on_malformed)
-    : participant_{participant},
-      topic_{participant, endpoint.topic, endpoint.type},
-      dds_{participant.subscriber().create_datareader(
+std::string Endpoint::user_data(bool humble) const {
+  const std::string hash = type_hash.empty() ? std::string{runtime::type_hash(type)} : type_hash;
+  return humble || hash.empty() ? "" : "typehash=" + hash + ";";
+}
+
+Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver, Refused refused)
+    : topic_{participant, endpoint.topic, endpoint.type},
+      dds_{topic_.participant().subscriber().create_datareader(
           topic_.dds(), reader_qos(participant, endpoint), nullptr, fdds::StatusMask::none())},
       deliver_{std::move(deliver)},
-      on_malformed_{std::move(on_malformed)} {
+      refused_{std::move(refused)},
+      lifespan_{endpoint.qos.lifespan} {
   if (dds_ == nullptr)
     throw std::runtime_error("DDS refuses a subscription to " + ros_name(endpoint.topic));
   dds_->get_statuscondition().set_enabled_statuses(fdds::StatusMask::data_available());
 }
 
-Reader::~Reader() { participant_.subscriber().delete_datareader(dds_); }
+Reader::~Reader() { topic_.participant().subscriber().delete_datareader(dds_); }
 
 int Reader::drain() {
   if (!waiting_ && !condition().get_trigger_value()) return 0;
@@ -97,9 +97,21 @@ int Reader::drain() {
 }
 
 void Reader::take_one(const fdds::SampleInfo& info) {
+  if (is_late(info)) return refused_.late();
   if (deliver_(bytes_, info)) return;
   ++malformed_;
-  on_malformed_(bytes_.size());
+  refused_.malformed(bytes_.size());
+}
+
+// DDS's own lifespan of a reader compares two computers' clocks.
+bool Reader::is_late(const fdds::SampleInfo& info) {
+  if (std::isinf(lifespan_) || info.source_timestamp.seconds() <= 0) return false;
+  if (transit_.size() > kMostWriters) transit_.clear();
+  const auto seconds = [](std::int64_t nanoseconds) {
+    return 1e-9 * static_cast<double>(nanoseconds);
+  };
+  return transit_[rtps::iHandle2GUID(info.publication_handle)].is_late(
+      seconds(info.source_timestamp.to_ns()), seconds(system_nanoseconds()), lifespan_);
 }
 
 int Reader::matched() const {
@@ -109,18 +121,17 @@ int Reader::matched() const {
 }
 
 Writer::Writer(Participant& participant, const Endpoint& endpoint)
-    : participant_{participant},
-      name_{ros_name(endpoint.topic)},
+    : name_{ros_name(endpoint.topic)},
       topic_{participant, endpoint.topic, endpoint.type},
-      dds_{participant.publisher().create_datawriter(topic_.dds(),
-                                                     writer_qos(participant, endpoint), &matches_,
-                                                     fdds::StatusMask::publication_matched())} {
+      dds_{topic_.participant().publisher().create_datawriter(
+          topic_.dds(), writer_qos(participant, endpoint), &matches_,
+          fdds::StatusMask::publication_matched())} {
   if (dds_ == nullptr) throw std::runtime_error("DDS refuses a publisher of " + name_);
 }
 
 Writer::~Writer() {
   dds_->set_listener(nullptr);
-  participant_.publisher().delete_datawriter(dds_);
+  topic_.participant().publisher().delete_datawriter(dds_);
 }
 
 bool Writer::write(const Bytes& bytes) { return ok(dds_->write(const_cast<Bytes*>(&bytes))); }
@@ -131,7 +142,10 @@ bool Writer::write(const Bytes& bytes, rtps::WriteParams& params) {
 
 int Writer::matched() const { return matches_.count(); }
 
-bool Writer::reaches(const rtps::GUID_t& reader) const { return matches_.contains(reader); }
+bool Writer::reaches(const rtps::GUID_t& peer) const {
+  return peer.entityId.is_reader() ? matches_.contains(peer)
+                                   : matches_.contains_one_of(peer.guidPrefix);
+}
 
 void Writer::Matches::on_publication_matched(fdds::DataWriter*,
                                              const fdds::PublicationMatchedStatus& status) {
@@ -147,6 +161,12 @@ void Writer::Matches::on_publication_matched(fdds::DataWriter*,
 bool Writer::Matches::contains(const rtps::GUID_t& reader) const {
   const std::lock_guard lock{mutex_};
   return readers_.contains(reader);
+}
+
+bool Writer::Matches::contains_one_of(const rtps::GuidPrefix_t& participant) const {
+  const std::lock_guard lock{mutex_};
+  return std::any_of(readers_.begin(), readers_.end(),
+                     [&](const auto& reader) { return reader.guidPrefix == participant; });
 }
 
 int Writer::Matches::count() const {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -12,6 +13,7 @@
 #include "runtime/dds.hpp"
 #include "runtime/participant.hpp"
 #include "runtime/qos.hpp"
+#include "runtime/transit.hpp"
 
 namespace tandem::runtime {
 
@@ -20,6 +22,10 @@ struct Endpoint {
   std::string topic;
   std::string type;
   QoS qos;
+  std::string type_hash{};  ///< if empty: the one that the IDL gives
+
+  /// What ROS 2 from Iron on reads in USER_DATA: "typehash=RIHS01_…;". Humble knows no hashes.
+  [[nodiscard]] std::string user_data(bool humble) const;
 };
 
 /// Takes the samples of a topic as bytes.
@@ -27,10 +33,13 @@ class Reader {
  public:
   /// False for bytes that are no message of the type.
   using Deliver = std::function<bool(const Bytes&, const fdds::SampleInfo&)>;
-  using Malformed = std::function<void(std::size_t size)>;
+  /// Of samples that are not delivered.
+  struct Refused {
+    std::function<void(std::size_t size)> malformed;
+    std::function<void()> late;
+  };
 
-  Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver,
-         Malformed on_malformed);
+  Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver, Refused refused);
   ~Reader();
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
@@ -42,18 +51,21 @@ class Reader {
 
   [[nodiscard]] fdds::Condition& condition() { return dds_->get_statuscondition(); }
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
+  [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
   [[nodiscard]] long malformed() const { return malformed_; }
 
  private:
   void take_one(const fdds::SampleInfo& info);
+  [[nodiscard]] bool is_late(const fdds::SampleInfo& info);
 
-  Participant& participant_;
   SharedTopic topic_;
   fdds::DataReader* dds_;
   Deliver deliver_;
-  Malformed on_malformed_;
-  Bytes bytes_;  // reused
+  Refused refused_;
+  double lifespan_;                          // [s]
+  std::map<rtps::GUID_t, Transit> transit_;  // by writer
+  Bytes bytes_;                              // reused
   std::atomic<long> malformed_ = 0;
   bool waiting_ = true;  // look once: data may have come before the wait set watched
   bool closed_ = false;
@@ -71,9 +83,11 @@ class Writer {
   [[nodiscard]] bool write(const Bytes& bytes, rtps::WriteParams& params);
 
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
+  [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
-  /// True while the reader with that GUID receives what is written.
-  [[nodiscard]] bool reaches(const rtps::GUID_t& reader) const;
+  /// True while that reader receives what is written; of a writer's GUID: while any reader of its
+  /// participant does (a client that is not rmw_fastrtps tells of its writer only).
+  [[nodiscard]] bool reaches(const rtps::GUID_t& peer) const;
   [[nodiscard]] const std::string& topic() const { return name_; }
 
  private:
@@ -83,6 +97,7 @@ class Writer {
     void on_publication_matched(fdds::DataWriter*,
                                 const fdds::PublicationMatchedStatus& status) override;
     [[nodiscard]] bool contains(const rtps::GUID_t& reader) const;
+    [[nodiscard]] bool contains_one_of(const rtps::GuidPrefix_t& participant) const;
     [[nodiscard]] int count() const;
 
    private:
@@ -90,7 +105,6 @@ class Writer {
     std::set<rtps::GUID_t> readers_;
   };
 
-  Participant& participant_;
   std::string name_;
   SharedTopic topic_;
   Matches matches_;

@@ -45,11 +45,19 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }  // namespace
 
 Environment read_environment() {
-  return {.domain = domain_from(variable("ROS_DOMAIN_ID")),
-          .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
-          .loopback_only = variable("ROS_LOCALHOST_ONLY") == "1",
-          .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
-          .humble = variable("ROS_DISTRO") == "humble"};
+  const std::string distribution = variable("ROS_DISTRO");
+  Environment environment{.domain = domain_from(variable("ROS_DOMAIN_ID")),
+                          .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
+                          .loopback_only = variable("ROS_LOCALHOST_ONLY") == "1",
+                          .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
+                          .humble = distribution == "humble"};
+  const bool since_iron = !distribution.empty() && !environment.humble;
+  if (environment.loopback_only && since_iron) {  // there it is the old word for a range, and wins
+    environment.loopback_only = false;
+    environment.range = DiscoveryRange::kLocalhost;
+    environment.static_peers.clear();
+  }
+  return environment;
 }
 
 }  // namespace tandem::runtime

@@ -13,8 +13,8 @@ enum class DiscoveryRange { kSubnet, kLocalhost, kOff };
 struct Environment {
   int domain = 0;                                  ///< ROS_DOMAIN_ID
   DiscoveryRange range = DiscoveryRange::kSubnet;  ///< ROS_AUTOMATIC_DISCOVERY_RANGE
-  bool loopback_only = false;                      ///< ROS_LOCALHOST_ONLY=1
-  std::vector<std::string> static_peers;           ///< ROS_STATIC_PEERS, a;b;c
+  bool loopback_only = false;             ///< ROS_LOCALHOST_ONLY=1, as Humble understands it
+  std::vector<std::string> static_peers;  ///< ROS_STATIC_PEERS, a;b;c
   bool humble = false;  ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "runtime/log.hpp"
 
@@ -54,8 +55,9 @@ bool encode(const rtps::GUID_t& participant, const Nodes& nodes, Bytes& bytes) {
 
 }  // namespace
 
-Graph::Graph(Participant& participant)
+Graph::Graph(Participant& participant, Nodes nodes)
     : participant_{participant},
+      kind_{nodes},
       writer_{participant,
               {"ros_discovery_info", Codec{type_ref<SinceIron::Info>()}.dds_name(), kLatched}} {}
 
@@ -74,25 +76,50 @@ void Graph::remove_node(const NodeName& node) {
 
 void Graph::add_reader(const NodeName& node, const rtps::GUID_t& reader) {
   const std::lock_guard lock{mutex_};
-  nodes_.at(node.full()).readers.push_back(reader);
+  endpoints_of(node).readers.push_back(reader);
   announce();
 }
 
 void Graph::add_writer(const NodeName& node, const rtps::GUID_t& writer) {
   const std::lock_guard lock{mutex_};
-  nodes_.at(node.full()).writers.push_back(writer);
+  endpoints_of(node).writers.push_back(writer);
   announce();
 }
 
 void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
   const std::lock_guard lock{mutex_};
-  auto& endpoints = nodes_.at(node.full());
+  auto& endpoints = endpoints_of(node);
   std::erase(endpoints.readers, endpoint);
   std::erase(endpoints.writers, endpoint);
+  if (kind_ == Nodes::kHidden && endpoints.readers.empty() && endpoints.writers.empty())
+    nodes_.erase(node.full());
   announce();
 }
 
+Graph::Endpoints& Graph::endpoints_of(const NodeName& node) {
+  if (kind_ == Nodes::kHidden)
+    nodes_.try_emplace(node.full(), Endpoints{{node.ns, "_" + node.name + "_2"}, {}, {}});
+  return nodes_.at(node.full());
+}
+
+Graph::Batch::Batch(Graph& graph) : graph_{graph} {
+  const std::lock_guard lock{graph_.mutex_};
+  ++graph_.batches_;
+}
+
+Graph::Batch::~Batch() {
+  const std::lock_guard lock{graph_.mutex_};
+  if (--graph_.batches_ == 0 && std::exchange(graph_.changed_, false)) graph_.write();
+}
+
 void Graph::announce() {
+  if (batches_ > 0)
+    changed_ = true;
+  else
+    write();
+}
+
+void Graph::write() {
   const rtps::GUID_t& self = participant_.dds().guid();
   Bytes bytes;
   const bool encoded = participant_.speaks_humble() ? encode<Humble>(self, nodes_, bytes)

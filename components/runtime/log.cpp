@@ -51,6 +51,8 @@ const spdlog::sink_ptr& stderr_sink() {
 }  // namespace
 
 struct Logger::State {
+  static constexpr int kProcessLevel = -1;
+
   struct Throttle {
     double last;  // [s] steady
     long held_back = 0;
@@ -61,8 +63,15 @@ struct Logger::State {
     logger.set_pattern("[%l] [%E.%f] [%n]: %v");
   }
 
+  std::shared_ptr<const Sink> current_sink() {
+    const std::lock_guard lock{mutex};
+    return sink;
+  }
+
   spdlog::logger logger;
+  std::atomic<int> level = kProcessLevel;  // a LogLevel
   std::mutex mutex;
+  std::shared_ptr<const Sink> sink;
   std::map<std::string, Throttle, std::less<>> throttles;
 };
 
@@ -83,14 +92,31 @@ Logger::~Logger() = default;
 Logger::Logger(Logger&&) noexcept = default;
 Logger& Logger::operator=(Logger&&) noexcept = default;
 
-bool Logger::enabled(LogLevel level) const { return level >= least_level().load(); }
+const std::string& Logger::name() const { return state_->logger.name(); }
 
-void Logger::write(LogLevel level, const std::string& text) {
-  if (enabled(level)) state_->logger.log(to_spdlog(level), spdlog::string_view_t{text});
+LogLevel Logger::level() const {
+  const int own = state_->level;
+  return own == State::kProcessLevel ? least_level().load() : static_cast<LogLevel>(own);
+}
+
+void Logger::set_level(std::optional<LogLevel> level) {
+  state_->level = level ? static_cast<int>(*level) : State::kProcessLevel;
+}
+
+void Logger::set_sink(Sink sink) {
+  auto next = sink ? std::make_shared<const Sink>(std::move(sink)) : nullptr;
+  const std::lock_guard lock{state_->mutex};
+  state_->sink = std::move(next);
+}
+
+void Logger::write(LogLevel level, const std::string& text, const Place& place) {
+  if (!enabled(level)) return;
+  state_->logger.log(to_spdlog(level), spdlog::string_view_t{text});
+  if (const auto sink = state_->current_sink()) (*sink)({level, text, place});
 }
 
 void Logger::write_every(double period, LogLevel level, std::string_view key,
-                         const std::string& text) {
+                         const std::string& text, const Place& place) {
   if (!enabled(level)) return;
   const double now = steady_seconds();
   long held_back = 0;
@@ -106,7 +132,8 @@ void Logger::write_every(double period, LogLevel level, std::string_view key,
     held_back = std::exchange(throttle.held_back, 0);
     throttle.last = now;
   }
-  write(level, held_back > 0 ? fmt::format("{} (and {} times before)", text, held_back) : text);
+  write(level, held_back > 0 ? fmt::format("{} (and {} times before)", text, held_back) : text,
+        place);
 }
 
 }  // namespace tandem::runtime

@@ -89,4 +89,14 @@ std::string ros_type(const std::string& dds_type) {
   return type;
 }
 
+std::string dds_type(const std::string& ros_type) {
+  const auto first = ros_type.find('/'), last = ros_type.rfind('/');
+  const bool three_parts = first != 0 && first != std::string::npos && last > first + 1 &&
+                           last + 1 < ros_type.size() && ros_type.find('/', first + 1) == last;
+  if (!three_parts)
+    throw std::invalid_argument("'" + ros_type + "' is no type's name, as std_msgs/msg/String is");
+  return ros_type.substr(0, first) + "::" + ros_type.substr(first + 1, last - first - 1) +
+         "::dds_::" + ros_type.substr(last + 1) + "_";
+}
+
 }  // namespace tandem::runtime

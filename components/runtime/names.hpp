@@ -35,5 +35,7 @@ struct NodeName {
 /// For messages to people: "rt/a" → "/a", "a::msg::dds_::B_" → "a/msg/B".
 [[nodiscard]] std::string ros_name(const std::string& dds_name);
 [[nodiscard]] std::string ros_type(const std::string& dds_type);
+/// "a/msg/B" → "a::msg::dds_::B_". Throws std::invalid_argument for what is no name of a type.
+[[nodiscard]] std::string dds_type(const std::string& ros_type);
 
 }  // namespace tandem::runtime

@@ -5,6 +5,11 @@
 #include "runtime/service_core.hpp"
 
 namespace tandem::runtime {
+namespace {
+
+constexpr const char* kRequest = "_Request";  // a service's type and this: its request's type
+
+}  // namespace
 
 Node::Node(NodeOptions options) : core_{std::make_shared<NodeCore>(std::move(options))} {}
 Node::~Node() = default;
@@ -24,7 +29,9 @@ Timer Node::create_wall_timer(double period, std::function<void()> fn) {
 
 AnyPublisher Node::make_publisher(const char* topic, TypeRef type, const QoS& qos) {
   auto codec = std::make_shared<Codec>(type);
-  auto writer = core_->open_writer({dds_topic_name(core_->resolve(topic)), codec->dds_name(), qos});
+  const std::string name = core_->resolve(topic);
+  const QoS wanted = core_->qos_overrides.apply(qos, name, "publisher");
+  auto writer = core_->open_writer({dds_topic_name(name), codec->dds_name(), wanted});
   return {core_, std::move(codec), std::move(writer)};
 }
 
@@ -38,8 +45,51 @@ Subscription Node::make_subscription(const char* topic, const QoS& qos, Receiver
     receiver.deliver();
     return true;
   };
-  return {core_, core_->open_reader({dds_topic_name(core_->resolve(topic)), codec->dds_name(), qos},
+  const std::string name = core_->resolve(topic);
+  const QoS wanted = core_->qos_overrides.apply(qos, name, "subscription");
+  return {core_, core_->open_reader({dds_topic_name(name), codec->dds_name(), wanted},
                                     std::move(deliver))};
+}
+
+GenericPublisher Node::create_generic_publisher(const std::string& topic, const std::string& type,
+                                                const QoS& qos, const std::string& type_hash) {
+  auto writer = core_->open_writer(
+      {dds_topic_name(core_->resolve(topic.c_str())), dds_type(type), qos, type_hash});
+  return GenericPublisher{AnyPublisher{core_, nullptr, std::move(writer)}};
+}
+
+Subscription Node::create_generic_subscription(
+    const std::string& topic, const std::string& type, const QoS& qos,
+    std::function<void(const std::vector<std::uint8_t>&)> fn) {
+  auto deliver = [fn = std::move(fn)](const Bytes& bytes, const auto&) {
+    fn(bytes);
+    return true;
+  };
+  return {core_,
+          core_->open_reader({dds_topic_name(core_->resolve(topic.c_str())), dds_type(type), qos},
+                             std::move(deliver))};
+}
+
+std::vector<TopicInfo> Node::topics() const {
+  std::map<std::pair<std::string, std::string>, TopicInfo> topics;
+  for (const auto& endpoint : core_->discovered()) {
+    if (!endpoint.topic.starts_with("rt/")) continue;
+    auto& info = topics[{endpoint.topic, endpoint.type}];
+    info.name = ros_name(endpoint.topic);
+    info.type = ros_type(endpoint.type);
+    (endpoint.writes ? info.publishers : info.subscriptions).push_back(endpoint.policies);
+    if (endpoint.writes && info.type_hash.empty())
+      info.type_hash = type_hash_in(endpoint.user_data);
+  }
+  std::vector<TopicInfo> all;
+  for (auto& [key, info] : topics) all.push_back(std::move(info));
+  return all;
+}
+
+std::shared_ptr<void> Node::await_publisher(const char* topic, TypeRef type,
+                                            std::function<void()> fn) {
+  return core_->peers().when_published(dds_topic_name(core_->resolve(topic)),
+                                       Codec{type}.dds_name(), std::move(fn));
 }
 
 Service Node::make_service(const char* service, Responder responder) {
@@ -47,10 +97,37 @@ Service Node::make_service(const char* service, Responder responder) {
 }
 
 AnyClient Node::make_client(const char* service, TypeRef request, TypeRef response) {
-  return {core_, std::make_shared<Caller>(*core_, core_->resolve(service), request, response)};
+  auto request_codec = std::make_shared<Codec>(request);
+  auto response_codec = std::make_shared<Codec>(response);
+  auto caller = std::make_shared<Caller>(*core_, core_->resolve(service), request_codec->dds_name(),
+                                         response_codec->dds_name());
+  return {core_, std::move(caller), std::move(request_codec), std::move(response_codec)};
+}
+
+GenericClient Node::create_generic_client(const std::string& service, const std::string& type) {
+  return GenericClient{AnyClient{
+      core_, std::make_shared<Caller>(*core_, core_->resolve(service.c_str()),
+                                      dds_type(type + kRequest), dds_type(type + "_Response"))}};
+}
+
+std::vector<ServiceInfo> Node::services() const {
+  std::map<std::string, std::string> services;  // type by name: a second server adds nothing
+  for (const auto& endpoint : core_->discovered()) {
+    const std::string type = ros_type(endpoint.type);
+    if (endpoint.writes || !endpoint.topic.starts_with("rq/") || !type.ends_with(kRequest) ||
+        !endpoint.topic.ends_with("Request"))
+      continue;
+    const std::string name = ros_name(endpoint.topic);
+    services[name.substr(0, name.size() - std::string_view{"Request"}.size())] =
+        type.substr(0, type.size() - std::string_view{kRequest}.size());
+  }
+  std::vector<ServiceInfo> all;
+  for (auto& [name, type] : services) all.push_back({name, type});
+  return all;
 }
 
 ParameterStore& Node::store() { return core_->store; }
+void Node::declare(ParameterGroup group) { core_->parameters.declare(std::move(group)); }
 void Node::check_parameters() const { core_->store.check_unknown(); }
 
 double Node::now() const { return core_->now(); }

@@ -11,6 +11,7 @@
 #include <msgs.hpp>
 
 #include "runtime/log.hpp"
+#include "runtime/parameter_table.hpp"
 #include "runtime/parameters.hpp"
 #include "runtime/pubsub.hpp"
 #include "runtime/qos.hpp"
@@ -29,6 +30,9 @@ struct NodeOptions {
   std::map<std::string, std::string> remappings{};  ///< from → to, ROS 2 names
   ParameterSources parameters{};
   bool use_sim_time = false;  ///< a parameter `use_sim_time` wins
+  /// Whether it answers what ROS 2 tools ask of every node: parameters, logger levels, types; and
+  /// logs to /rosout.
+  bool serves_tools = true;
 };
 
 /// A ROS 2 node. Its callbacks run one after another on the thread that spins it; every method but
@@ -60,6 +64,25 @@ class Node {
     return make_subscription(topic.name, qos, make_receiver<M>(std::move(fn)));
   }
 
+  /// Endpoints of a topic whose type is known by name only ("pkg/msg/Type"): bytes in plain CDR,
+  /// encapsulation included. `type_hash`: for ROS 2 from Iron on, if it is no type of the IDL here.
+  [[nodiscard]] GenericPublisher create_generic_publisher(const std::string& topic,
+                                                          const std::string& type, const QoS& qos,
+                                                          const std::string& type_hash = {});
+  [[nodiscard]] Subscription create_generic_subscription(
+      const std::string& topic, const std::string& type, const QoS& qos,
+      std::function<void(const std::vector<std::uint8_t>&)> fn);
+  /// ROS 2's topics on the domain now, as far as they are discovered; by name and type.
+  [[nodiscard]] std::vector<TopicInfo> topics() const;
+
+  /// Calls `fn` once, as soon as anybody publishes messages of that type on that topic; not after
+  /// the result is destroyed.
+  template <class M>
+  [[nodiscard]] std::shared_ptr<void> when_published(const Topic<M>& topic,
+                                                     std::function<void()> fn) {
+    return await_publisher(topic.name, type_ref<M>(), std::move(fn));
+  }
+
   /// `fn(const Request&, Response&)` fills the response.
   template <class S, class Fn>
   [[nodiscard]] Service create_service(const ServiceName<S>& service, Fn fn) {
@@ -71,16 +94,35 @@ class Node {
                                  type_ref<typename S::Response>())};
   }
 
+  /// A client of a service whose type is known by name only ("pkg/srv/Type").
+  [[nodiscard]] GenericClient create_generic_client(const std::string& service,
+                                                    const std::string& type);
+  /// ROS 2's services on the domain now, as far as they are discovered; by name.
+  [[nodiscard]] std::vector<ServiceInfo> services() const;
+
   /// Fires every `period` [s] on the node's clock; beats that were missed are skipped.
   [[nodiscard]] Timer create_timer(double period, std::function<void()> fn);
   /// Fires every `period` [s] of steady time, also while /clock stands.
   [[nodiscard]] Timer create_wall_timer(double period, std::function<void()> fn);
 
-  /// Loads the given values over `defaults`. Throws std::invalid_argument in one clear line.
+  /// Loads the given values over `defaults`; they stay what they are while the node runs. Throws
+  /// std::invalid_argument in one clear line.
   template <class P>
   [[nodiscard]] Parameters<P> declare_parameters(P defaults = {}) {
-    defaults.visit(store());
-    return Parameters<P>{std::move(defaults)};
+    auto values = load(std::move(defaults));
+    declare(make_fixed_group(values));
+    return Parameters<P>{std::move(values)};
+  }
+  /// As above, and `ros2 param set` may change the part `live(P&)` of the values: a struct that is
+  /// sound as a whole is offered to `on_change(const P&)`, between callbacks, and takes the place
+  /// of the old one after it. `on_change` refuses by throwing std::invalid_argument, having changed
+  /// nothing.
+  template <class P, class Live>
+  [[nodiscard]] Parameters<P> declare_parameters(P defaults, Live live,
+                                                 std::function<void(const P&)> on_change) {
+    auto values = load(std::move(defaults));
+    declare(make_group<P>(values, names_of(live(*values)), std::move(on_change)));
+    return Parameters<P>{std::move(values)};
   }
   /// Throws std::invalid_argument for a given key that nobody declared; spin() calls it first.
   void check_parameters() const;
@@ -105,13 +147,25 @@ class Node {
   void stop();
   [[nodiscard]] bool stopped() const;
 
+  /// For the runtime itself.
+  [[nodiscard]] const std::shared_ptr<NodeCore>& core() const { return core_; }
+
  private:
   [[nodiscard]] AnyPublisher make_publisher(const char* topic, TypeRef type, const QoS& qos);
   [[nodiscard]] Subscription make_subscription(const char* topic, const QoS& qos,
                                                Receiver receiver);
+  [[nodiscard]] std::shared_ptr<void> await_publisher(const char* topic, TypeRef type,
+                                                      std::function<void()> fn);
   [[nodiscard]] Service make_service(const char* service, Responder responder);
   [[nodiscard]] AnyClient make_client(const char* service, TypeRef request, TypeRef response);
+  template <class P>
+  [[nodiscard]] std::shared_ptr<P> load(P defaults) {
+    auto values = std::make_shared<P>(std::move(defaults));
+    values->visit(store());
+    return values;
+  }
   [[nodiscard]] ParameterStore& store();
+  void declare(ParameterGroup group);
 
   std::shared_ptr<NodeCore> core_;
 };

@@ -5,17 +5,38 @@
 #include <limits>
 
 #include "runtime/graph.hpp"
+#include "runtime/node_services.hpp"
 #include "runtime/running_nodes.hpp"
 
 namespace tandem::runtime {
 namespace {
 
+struct ClockParams {
+  bool use_sim_time;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("use_sim_time", use_sim_time, "time is what /clock says");
+  }
+};
+
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-// What is in `list` now, kept alive while callbacks may shorten or lengthen the list.
-template <class T>
-std::vector<std::shared_ptr<T>> snapshot(const std::vector<std::shared_ptr<T>>& list) {
-  return list;
+// As ROS 2 calls a node's logger: "ns.name".
+std::string logger_name(std::string full_name) {
+  std::replace(full_name.begin(), full_name.end(), '/', '.');
+  return full_name.substr(1);
+}
+
+// What of `list` is due now, kept alive while callbacks may shorten or lengthen the list. A node
+// has a dozen readers and pollers for tools that rarely ask, so this is looked at before each is
+// run.
+template <class T, class Due>
+std::vector<std::shared_ptr<T>> select(const std::vector<std::shared_ptr<T>>& list, Due due) {
+  std::vector<std::shared_ptr<T>> selected;
+  for (const auto& item : list)
+    if (due(*item)) selected.push_back(item);
+  return selected;
 }
 
 template <class T>
@@ -29,64 +50,109 @@ NodeCore::NodeCore(NodeOptions node_options)
     : options{std::move(node_options)},
       name{make_node_name(options.ns, options.name)},
       full_name{name.full()},
-      log{name.name},
+      log{logger_name(full_name)},
       store{full_name, options.parameters},
       use_sim_time{options.use_sim_time},
       participant_{Participant::shared()},
+      peers_{participant_->discovery(), log},
       clock_arrival_{steady_seconds()} {
-  store("use_sim_time", use_sim_time, "time is what /clock says");
+  declare_use_sim_time();
   for (const auto& [from, to] : options.remappings) (void)resolve(from.c_str());
   participant_->graph().add_node(name);
   wait_set_.attach_condition(wake_up_);
+  peer_poller_->poll = [this](double steady_now) { return peers_.poll(steady_now); };
+  add(peer_poller_);
   if (use_sim_time) follow_clock();
+  if (options.serves_tools) services_ = std::make_unique<NodeServices>(*this);
   running_nodes::add(*this);
 }
 
 NodeCore::~NodeCore() {
   running_nodes::remove(*this);
+  services_.reset();
   if (clock_reader_) close_reader(*clock_reader_);
   wait_set_.detach_condition(wake_up_);
   participant_->graph().remove_node(name);
 }
 
+void NodeCore::declare_use_sim_time() {
+  const auto params = std::make_shared<ClockParams>(ClockParams{use_sim_time});
+  params->visit(store);
+  use_sim_time = params->use_sim_time;
+  parameters.declare(make_fixed_group(params));
+}
+
 void NodeCore::follow_clock() {
   using rosgraph_msgs::msg::Clock;
   auto codec = std::make_shared<Codec>(type_ref<Clock>());
-  clock_reader_ = open_reader(
-      {"rt/clock", codec->dds_name(), kClock}, [this, codec](const Bytes& bytes, const auto&) {
-        Clock message;
-        if (!codec->decode(bytes, &message)) return false;
-        clock_ = std::int64_t{message.clock().sec()} * 1'000'000'000 + message.clock().nanosec();
-        clock_arrival_ = steady_seconds();
-        return true;
-      });
+  clock_reader_ = open_reader({dds_topic_name(resolve("/clock")), codec->dds_name(), kClock},
+                              [this, codec](const Bytes& bytes, const auto&) {
+                                Clock message;
+                                if (!codec->decode(bytes, &message)) return false;
+                                clock_ = std::int64_t{message.clock().sec()} * 1'000'000'000 +
+                                         message.clock().nanosec();
+                                clock_arrival_ = steady_seconds();
+                                return true;
+                              });
 }
 
 std::shared_ptr<Writer> NodeCore::open_writer(const Endpoint& endpoint) {
   auto writer = std::make_shared<Writer>(*participant_, endpoint);
-  participant_->graph().add_writer(name, writer->guid());
+  writer->participant().graph().add_writer(name, writer->guid());
+  know(writer->guid(), endpoint, true);
   return writer;
 }
 
 std::shared_ptr<Reader> NodeCore::open_reader(const Endpoint& endpoint, Reader::Deliver deliver) {
-  auto malformed = [this, topic = ros_name(endpoint.topic),
-                    type = ros_type(endpoint.type)](std::size_t size) {
-    log.write_every(1.0, LogLevel::kWarn, topic,
-                    fmt::format("{}: dropped {} bytes that are no {}", topic, size, type));
+  const auto warn = [this, topic = ros_name(endpoint.topic)](const char* kind,
+                                                             const std::string& what) {
+    log.write_every(1.0, LogLevel::kWarn, topic + kind, topic + ": dropped " + what);
   };
-  auto reader = std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), malformed);
-  participant_->graph().add_reader(name, reader->guid());
+  Reader::Refused refused{
+      .malformed =
+          [warn, type = ros_type(endpoint.type)](std::size_t size) {
+            warn("malformed", fmt::format("{} bytes that are no {}", size, type));
+          },
+      .late =
+          [warn, lifespan = endpoint.qos.lifespan] {
+            warn("late", fmt::format("a message that came more than {} s late", lifespan));
+          }};
+  auto reader =
+      std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), std::move(refused));
+  reader->participant().graph().add_reader(name, reader->guid());
+  know(reader->guid(), endpoint, false);
   wait_set_.attach_condition(reader->condition());
   readers_.push_back(reader);
   return reader;
 }
 
-void NodeCore::close_writer(Writer& writer) { participant_->graph().remove(name, writer.guid()); }
+// What DDS will not tell this participant of itself.
+void NodeCore::know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
+  participant_->discovery().add({.guid = guid,
+                                 .writes = writes,
+                                 .topic = endpoint.topic,
+                                 .type = endpoint.type,
+                                 .policies = policies_of(endpoint.qos),
+                                 .user_data = endpoint.user_data(participant_->speaks_humble()),
+                                 .since = steady_seconds()});
+  peers_.add(guid, endpoint, writes);
+}
+
+void NodeCore::forget(const rtps::GUID_t& guid) {
+  participant_->discovery().remove(guid);
+  peers_.remove(guid);
+}
+
+void NodeCore::close_writer(Writer& writer) {
+  writer.participant().graph().remove(name, writer.guid());
+  forget(writer.guid());
+}
 
 void NodeCore::close_reader(Reader& reader) {
   reader.close();
   wait_set_.detach_condition(reader.condition());
-  participant_->graph().remove(name, reader.guid());
+  reader.participant().graph().remove(name, reader.guid());
+  forget(reader.guid());
   erase(readers_, reader);
 }
 
@@ -161,15 +227,20 @@ double NodeCore::time_to_next(double max_wait) const {
 }
 
 bool NodeCore::run_readers() {
+  const auto is_due = [this](Reader& reader) {
+    return reader.waiting() ||
+           std::find(active_.begin(), active_.end(), &reader.condition()) != active_.end();
+  };
   int taken = 0;
-  for (const auto& reader : snapshot(readers_))
+  for (const auto& reader : select(readers_, is_due))
     if (!stopped_) taken += reader->drain();
   return taken > 0;
 }
 
 bool NodeCore::run_timers() {
+  const auto all = [](const TimerState&) { return true; };
   bool fired = false;
-  for (const auto& timer : snapshot(timers_)) {
+  for (const auto& timer : select(timers_, all)) {
     if (stopped_ || timer->closed) continue;
     if (!timer->beat.due(timer->wall ? steady_seconds() : now())) continue;
     timer->fn();
@@ -179,7 +250,10 @@ bool NodeCore::run_timers() {
 }
 
 void NodeCore::run_pollers() {
-  for (const auto& poller : snapshot(pollers_))
+  const auto is_due = [now_steady = steady_seconds()](const Poller& poller) {
+    return poller.next <= now_steady;
+  };
+  for (const auto& poller : select(pollers_, is_due))
     if (!poller->closed) poller->next = poller->poll(steady_seconds());
 }
 

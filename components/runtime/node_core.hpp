@@ -11,6 +11,8 @@
 #include "runtime/endpoint.hpp"
 #include "runtime/names.hpp"
 #include "runtime/node.hpp"
+#include "runtime/peer_watch.hpp"
+#include "runtime/qos_overrides.hpp"
 
 namespace tandem::runtime {
 
@@ -30,6 +32,8 @@ struct Poller {
   bool closed = false;
 };
 
+class NodeServices;
+
 class NodeCore {
  public:
   explicit NodeCore(NodeOptions node_options);
@@ -45,6 +49,11 @@ class NodeCore {
   void remove(TimerState& timer);
   void add(std::shared_ptr<Poller> poller) { pollers_.push_back(std::move(poller)); }
   void remove(Poller& poller);
+
+  [[nodiscard]] PeerWatch& peers() { return peers_; }
+  [[nodiscard]] std::vector<KnownEndpoint> discovered() const {
+    return participant_->discovery().endpoints();
+  }
 
   /// Keeps `part` until no callback is running: a callback may close what called it.
   void retire(std::shared_ptr<void> part);
@@ -64,10 +73,15 @@ class NodeCore {
   const std::string full_name;
   Logger log;
   ParameterStore store;
+  ParameterTable parameters;
+  QosOverrides qos_overrides{store, parameters};
   bool use_sim_time;
 
  private:
+  void declare_use_sim_time();
   void follow_clock();
+  void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
+  void forget(const rtps::GUID_t& guid);
   bool dispatch(double max_wait);  // true if a callback ran
   [[nodiscard]] double time_to_next(double max_wait) const;
   bool run_readers();
@@ -75,6 +89,8 @@ class NodeCore {
   void run_pollers();
 
   std::shared_ptr<Participant> participant_;
+  PeerWatch peers_;
+  std::shared_ptr<Poller> peer_poller_ = std::make_shared<Poller>();
   fdds::WaitSet wait_set_;
   fdds::GuardCondition wake_up_;
   fdds::ConditionSeq active_;  // reused
@@ -84,6 +100,7 @@ class NodeCore {
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
   std::shared_ptr<Reader> clock_reader_;
+  std::unique_ptr<NodeServices> services_;
   std::atomic<std::int64_t> clock_ = 0;  // [ns] last /clock
   std::atomic<double> clock_arrival_;    // [s] steady
   std::atomic<bool> stopped_ = false;

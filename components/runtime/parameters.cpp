@@ -4,8 +4,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include <yaml-cpp/yaml.h>
-
 #include "runtime/parameter_files.hpp"
 
 namespace tandem::runtime {
@@ -27,36 +25,6 @@ void note_wildcard(const std::string& origin, const std::string& key, bool used)
   auto& entry = wildcards().used[origin + ": " + key];
   entry = entry || used;
 }
-
-bool is_quoted(const YAML::Node& node) { return node.Tag() == "!"; }
-
-template <class T>
-bool reads_as(const YAML::Node& node, T& value) {
-  if (!node.IsScalar() || is_quoted(node)) return false;
-  return YAML::convert<T>::decode(node, value);
-}
-
-bool reads_as(const YAML::Node& node, std::string& value) {
-  double number = 0.0;
-  bool truth = false;
-  if (!node.IsScalar() || reads_as(node, number) || reads_as(node, truth)) return false;
-  value = node.Scalar();
-  return true;
-}
-
-bool reads_as(const YAML::Node& node, std::vector<double>& values) {
-  if (!node.IsSequence()) return false;
-  values.assign(node.size(), 0.0);
-  for (std::size_t i = 0; i < node.size(); ++i)
-    if (!reads_as(node[i], values[i])) return false;
-  return true;
-}
-
-constexpr const char* kind(const double&) { return "a number"; }
-constexpr const char* kind(const int&) { return "an integer"; }
-constexpr const char* kind(const bool&) { return "true or false"; }
-const char* kind(const std::string&) { return "text (a number as text needs quotes)"; }
-const char* kind(const std::vector<double>&) { return "a list of numbers"; }
 
 }  // namespace
 
@@ -82,32 +50,6 @@ struct ParameterStore::State {
     throw std::invalid_argument(entry.value.origin + ": node " + node + ": " + what);
   }
 
-  // Loads one field, if it is given, and checks it; `limits` are what Checker wants to know.
-  template <class T, class... Limits>
-  void load(const char* name, T& value, const Limits&... limits) {
-    const auto found = given.find(name);
-    if (found == given.end()) return Checker{}(name, value, limits...);
-    Given& entry = found->second;
-    entry.declared = true;
-    if (entry.wildcard) note_wildcard(entry.value.origin, name, true);
-    if (!read(entry.value.yaml, value))
-      fail(entry, std::string{name} + " = " + entry.value.yaml + " is not " + kind(value));
-    try {
-      Checker{}(name, value, limits...);
-    } catch (const std::invalid_argument& error) {
-      fail(entry, error.what());
-    }
-  }
-
-  template <class T>
-  static bool read(const std::string& yaml, T& value) {
-    try {
-      return reads_as(YAML::Load(yaml), value);
-    } catch (const YAML::Exception&) {
-      return false;
-    }
-  }
-
   std::string node;
   std::map<std::string, Given> given;
 };
@@ -125,27 +67,23 @@ ParameterStore::~ParameterStore() = default;
 ParameterStore::ParameterStore(ParameterStore&&) noexcept = default;
 ParameterStore& ParameterStore::operator=(ParameterStore&&) noexcept = default;
 
-void ParameterStore::operator()(const char* name, double& value, const Range& range,
-                                const char* meaning) {
-  state_->load(name, value, range, meaning);
+void ParameterStore::load(const Field& field) {
+  const auto found = state_->given.find(field.name);
+  if (found == state_->given.end()) return check(field);
+  State::Given& entry = found->second;
+  entry.declared = true;
+  if (entry.wildcard) note_wildcard(entry.value.origin, field.name, true);
+  try {
+    assign(field, value_from_yaml(entry.value.yaml));
+    check(field);
+  } catch (const std::invalid_argument& error) {
+    state_->fail(entry, error.what());
+  }
 }
-void ParameterStore::operator()(const char* name, int& value, const Range& range,
-                                const char* meaning) {
-  state_->load(name, value, range, meaning);
-}
-void ParameterStore::operator()(const char* name, std::string& value, const OneOf& choices,
-                                const char* meaning) {
-  state_->load(name, value, choices, meaning);
-}
-void ParameterStore::operator()(const char* name, std::vector<double>& values, const Range& range,
-                                const char* meaning) {
-  state_->load(name, values, range, meaning);
-}
-void ParameterStore::operator()(const char* name, bool& value, const char* meaning) {
-  state_->load(name, value, meaning);
-}
-void ParameterStore::operator()(const char* name, std::string& value, const char* meaning) {
-  state_->load(name, value, meaning);
+
+bool ParameterStore::gives_any(const std::string& prefix) const {
+  const auto first = state_->given.lower_bound(prefix);
+  return first != state_->given.end() && first->first.starts_with(prefix);
 }
 
 void ParameterStore::check_unknown() const {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "params.hpp"
+#include "runtime/parameter_fields.hpp"
 
 namespace tandem::runtime {
 
@@ -36,16 +36,22 @@ class ParameterStore {
   ParameterStore(ParameterStore&&) noexcept;
   ParameterStore& operator=(ParameterStore&&) noexcept;
 
-  /// Visitor of a params struct: loads each field that is given and checks it. Throws
-  /// std::invalid_argument in one line: origin, key, value, bound. An integer will do for a real
-  /// number (rclcpp refuses that); text in quotes will not.
-  void operator()(const char* name, double& value, const Range& range, const char* meaning);
-  void operator()(const char* name, int& value, const Range& range, const char* meaning);
-  void operator()(const char* name, std::string& value, const OneOf& choices, const char* meaning);
-  void operator()(const char* name, std::vector<double>& values, const Range& range,
-                  const char* meaning);
-  void operator()(const char* name, bool& value, const char* meaning);
-  void operator()(const char* name, std::string& value, const char* meaning);
+  /// Loads the field, if it is given, and checks it. Throws std::invalid_argument in one line:
+  /// origin, key, value, bound.
+  void load(const Field& field);
+
+  /// Visitor of a params struct: loads each field.
+  template <class T, class Limits>
+  void operator()(const char* name, T& value, const Limits& limits, const char* meaning) {
+    load({name, &value, limits, meaning});
+  }
+  template <class T>
+  void operator()(const char* name, T& value, const char* meaning) {
+    load({name, &value, {}, meaning});
+  }
+
+  /// Whether a key that starts so is given.
+  [[nodiscard]] bool gives_any(const std::string& prefix) const;
 
   /// Throws std::invalid_argument for the first key that is meant for this node and that no
   /// struct declared. Keys of `/**` sections are exempt.
@@ -64,14 +70,14 @@ template <class P>
 class Parameters {
  public:
   Parameters() : values_{std::make_shared<P>()} {}
-  explicit Parameters(P values) : values_{std::make_shared<P>(std::move(values))} {}
+  explicit Parameters(std::shared_ptr<const P> values) : values_{std::move(values)} {}
 
   const P& operator*() const { return *values_; }
   const P* operator->() const { return values_.get(); }
   [[nodiscard]] const P* get() const { return values_.get(); }
 
  private:
-  std::shared_ptr<P> values_;
+  std::shared_ptr<const P> values_;
 };
 
 }  // namespace tandem::runtime

@@ -6,7 +6,6 @@
 
 #include "runtime/codec.hpp"
 #include "runtime/dds_log.hpp"
-#include "runtime/environment.hpp"
 #include "runtime/graph.hpp"
 #include "runtime/names.hpp"
 
@@ -61,9 +60,9 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   udp->maxInitialPeersRange = kParticipantsPerHost;
   udp->sendBufferSize = kSocketBuffer;
   udp->receiveBufferSize = kSocketBuffer;
-  const bool on_this_host =
-      environment.range == DiscoveryRange::kLocalhost && environment.static_peers.empty();
-  if (environment.loopback_only || on_this_host) udp->interfaceWhiteList.push_back(kLoopback);
+  // Not in range LOCALHOST: ROS 2 names all addresses of the host there, and what is bound to the
+  // loopback could not answer those.
+  if (environment.loopback_only) udp->interfaceWhiteList.push_back(kLoopback);
   qos.transport().use_builtin_transports = false;
   qos.transport().user_transports = {udp};
 }
@@ -93,41 +92,57 @@ Entity* created(Entity* entity, const std::string& what) {
 
 }  // namespace
 
-SharedTopic::SharedTopic(Participant& participant, const std::string& dds_name,
+SharedTopic::SharedTopic(Participant& first, const std::string& dds_name,
                          const std::string& dds_type)
-    : participant_{participant},
-      name_{dds_name},
-      dds_{participant.acquire_topic(dds_name, dds_type)} {}
+    : participant_{&first}, name_{dds_name}, dds_{first.acquire_topic(dds_name, dds_type)} {
+  if (dds_ != nullptr) return;
+  participant_ = &first.second();
+  dds_ = participant_->acquire_topic(dds_name, dds_type);
+  if (dds_ == nullptr)
+    throw std::runtime_error("topic " + ros_name(dds_name) +
+                             " is in use in this process with two other types, so it cannot be " +
+                             ros_type(dds_type) + " too");
+}
 
-SharedTopic::~SharedTopic() { participant_.release_topic(name_); }
+SharedTopic::~SharedTopic() { participant_->release_topic(name_); }
 
 std::shared_ptr<Participant> Participant::shared() {
   static std::mutex mutex;
   static std::weak_ptr<Participant> current;
   const std::lock_guard lock{mutex};
   if (auto participant = current.lock()) return participant;
-  std::shared_ptr<Participant> participant{new Participant};
-  participant->graph_ = std::make_unique<Graph>(*participant);
+  std::shared_ptr<Participant> participant{new Participant{read_environment(), true}};
   current = participant;
   return participant;
 }
 
-Participant::Participant() {
-  const Environment environment = read_environment();
-  humble_ = environment.humble;
+// The first alone listens: to it the second is a stranger like all others.
+Participant::Participant(const Environment& environment, bool is_first)
+    : environment_{environment} {
   redirect_dds_log();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
-  dds_ = created(
-      factory->create_participant(static_cast<uint32_t>(environment.domain),
-                                  participant_qos(environment), nullptr, fdds::StatusMask::none()),
-      "a participant in domain " + std::to_string(environment.domain));
+  dds_ = created(factory->create_participant(
+                     static_cast<uint32_t>(environment.domain), participant_qos(environment),
+                     is_first ? &discovery_ : nullptr, fdds::StatusMask::none()),
+                 "a participant in domain " + std::to_string(environment.domain));
   publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
   subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
+  graph_ = std::make_unique<Graph>(*this, is_first ? Graph::Nodes::kOwn : Graph::Nodes::kHidden);
 }
 
+Participant& Participant::second() {
+  const std::lock_guard lock{mutex_};
+  if (!second_) second_.reset(new Participant{environment_, false});
+  return *second_;
+}
+
+// The second goes after all endpoints of the first: what removes one of these is told to the second
+// too, and Fast DDS 2.9 calls readers of the same process by pointers that may outlive them.
 Participant::~Participant() {
   graph_.reset();
+  dds_->set_listener(nullptr);
   dds_->delete_contained_entities();
+  second_.reset();
   fdds::DomainParticipantFactory::get_instance()->delete_participant(dds_);
 }
 
@@ -141,10 +156,7 @@ fdds::Topic* Participant::acquire_topic(const std::string& dds_name, const std::
     topics_[dds_name] = {topic, dds_type, 1};
     return topic;
   }
-  if (known->second.type != dds_type)
-    throw std::runtime_error("topic " + ros_name(dds_name) + " is in use in this process as " +
-                             ros_type(known->second.type) + ", so it cannot be " +
-                             ros_type(dds_type) + " too");
+  if (known->second.type != dds_type) return nullptr;
   ++known->second.users;
   return known->second.dds;
 }

@@ -8,25 +8,29 @@
 #include <string>
 
 #include "runtime/dds.hpp"
+#include "runtime/discovery.hpp"
+#include "runtime/environment.hpp"
 
 namespace tandem::runtime {
 
 class Graph;
 class Participant;
 
-/// A share in a DDS topic of the participant; the last one to go deletes the topic.
+/// A share in a DDS topic of the process; the last one to go deletes the topic. Fast DDS 2.9 knows
+/// one type per name and participant: a name that is in use with another type lives in the second.
 class SharedTopic {
  public:
-  /// One type per name. Throws std::runtime_error if the name is in use with another type.
-  SharedTopic(Participant& participant, const std::string& dds_name, const std::string& dds_type);
+  /// Throws std::runtime_error if the name is in use with two other types.
+  SharedTopic(Participant& first, const std::string& dds_name, const std::string& dds_type);
   ~SharedTopic();
   SharedTopic(const SharedTopic&) = delete;
   SharedTopic& operator=(const SharedTopic&) = delete;
 
+  [[nodiscard]] Participant& participant() const { return *participant_; }
   [[nodiscard]] fdds::Topic* dds() const { return dds_; }
 
  private:
-  Participant& participant_;
+  Participant* participant_;
   std::string name_;
   fdds::Topic* dds_;
 };
@@ -46,12 +50,15 @@ class Participant {
   [[nodiscard]] fdds::Publisher& publisher() { return *publisher_; }
   [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
   [[nodiscard]] Graph& graph() { return *graph_; }
+  [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// Whether the ROS 2 around is Humble: Gids of 24 bytes, no type hashes.
-  [[nodiscard]] bool speaks_humble() const { return humble_; }
+  [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
 
  private:
   friend class SharedTopic;
-  Participant();
+  Participant(const Environment& environment, bool is_first);
+  [[nodiscard]] Participant& second();
+  // Null if the name is in use with another type.
   fdds::Topic* acquire_topic(const std::string& dds_name, const std::string& dds_type);
   void release_topic(const std::string& dds_name);
   void register_type(const std::string& dds_type);
@@ -62,14 +69,16 @@ class Participant {
     int users;
   };
 
-  bool humble_ = false;
+  Environment environment_;
+  Discovery discovery_;
   fdds::DomainParticipant* dds_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;
   fdds::Subscriber* subscriber_ = nullptr;
-  std::mutex mutex_;  // guards types_ and topics_
+  std::mutex mutex_;  // guards what follows
   std::map<std::string, fdds::TypeSupport> types_;
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;
+  std::unique_ptr<Participant> second_;
 };
 
 }  // namespace tandem::runtime

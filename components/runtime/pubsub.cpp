@@ -23,10 +23,20 @@ AnyPublisher& AnyPublisher::operator=(AnyPublisher&& other) noexcept {
 void AnyPublisher::publish(const void* message) const {
   if (!writer_) return;
   thread_local Bytes bytes;  // reused by all publishers of this thread
-  if (codec_->encode(message, bytes) && writer_->write(bytes)) return;
+  if (codec_->encode(message, bytes))
+    publish_bytes(bytes);
+  else
+    warn_not_sent(bytes.size());
+}
+
+void AnyPublisher::publish_bytes(const Bytes& bytes) const {
+  if (writer_ && !writer_->write(bytes)) warn_not_sent(bytes.size());
+}
+
+void AnyPublisher::warn_not_sent(std::size_t size) const {
   node_->log.write_every(
       1.0, LogLevel::kWarn, writer_->topic(),
-      fmt::format("{}: a message of {} bytes was not sent", writer_->topic(), bytes.size()));
+      fmt::format("{}: a message of {} bytes was not sent", writer_->topic(), size));
 }
 
 int AnyPublisher::matched() const { return writer_ ? writer_->matched() : 0; }

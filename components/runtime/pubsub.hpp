@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <msgs.hpp>
 
 #include "runtime/qos.hpp"
 
 namespace tandem::runtime {
+
+/// A topic of the domain under one of its types, and what its endpoints offer and request.
+struct TopicInfo {
+  std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
+  std::string type_hash;   ///< "RIHS01_…"; empty if no publisher tells it
+  std::vector<Policies> publishers, subscriptions;
+};
 
 class Codec;
 class NodeCore;
@@ -45,10 +56,12 @@ class AnyPublisher {
   AnyPublisher& operator=(AnyPublisher&& other) noexcept;
 
   void publish(const void* message) const;
+  void publish_bytes(const std::vector<std::uint8_t>& bytes) const;
   [[nodiscard]] int matched() const;
 
  private:
   void close();
+  void warn_not_sent(std::size_t size) const;
 
   std::shared_ptr<NodeCore> node_;
   std::shared_ptr<Codec> codec_;
@@ -66,6 +79,19 @@ class Publisher {
   void publish(const M& message) const { publisher_.publish(&message); }
 
   /// Subscriptions that receive it now.
+  [[nodiscard]] int matched() const { return publisher_.matched(); }
+
+ private:
+  AnyPublisher publisher_;
+};
+
+/// Sends bytes (plain CDR, encapsulation included) of a type that is known by name only.
+class GenericPublisher {
+ public:
+  GenericPublisher() = default;
+  explicit GenericPublisher(AnyPublisher publisher) : publisher_{std::move(publisher)} {}
+
+  void publish(const std::vector<std::uint8_t>& bytes) const { publisher_.publish_bytes(bytes); }
   [[nodiscard]] int matched() const { return publisher_.matched(); }
 
  private:
@@ -100,6 +126,23 @@ struct Receiver {
   std::function<void()> reset;     ///< makes it anew after bytes that were no message
   std::function<void()> deliver;   ///< calls the function with it
 };
+
+/// False, never an exception, for bytes that are no message of the type (plain CDR).
+[[nodiscard]] bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type, void* message);
+
+/// The message that the bytes (plain CDR, encapsulation included) are; nothing if they are none.
+template <class M>
+[[nodiscard]] std::optional<M> decode(const std::vector<std::uint8_t>& bytes) {
+  M message;
+  if (!decode(bytes, type_ref<M>(), &message)) return std::nullopt;
+  return message;
+}
+/// The other way round; empty if it cannot be written.
+[[nodiscard]] std::vector<std::uint8_t> encode(TypeRef type, const void* message);
+template <class M>
+[[nodiscard]] std::vector<std::uint8_t> encode(const M& message) {
+  return encode(type_ref<M>(), &message);
+}
 
 template <class M, class Fn>
 [[nodiscard]] Receiver make_receiver(Fn fn) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+#include <string>
+#include <vector>
+
 namespace tandem::runtime {
 
 enum class Reliability { kBestEffort, kReliable };
@@ -11,6 +15,8 @@ struct QoS {
   Reliability reliability = Reliability::kReliable;
   Durability durability = Durability::kVolatile;
   int depth = 10;  ///< samples kept (keep last)
+  double lifespan =
+      std::numeric_limits<double>::infinity();  ///< [s] older samples are not delivered
 
   bool operator==(const QoS&) const = default;
 };
@@ -26,4 +32,30 @@ constexpr QoS kBestEffort(int depth) {
   return {Reliability::kBestEffort, Durability::kVolatile, depth};
 }
 
+/// The policies by which DDS decides whether two endpoints fit. Kinds in DDS's order: a higher one
+/// promises more.
+struct Policies {
+  int reliability = 0;  ///< 0 best effort, 1 reliable
+  int durability = 0;   ///< 0 volatile, 1 transient local, 2 transient, 3 persistent
+  double deadline = std::numeric_limits<double>::infinity();  ///< [s]
+  int liveliness = 0;  ///< 0 automatic, 1 manual by participant, 2 manual by topic
+};
+
+[[nodiscard]] Policies policies_of(const QoS& qos);
+
+/// A policy of which less is offered than is requested, in words.
+struct Misfit {
+  std::string policy, offered, requested;
+};
+
+/// A subscription of that depth that hears every one of these publishers.
+[[nodiscard]] QoS request_for(const std::vector<Policies>& offered, int depth);
+
+/// Every policy by which an offering writer fails a requesting reader; empty: they fit.
+[[nodiscard]] std::vector<Misfit> misfits(const Policies& offered, const Policies& requested);
+
 }  // namespace tandem::runtime
+
+namespace tandem {
+namespace rt = runtime;
+}

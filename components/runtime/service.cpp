@@ -28,8 +28,12 @@ void Service::close() {
   node_.reset();
 }
 
-AnyClient::AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller)
-    : node_{std::move(node)}, caller_{std::move(caller)} {}
+AnyClient::AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller,
+                     std::shared_ptr<Codec> request, std::shared_ptr<Codec> response)
+    : node_{std::move(node)},
+      caller_{std::move(caller)},
+      request_{std::move(request)},
+      response_{std::move(response)} {}
 
 AnyClient::~AnyClient() { close(); }
 
@@ -38,12 +42,33 @@ AnyClient& AnyClient::operator=(AnyClient&& other) noexcept {
   close();
   node_ = std::move(other.node_);
   caller_ = std::move(other.caller_);
+  request_ = std::move(other.request_);
+  response_ = std::move(other.response_);
   return *this;
 }
 
 void AnyClient::call(const void* request, Receiver response, double timeout,
                      std::function<void()> on_timeout) const {
-  if (caller_) caller_->call(request, std::move(response), timeout, std::move(on_timeout));
+  if (!caller_) return;
+  Bytes bytes;
+  if (!request_->encode(request, bytes)) bytes.clear();
+  auto deliver = [codec = response_, response = std::move(response)](const Bytes& answer) {
+    if (!codec->decode(answer, response.message())) return false;
+    response.deliver();
+    return true;
+  };
+  caller_->call(std::move(bytes), std::move(deliver), timeout, std::move(on_timeout));
+}
+
+void AnyClient::call_bytes(const std::vector<std::uint8_t>& request,
+                           std::function<void(const std::vector<std::uint8_t>&)> fn, double timeout,
+                           std::function<void()> on_timeout) const {
+  if (!caller_) return;
+  auto deliver = [fn = std::move(fn)](const Bytes& answer) {
+    fn(answer);
+    return true;
+  };
+  caller_->call(request, std::move(deliver), timeout, std::move(on_timeout));
 }
 
 bool AnyClient::ready() const { return caller_ && caller_->ready(); }

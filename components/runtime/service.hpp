@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "runtime/pubsub.hpp"
 
@@ -17,6 +20,12 @@ struct ServiceName {
 
 class Server;
 class Caller;
+
+/// A service of the domain: its name and type, "/arbitration/set_policy",
+/// "tandem_msgs/srv/SetPolicy".
+struct ServiceInfo {
+  std::string name, type;
+};
 
 /// Answers requests until it is destroyed.
 class Service {
@@ -38,13 +47,18 @@ class Service {
 class AnyClient {
  public:
   AnyClient() = default;
-  AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller);
+  /// Without codecs: for requests and responses in bytes only.
+  AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller,
+            std::shared_ptr<Codec> request = nullptr, std::shared_ptr<Codec> response = nullptr);
   ~AnyClient();
   AnyClient(AnyClient&&) noexcept = default;
   AnyClient& operator=(AnyClient&& other) noexcept;
 
   void call(const void* request, Receiver response, double timeout,
             std::function<void()> on_timeout) const;
+  void call_bytes(const std::vector<std::uint8_t>& request,
+                  std::function<void(const std::vector<std::uint8_t>&)> fn, double timeout,
+                  std::function<void()> on_timeout) const;
   [[nodiscard]] bool ready() const;
 
  private:
@@ -52,6 +66,7 @@ class AnyClient {
 
   std::shared_ptr<NodeCore> node_;
   std::shared_ptr<Caller> caller_;
+  std::shared_ptr<Codec> request_, response_;
 };
 
 /// Calls a service. A call waits for its server and its answer, but no longer than its timeout.
@@ -74,6 +89,24 @@ class Client {
   }
 
   /// True once a server is known.
+  [[nodiscard]] bool ready() const { return client_.ready(); }
+
+ private:
+  AnyClient client_;
+};
+
+/// Calls a service whose type is known by name only: bytes in plain CDR, encapsulation included.
+class GenericClient {
+ public:
+  GenericClient() = default;
+  explicit GenericClient(AnyClient client) : client_{std::move(client)} {}
+
+  /// As Client<S>::call().
+  void call(const std::vector<std::uint8_t>& request,
+            std::function<void(const std::vector<std::uint8_t>&)> fn, double timeout,
+            std::function<void()> on_timeout) const {
+    client_.call_bytes(request, std::move(fn), timeout, std::move(on_timeout));
+  }
   [[nodiscard]] bool ready() const { return client_.ready(); }
 
  private:

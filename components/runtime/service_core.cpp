@@ -8,9 +8,8 @@ namespace tandem::runtime {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
-// ROS 2's profile, but longer: a request that the queue pushes out would be lost for good.
-constexpr QoS kQueue{.depth = 100};
-constexpr double kMatchWait = 0.1;       // [s] a reply waits for the client's reader
+constexpr QoS kQueue = Server::kQueue;
+constexpr double kMatchWait = 1.0;       // [s] a reply waits for the client's reader
 constexpr double kRetry = 0.005;         // [s] between looks at who is matched
 constexpr std::size_t kMaxQueue = 1000;  // replies, calls: more of them are a fault
 
@@ -23,15 +22,15 @@ bool known(const rtps::GUID_t& guid) { return guid != rtps::GUID_t::unknown(); }
 
 }  // namespace
 
-Server::Server(NodeCore& node, const std::string& service, Responder responder)
+Server::Server(NodeCore& node, const std::string& service, Responder responder, QoS qos)
     : node_{node},
       service_{service},
       responder_{std::move(responder)},
       request_codec_{responder_.request.type},
       response_codec_{responder_.response_type},
-      writer_{node.open_writer({dds_reply_name(service), response_codec_.dds_name(), kQueue})},
+      writer_{node.open_writer({dds_reply_name(service), response_codec_.dds_name(), qos})},
       reader_{node.open_reader(
-          {dds_request_name(service), request_codec_.dds_name(), kQueue},
+          {dds_request_name(service), request_codec_.dds_name(), qos},
           [this](const Bytes& bytes, const auto& info) { return on_request(bytes, info); })},
       poller_{std::make_shared<Poller>()} {
   poller_->poll = [this](double now) { return send_replies(now); };
@@ -57,14 +56,15 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
     node_.log.error("{}: the response could not be written", service_);
   else if (replies_.size() < kMaxQueue)
     replies_.push_back(std::move(reply));
+  poller_->next = 0.0;
   return true;
 }
 
 double Server::send_replies(double now) {
   std::erase_if(replies_, [&](const Reply& reply) {
-    const bool due = now >= reply.deadline || writer_->reaches(reply.to.writer_guid());
-    if (due) send(reply);
-    return due;
+    const bool heard = writer_->reaches(reply.to.writer_guid());
+    if (heard) send(reply);
+    return heard || now >= reply.deadline;  // who is gone by then would not hear it
   });
   return replies_.empty() ? kForever : now + kRetry;
 }
@@ -76,14 +76,13 @@ void Server::send(const Reply& reply) {
     node_.log.warn_every(1.0, "{}: a response was not sent", service_);
 }
 
-Caller::Caller(NodeCore& node, const std::string& service, TypeRef request, TypeRef response)
+Caller::Caller(NodeCore& node, const std::string& service, const std::string& request_type,
+               const std::string& response_type)
     : node_{node},
       service_{service},
-      request_codec_{request},
-      response_codec_{response},
-      writer_{node.open_writer({dds_request_name(service), request_codec_.dds_name(), kQueue})},
+      writer_{node.open_writer({dds_request_name(service), request_type, kQueue})},
       reader_{node.open_reader(
-          {dds_reply_name(service), response_codec_.dds_name(), kQueue},
+          {dds_reply_name(service), response_type, kQueue},
           [this](const Bytes& bytes, const auto& info) { return on_response(bytes, info); })},
       poller_{std::make_shared<Poller>()} {
   poller_->poll = [this](double now) { return poll(now); };
@@ -98,10 +97,11 @@ void Caller::close() {
 
 bool Caller::ready() const { return writer_->matched() > 0 && reader_->matched() > 0; }
 
-void Caller::call(const void* request, Receiver response, double timeout,
+void Caller::call(Bytes request, OnResponse on_response, double timeout,
                   std::function<void()> on_timeout) {
-  Call call{{}, std::move(response), steady_seconds() + timeout, std::move(on_timeout)};
-  if (!request_codec_.encode(request, call.request) || waiting_.size() >= kMaxQueue)
+  Call call{std::move(request), std::move(on_response), steady_seconds() + timeout,
+            std::move(on_timeout)};
+  if (call.request.empty() || waiting_.size() >= kMaxQueue)
     call.deadline = 0.0;  // fails at the next poll, off the caller's stack
   waiting_.push_back(std::move(call));
   poller_->next = 0.0;
@@ -152,13 +152,9 @@ bool Caller::on_response(const Bytes& bytes, const fdds::SampleInfo& info) {
   if (to.writer_guid() != reader_->guid() && to.writer_guid() != writer_->guid()) return true;
   auto call = asked_.extract(number_of(to));
   if (call.empty()) return true;  // came too late
-  const Receiver& response = call.mapped().response;
-  if (!response_codec_.decode(bytes, response.message())) {
-    asked_.insert(std::move(call));  // a good answer may follow
-    return false;
-  }
-  response.deliver();
-  return true;
+  if (call.mapped().on_response(bytes)) return true;
+  asked_.insert(std::move(call));  // a good answer may follow
+  return false;
 }
 
 }  // namespace tandem::runtime

@@ -14,14 +14,17 @@ namespace tandem::runtime {
 /// Answers requests. A reply waits, off the loop, until the asking client's reader is matched.
 class Server {
  public:
-  Server(NodeCore& node, const std::string& service, Responder responder);
+  // ROS 2's profile, but longer: a request that the queue pushes out would be lost for good.
+  static constexpr QoS kQueue{.depth = 100};
+
+  Server(NodeCore& node, const std::string& service, Responder responder, QoS qos = kQueue);
   void close();
 
  private:
   struct Reply {
     Bytes bytes;
     rtps::SampleIdentity to;
-    double deadline;  // [s] steady: then it goes out, matched or not
+    double deadline;  // [s] steady: then it is dropped
   };
 
   bool on_request(const Bytes& bytes, const fdds::SampleInfo& info);
@@ -41,8 +44,14 @@ class Server {
 /// Asks, and gives each call its answer or its timeout. Requests wait for the server.
 class Caller {
  public:
-  Caller(NodeCore& node, const std::string& service, TypeRef request, TypeRef response);
-  void call(const void* request, Receiver response, double timeout,
+  /// False for bytes that are no answer: a good one may follow.
+  using OnResponse = std::function<bool(const Bytes&)>;
+
+  /// Types by their DDS names.
+  Caller(NodeCore& node, const std::string& service, const std::string& request_type,
+         const std::string& response_type);
+  /// An empty request is one that could not be written: it fails.
+  void call(Bytes request, OnResponse on_response, double timeout,
             std::function<void()> on_timeout);
   [[nodiscard]] bool ready() const;
   void close();
@@ -50,7 +59,7 @@ class Caller {
  private:
   struct Call {
     Bytes request;
-    Receiver response;
+    OnResponse on_response;
     double deadline;  // [s] steady
     std::function<void()> on_timeout;
   };
@@ -63,7 +72,6 @@ class Caller {
 
   NodeCore& node_;
   std::string service_;
-  Codec request_codec_, response_codec_;
   std::deque<Call> waiting_;            // for the server
   std::map<std::int64_t, Call> asked_;  // by sequence number
   std::shared_ptr<Writer> writer_;

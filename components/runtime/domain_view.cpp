@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/domain_view.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "runtime/node_core.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+using SinceIron = rmw_dds_common::msg::ParticipantEntitiesInfo;
+using Humble = rmw_dds_common_humble::msg::ParticipantEntitiesInfo;
+
+constexpr QoS kAll{.durability = Durability::kTransientLocal, .depth = 400};
+
+constexpr std::size_t kPrefix = 12, kGuid = 16;  // [bytes]
+
+template <class Iterator>
+std::string hex(Iterator bytes, std::size_t size) {
+  std::string text;
+  for (std::size_t i = 0; i < size; ++i, ++bytes) text += fmt::format("{:02x}", *bytes);
+  return text;
+}
+
+std::string hex(const rtps::GUID_t& guid) {
+  return hex(guid.guidPrefix.value, kPrefix) + hex(guid.entityId.value, kGuid - kPrefix);
+}
+
+// What one participant said last: its nodes, and which endpoint is whose.
+struct Said {
+  GraphForm form;
+  std::vector<std::string> nodes;
+  std::map<std::string, std::string> owner;  // endpoint's GUID → node
+};
+
+template <class Info>
+std::pair<std::string, Said> digest(const Info& info, GraphForm form) {
+  Said said{form, {}, {}};
+  for (const auto& entry : info.node_entities_info_seq()) {
+    const std::string name =
+        NodeName{entry.node_namespace().c_str(), entry.node_name().c_str()}.full();
+    said.nodes.push_back(name);
+    for (const auto* gids : {&entry.reader_gid_seq(), &entry.writer_gid_seq()})
+      for (const auto& gid : *gids) said.owner[hex(gid.data().begin(), kGuid)] = name;
+  }
+  return {hex(info.gid().data().begin(), kPrefix), std::move(said)};
+}
+
+}  // namespace
+
+struct DomainView::State {
+  explicit State(std::shared_ptr<NodeCore> node_core)
+      : core{std::move(node_core)},
+        reader{core->open_reader({"ros_discovery_info", since_iron.dds_name(), kAll},
+                                 [this](const Bytes& bytes, const auto&) { return hear(bytes); })} {
+  }
+
+  // The forms differ in length, and a codec takes its own length only.
+  bool hear(const Bytes& bytes) {
+    SinceIron info;
+    Humble old;
+    if (since_iron.decode(bytes, &info))
+      note(digest(info, GraphForm::kSinceIron));
+    else if (humble.decode(bytes, &old))
+      note(digest(old, GraphForm::kHumble));
+    else
+      return false;
+    return true;
+  }
+
+  void note(std::pair<std::string, Said> entry) {
+    constexpr std::size_t kMaxParticipants = 10'000;
+    if (said.size() < kMaxParticipants || said.contains(entry.first))
+      said[entry.first] = std::move(entry.second);
+  }
+
+  std::shared_ptr<NodeCore> core;
+  Codec since_iron{type_ref<SinceIron>()}, humble{type_ref<Humble>()};
+  std::map<std::string, Said> said;  // by participant
+  std::shared_ptr<Reader> reader;
+};
+
+DomainView::DomainView(Node& node) : state_{std::make_unique<State>(node.core())} {}
+
+DomainView::~DomainView() { state_->core->close_reader(*state_->reader); }
+
+Domain DomainView::look() const {
+  Domain domain;
+  domain.malformed = static_cast<int>(state_->reader->malformed());
+  std::map<std::string, DomainParticipantInfo> participants;
+  const rtps::GUID_t own = state_->reader->guid();
+  for (const auto& endpoint : state_->core->discovered()) {
+    const std::string id = hex(endpoint.guid.guidPrefix.value, kPrefix);
+    auto& participant = participants[id];
+    participant.id = id;
+    participant.ours = same_process(endpoint.guid, own);
+    const auto said = state_->said.find(id);
+    std::string node;
+    if (said != state_->said.end()) {
+      participant.form = said->second.form;
+      participant.nodes = said->second.nodes;
+      const auto owner = said->second.owner.find(hex(endpoint.guid));
+      if (owner != said->second.owner.end()) node = owner->second;
+    }
+    const bool is_topic = endpoint.topic.starts_with("rt/");
+    domain.endpoints.push_back({id, std::move(node),
+                                is_topic ? ros_name(endpoint.topic) : endpoint.topic,
+                                ros_type(endpoint.type), endpoint.writes, endpoint.policies,
+                                type_hash_in(endpoint.user_data)});
+  }
+  for (auto& [id, participant] : participants)
+    domain.participants.push_back(std::move(participant));
+  return domain;
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/parameter_fields.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/yaml.h>
+
+namespace tandem::runtime {
+namespace {
+
+using rcl_interfaces::msg::ParameterDescriptor;
+using rcl_interfaces::msg::ParameterValue;
+namespace types = rcl_interfaces::msg::ParameterType_Constants;
+
+// --- a field's type: what ROS 2 calls it, and how a value of it is read and written
+// ----------------
+
+constexpr const char* kind(const bool*) { return "true or false"; }
+constexpr const char* kind(const int*) { return "an integer"; }
+constexpr const char* kind(const double*) { return "a number"; }
+constexpr const char* kind(const std::string*) { return "text (a number as text needs quotes)"; }
+constexpr const char* kind(const std::vector<double>*) { return "a list of numbers"; }
+
+ParameterValue to_value(bool truth) {
+  ParameterValue value;
+  value.type(types::PARAMETER_BOOL);
+  value.bool_value(truth);
+  return value;
+}
+ParameterValue to_value(std::int64_t number) {
+  ParameterValue value;
+  value.type(types::PARAMETER_INTEGER);
+  value.integer_value(number);
+  return value;
+}
+ParameterValue to_value(int number) { return to_value(std::int64_t{number}); }
+ParameterValue to_value(double number) {
+  ParameterValue value;
+  value.type(types::PARAMETER_DOUBLE);
+  value.double_value(number);
+  return value;
+}
+ParameterValue to_value(const std::string& text) {
+  ParameterValue value;
+  value.type(types::PARAMETER_STRING);
+  value.string_value(text);
+  return value;
+}
+ParameterValue to_value(const std::vector<double>& numbers) {
+  ParameterValue value;
+  value.type(types::PARAMETER_DOUBLE_ARRAY);
+  value.double_array_value(numbers);
+  return value;
+}
+
+bool is_empty_list(const ParameterValue& value) {
+  switch (value.type()) {
+    case types::PARAMETER_BYTE_ARRAY:
+      return value.byte_array_value().empty();
+    case types::PARAMETER_BOOL_ARRAY:
+      return value.bool_array_value().empty();
+    case types::PARAMETER_STRING_ARRAY:
+      return value.string_array_value().empty();
+    default:
+      return false;
+  }
+}
+
+// False if `value` is not of the field's type.
+bool read(const ParameterValue& value, bool& out) {
+  if (value.type() != types::PARAMETER_BOOL) return false;
+  out = value.bool_value();
+  return true;
+}
+bool read(const ParameterValue& value, int& out) {
+  if (value.type() != types::PARAMETER_INTEGER) return false;
+  if (!std::in_range<int>(value.integer_value())) return false;
+  out = static_cast<int>(value.integer_value());
+  return true;
+}
+bool read(const ParameterValue& value, double& out) {
+  if (value.type() == types::PARAMETER_INTEGER) out = static_cast<double>(value.integer_value());
+  if (value.type() == types::PARAMETER_DOUBLE) out = value.double_value();
+  return value.type() == types::PARAMETER_INTEGER || value.type() == types::PARAMETER_DOUBLE;
+}
+bool read(const ParameterValue& value, std::string& out) {
+  if (value.type() != types::PARAMETER_STRING) return false;
+  out = value.string_value();
+  return true;
+}
+bool read(const ParameterValue& value, std::vector<double>& out) {
+  if (value.type() == types::PARAMETER_DOUBLE_ARRAY) {
+    out = value.double_array_value();
+    return true;
+  }
+  const auto& integers = value.integer_array_value();
+  if (value.type() != types::PARAMETER_INTEGER_ARRAY && !is_empty_list(value)) return false;
+  out.assign(integers.begin(), integers.end());
+  if (value.type() != types::PARAMETER_INTEGER_ARRAY) out.clear();
+  return true;
+}
+
+// --- YAML
+// -----------------------------------------------------------------------------------------
+
+bool is_quoted(const YAML::Node& node) { return node.Tag() == "!"; }
+
+template <class T>
+std::optional<T> as(const YAML::Node& node) {
+  T value{};
+  if (!YAML::convert<T>::decode(node, value)) return std::nullopt;
+  return value;
+}
+
+ParameterValue from_scalar(const YAML::Node& node) {
+  if (!is_quoted(node)) {
+    if (const auto integer = as<std::int64_t>(node)) return to_value(*integer);
+    if (const auto number = as<double>(node)) return to_value(*number);
+    if (const auto truth = as<bool>(node)) return to_value(*truth);
+  }
+  return to_value(node.Scalar());
+}
+
+// A list of one type, integers beside real numbers being real; anything else is no parameter.
+ParameterValue from_sequence(const YAML::Node& node) {
+  std::vector<ParameterValue> elements;
+  for (const auto& element : node)
+    elements.push_back(element.IsScalar() ? from_scalar(element) : ParameterValue{});
+  const auto all = [&](std::uint8_t a, std::uint8_t b) {
+    return std::all_of(elements.begin(), elements.end(),
+                       [&](const auto& e) { return e.type() == a || e.type() == b; });
+  };
+  ParameterValue list;
+  if (all(types::PARAMETER_INTEGER, types::PARAMETER_INTEGER)) {
+    list.type(types::PARAMETER_INTEGER_ARRAY);
+    for (const auto& e : elements) list.integer_array_value().push_back(e.integer_value());
+  } else if (all(types::PARAMETER_INTEGER, types::PARAMETER_DOUBLE)) {
+    list.type(types::PARAMETER_DOUBLE_ARRAY);
+    for (const auto& e : elements) (void)read(e, list.double_array_value().emplace_back());
+  } else if (all(types::PARAMETER_BOOL, types::PARAMETER_BOOL)) {
+    list.type(types::PARAMETER_BOOL_ARRAY);
+    for (const auto& e : elements) list.bool_array_value().push_back(e.bool_value());
+  } else if (all(types::PARAMETER_STRING, types::PARAMETER_STRING)) {
+    list.type(types::PARAMETER_STRING_ARRAY);
+    for (const auto& e : elements) list.string_array_value().push_back(e.string_value());
+  }
+  return list;
+}
+
+// --- text for people
+// --------------------------------------------------------------------------------
+
+std::string quoted(const std::string& text) { return '"' + text + '"'; }
+
+// Long lists and texts come from outside; a line stays a line.
+std::string shortened(std::string text) {
+  constexpr std::size_t kMost = 200;
+  if (text.size() > kMost) text.replace(kMost, std::string::npos, "…");
+  return text;
+}
+
+std::string long_text(const ParameterValue& value) {
+  switch (value.type()) {
+    case types::PARAMETER_BOOL:
+      return value.bool_value() ? "true" : "false";
+    case types::PARAMETER_INTEGER:
+      return fmt::format("{}", value.integer_value());
+    case types::PARAMETER_DOUBLE:
+      return fmt::format("{}", value.double_value());
+    case types::PARAMETER_STRING:
+      return quoted(value.string_value());
+    case types::PARAMETER_BYTE_ARRAY:
+      return fmt::format("[{}]", fmt::join(value.byte_array_value(), ", "));
+    case types::PARAMETER_BOOL_ARRAY:
+      return fmt::format("[{}]", fmt::join(value.bool_array_value(), ", "));
+    case types::PARAMETER_INTEGER_ARRAY:
+      return fmt::format("[{}]", fmt::join(value.integer_array_value(), ", "));
+    case types::PARAMETER_DOUBLE_ARRAY:
+      return fmt::format("[{}]", fmt::join(value.double_array_value(), ", "));
+    case types::PARAMETER_STRING_ARRAY: {
+      std::vector<std::string> texts;
+      for (const auto& text : value.string_array_value()) texts.push_back(quoted(text));
+      return fmt::format("[{}]", fmt::join(texts, ", "));
+    }
+    default:
+      return "nothing";
+  }
+}
+
+// --- descriptors
+// ------------------------------------------------------------------------------------
+
+void describe(ParameterDescriptor& out, const double*, const Range& range) {
+  rcl_interfaces::msg::FloatingPointRange bounds;
+  bounds.from_value(range.min);
+  bounds.to_value(range.max);
+  out.floating_point_range({bounds});
+}
+void describe(ParameterDescriptor& out, const int*, const Range& range) {
+  rcl_interfaces::msg::IntegerRange bounds;
+  bounds.from_value(static_cast<std::int64_t>(range.min));
+  bounds.to_value(static_cast<std::int64_t>(range.max));
+  bounds.step(1);
+  out.integer_range({bounds});
+}
+void describe(ParameterDescriptor& out, const std::vector<double>*, const Range& range) {
+  out.additional_constraints(fmt::format("each in [{}, {}]", range.min, range.max));
+}
+void describe(ParameterDescriptor& out, const std::string*, const OneOf& choices) {
+  out.additional_constraints(fmt::format("one of {{{}}}", fmt::join(choices.names, ", ")));
+}
+
+}  // namespace
+
+void check(const Field& field) {
+  const char* name = field.name.c_str();
+  const char* meaning = field.meaning.c_str();
+  std::visit(
+      [&](const auto* value, const auto& limits) {
+        if constexpr (requires { Checker{}(name, *value, limits, meaning); })
+          Checker{}(name, *value, limits, meaning);
+      },
+      field.value, field.limits);
+}
+
+ParameterValue value_of(const Field& field) {
+  return std::visit([](const auto* value) { return to_value(*value); }, field.value);
+}
+
+void assign(const Field& field, const ParameterValue& value) {
+  std::visit(
+      [&](auto* out) {
+        if (!read(value, *out))
+          throw std::invalid_argument(field.name + " = " + to_text(value) + " is not " + kind(out));
+      },
+      field.value);
+}
+
+ParameterDescriptor descriptor_of(const Field& field, bool read_only) {
+  ParameterDescriptor out;
+  out.name(field.name);
+  out.type(value_of(field).type());
+  out.description(field.meaning);
+  out.read_only(read_only);
+  std::visit(
+      [&](const auto* value, const auto& limits) {
+        if constexpr (requires { describe(out, value, limits); }) describe(out, value, limits);
+      },
+      field.value, field.limits);
+  return out;
+}
+
+ParameterValue value_from_yaml(const std::string& yaml) {
+  try {
+    const YAML::Node node = YAML::Load(yaml);
+    if (node.IsScalar()) return from_scalar(node);
+    if (node.IsSequence()) return from_sequence(node);
+  } catch (const YAML::Exception&) {  // no YAML is no parameter
+  }
+  return {};
+}
+
+std::string to_text(const ParameterValue& value) { return shortened(long_text(value)); }
+
+}  // namespace tandem::runtime

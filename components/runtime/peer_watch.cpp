@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/peer_watch.hpp"
+
+#include <algorithm>
+
+#include "runtime/names.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr double kPeriod = 0.1;    // [s] between looks for who came and went
+constexpr double kSettling = 1.0;  // [s] in which a peer may open what fits after all
+
+std::string counted(const std::vector<Misfit>& misfits, bool peer_writes) {
+  std::string text;
+  for (const auto& misfit : misfits)
+    text += fmt::format(
+        "{}{}: {} {}, this node {} {}", text.empty() ? "" : "; ", misfit.policy,
+        peer_writes ? "it offers" : "it requests", peer_writes ? misfit.offered : misfit.requested,
+        peer_writes ? "requests" : "offers", peer_writes ? misfit.requested : misfit.offered);
+  return text;
+}
+
+}  // namespace
+
+void PeerWatch::add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
+  own_.push_back({guid, writes, endpoint.topic, endpoint.type, policies_of(endpoint.qos)});
+  ++changes_;
+}
+
+void PeerWatch::remove(const rtps::GUID_t& guid) {
+  std::erase_if(own_, [&](const Own& own) { return own.guid == guid; });
+  ++changes_;
+}
+
+std::shared_ptr<void> PeerWatch::when_published(const std::string& topic, const std::string& type,
+                                                std::function<void()> fn) {
+  auto wish = std::make_shared<Wish>(Wish{topic, type, std::move(fn)});
+  wishes_.push_back(wish);
+  ++changes_;
+  return wish;
+}
+
+double PeerWatch::poll(double now) {
+  const std::pair state{discovery_.generation(), changes_};
+  if (state != seen_ || !settled_) {
+    seen_ = state;
+    const auto known = discovery_.endpoints();
+    grant_wishes(known);
+    judge(known, now);
+  }
+  return now + kPeriod;  // settled too: discovery wakes nobody
+}
+
+void PeerWatch::grant_wishes(const std::vector<KnownEndpoint>& known) {
+  for (std::size_t i = 0; i < wishes_.size(); ++i) {  // a wish may add another
+    const auto wish = wishes_[i].lock();
+    if (!wish || !wish->fn) continue;
+    const bool granted = std::any_of(known.begin(), known.end(), [&](const KnownEndpoint& peer) {
+      return peer.writes && peer.topic == wish->topic && peer.type == wish->type;
+    });
+    if (granted) std::exchange(wish->fn, nullptr)();
+  }
+  std::erase_if(wishes_, [](const auto& wish) { return wish.expired(); });
+}
+
+void PeerWatch::judge(const std::vector<KnownEndpoint>& known, double now) {
+  settled_ = true;
+  std::erase_if(judged_, [&](const rtps::GUID_t& guid) {
+    return std::none_of(known.begin(), known.end(), [&](const auto& e) { return e.guid == guid; });
+  });
+  for (const auto& peer : known) {
+    if (judged_.contains(peer.guid)) continue;
+    if (now - peer.since < kSettling)
+      settled_ = false;
+    else
+      judge(peer, known);
+  }
+}
+
+// One of the node's endpoints that fits is enough: /e_stop, say, is read twice.
+void PeerWatch::judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
+  std::vector<Misfit> worst;
+  const Own* other_type = nullptr;
+  for (const auto& own : own_) {
+    if (own.topic != peer.topic || own.writes == peer.writes) continue;
+    judged_.insert(peer.guid);
+    if (own.type != peer.type) {
+      other_type = &own;
+      continue;
+    }
+    worst =
+        peer.writes ? misfits(peer.policies, own.policies) : misfits(own.policies, peer.policies);
+    if (worst.empty()) return;
+  }
+  const std::string topic = ros_name(peer.topic);
+  const char* who = peer.writes ? "publisher" : "subscription";
+  const char* effect = peer.writes ? "nothing of it arrives here" : "it gets nothing from here";
+  if (!worst.empty())
+    log_.warn("{}: a {} has incompatible QoS, {} ({})", topic, who, effect,
+              counted(worst, peer.writes));
+  else if (other_type != nullptr && !hears_other_type(peer, known))
+    log_.warn("{}: a {} of {} does not fit this node's {}: {}", topic, who, ros_type(peer.type),
+              ros_type(other_type->type), effect);
+}
+
+// A process may have one endpoint per type under one name.
+bool PeerWatch::hears_other_type(const KnownEndpoint& peer,
+                                 const std::vector<KnownEndpoint>& known) const {
+  return std::any_of(known.begin(), known.end(), [&](const KnownEndpoint& beside) {
+    return same_process(beside.guid, peer.guid) && beside.writes == peer.writes &&
+           beside.topic == peer.topic && beside.type != peer.type &&
+           std::any_of(own_.begin(), own_.end(), [&](const Own& own) {
+             return own.topic == beside.topic && own.type == beside.type &&
+                    own.writes != beside.writes;
+           });
+  });
+}
+
+}  // namespace tandem::runtime

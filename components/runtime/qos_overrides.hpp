@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: a topic's QoS by parameters, under rclcpp's names.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "runtime/parameter_table.hpp"
+#include "runtime/parameters.hpp"
+#include "runtime/qos.hpp"
+
+namespace tandem::runtime {
+
+/// qos_overrides.<topic>.<publisher|subscription>.{reliability, durability, depth} of a node.
+class QosOverrides {
+ public:
+  QosOverrides(ParameterStore& store, ParameterTable& parameters)
+      : store_{store}, parameters_{parameters} {}
+
+  /// `qos` with what is given for the topic (full name) laid over it; what is given becomes
+  /// parameters. Holds for the first endpoint of its kind: what a node opens besides, to hear
+  /// every sender, stays. Throws std::invalid_argument for a value that is none.
+  [[nodiscard]] QoS apply(const QoS& qos, const std::string& topic, const std::string& kind);
+
+ private:
+  ParameterStore& store_;
+  ParameterTable& parameters_;
+  std::set<std::string> applied_;
+};
+
+}  // namespace tandem::runtime
