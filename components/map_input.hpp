@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: octomap_binary. Out: the static map, decoded off the node's thread.
+// In: octomap_binary, octomap_local. Out: the world they show, decoded off the node's thread.
 #pragma once
 
 #include <condition_variable>
@@ -11,6 +11,7 @@
 #include "map/fixtures.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
+#include "model/localization.hpp"
 #include "runtime/node.hpp"
 
 namespace tandem {
@@ -19,6 +20,9 @@ struct MapInputParams {
   SliceParams slice;
   bool unknown_is_obstacle = false;
   std::string fixtures;
+  std::string map_source = "static";
+  double local_timeout = 0.5;
+  double local_reach = 10.0;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -26,6 +30,13 @@ struct MapInputParams {
     field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen count as obstacles");
     field("fixtures", fixtures,
           "YAML file of virtual fixtures (forbidden regions, guidance lines); empty: none");
+    field("map_source", map_source, OneOf{{"static", "local", "both"}},
+          "static: octomap_binary; local: octomap_local, what is seen now; both: what stands in "
+          "octomap_binary stays for ever, what octomap_local shows comes and goes");
+    field("local_timeout", local_timeout, Range{0.05, 60.0},
+          "[s] silence of octomap_local that counts as no map");
+    field("local_reach", local_reach, Range{2.0, 100.0},
+          "[m] with octomap_local the map is looked at this far round the robot");
   }
 };
 
@@ -38,9 +49,17 @@ struct MapInputParams {
                                                           const MapInputParams& params,
                                                           const Fixtures& fixtures);
 
-/// Subscribes `octomap_binary` for a node. A whole building takes 50 to 90 ms to decode, so a
-/// thread of its own does it; the node goes on with the old map meanwhile. Only the newest message
-/// waits. Bytes that are no map are logged and leave the old map in force.
+/// The static map for a robot at p_MB that sees `local` now: over `base`, what stays.
+[[nodiscard]] std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& local,
+                                                              const Eigen::Vector2d& p_MB,
+                                                              const MapInputParams& params);
+
+/// Subscribes the maps for a node, by `map_source`. A whole building takes 50 to 90 ms to decode,
+/// so a thread of its own does it; the node goes on with the old map meanwhile. Only the newest
+/// message of each topic waits. Bytes that are no map are logged and leave the old map in force.
+///
+/// `octomap_local` is small and comes with every scan. It is laid over the static map within
+/// `local_reach` of the robot only, so that an update costs the same in any building.
 class MapInput {
  public:
   /// Throws std::runtime_error if the fixtures cannot be read.
@@ -51,25 +70,40 @@ class MapInput {
 
   [[nodiscard]] const Fixtures& fixtures() const { return fixtures_; }
 
-  /// The newest map; null before the first.
-  [[nodiscard]] std::shared_ptr<const StaticMap> map() const;
+  /// The newest map, for a robot there; null before the first, and while octomap_local is needed
+  /// and silent.
+  [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
 
  private:
+  /// A map, and when its message arrived [s].
+  struct Arrived {
+    octomap_msgs::msg::Octomap msg;
+    double t = 0.0;
+  };
+
+  [[nodiscard]] rt::Subscription subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic,
+                                           std::optional<Arrived>& waiting);
   void run();
-  [[nodiscard]] std::shared_ptr<const StaticMap> decode(const octomap_msgs::msg::Octomap& msg);
+  [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const octomap_msgs::msg::Octomap& msg);
+  [[nodiscard]] std::shared_ptr<const StaticMap> take_local(
+      const octomap_msgs::msg::Octomap& msg, const std::optional<Eigen::Vector2d>& p_MB) const;
+  [[nodiscard]] std::optional<Grid> decode(const octomap_msgs::msg::Octomap& msg, bool stays) const;
 
   rt::Node& node_;
   MapInputParams params_;
   Fixtures fixtures_;
+  std::optional<Grid> base_;  // what stays; the worker's
 
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   bool stop_ = false;
-  std::optional<octomap_msgs::msg::Octomap> waiting_;
+  std::optional<Arrived> waiting_static_, waiting_local_;
   std::shared_ptr<const StaticMap> map_;
+  std::optional<double> local_time_;  // when the newest octomap_local in map_ arrived [s]
+  std::optional<Eigen::Vector2d> p_MB_;
 
   std::thread worker_;
-  rt::Subscription subscription_;
+  rt::Subscription static_, local_;
 };
 
 }  // namespace tandem

@@ -105,9 +105,13 @@ std::string format_error(const OctomapFormat& format) {
   return {};
 }
 
-DecodedOctomap decode(const OctomapFormat& format, std::string_view data) {
+DecodedOctomap decode(const OctomapFormat& format, std::string_view data,
+                      bool may_be_empty = false) {
   if (const std::string error = format_error(format); !error.empty()) return {nullptr, error};
-  if (data.empty()) return {nullptr, "the map is empty"};
+  if (data.empty()) {
+    if (may_be_empty) return {std::make_unique<octomap::OcTree>(format.resolution), {}};
+    return {nullptr, "the map is empty"};
+  }
   if (!(format.binary ? count_binary_nodes(data) : count_full_nodes(data)))
     return {nullptr, kWrongContent};
   std::istringstream stream{std::string(data)};
@@ -116,14 +120,15 @@ DecodedOctomap decode(const OctomapFormat& format, std::string_view data) {
     tree->readBinaryData(stream);
   else
     tree->readData(stream);
-  if (!has_occupied(*tree)) return {nullptr, "the map has no occupied voxel"};
+  if (!may_be_empty && !has_occupied(*tree)) return {nullptr, "the map has no occupied voxel"};
   return {std::move(tree), {}};
 }
 
 }  // namespace
 
-DecodedOctomap decode_octomap(const OctomapFormat& format, std::span<const std::int8_t> data) {
-  return decode(format, {reinterpret_cast<const char*>(data.data()), data.size()});
+DecodedOctomap decode_octomap(const OctomapFormat& format, std::span<const std::int8_t> data,
+                              bool may_be_empty) {
+  return decode(format, {reinterpret_cast<const char*>(data.data()), data.size()}, may_be_empty);
 }
 
 std::vector<std::int8_t> encode_octomap(const octomap::OcTree& tree) {

@@ -28,9 +28,10 @@ struct DecodedOctomap {
 
 /// Decodes the `data` of an octomap_msgs/Octomap. The bytes are checked whole before OctoMap sees
 /// them: any bytes are safe, memory stays proportional to them. A map without a single occupied
-/// voxel is an error too. Never throws.
+/// voxel is an error too, unless it may be empty. Never throws.
 [[nodiscard]] DecodedOctomap decode_octomap(const OctomapFormat& format,
-                                            std::span<const std::int8_t> data);
+                                            std::span<const std::int8_t> data,
+                                            bool may_be_empty = false);
 
 /// The `data` of a binary octomap_msgs/Octomap (id "OcTree").
 [[nodiscard]] std::vector<std::int8_t> encode_octomap(const octomap::OcTree& tree);

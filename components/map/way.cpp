@@ -16,8 +16,12 @@ constexpr double kSpacing = 0.25;  // [m] between the points of a way
 // Dijkstra's search over the cells whose centres the disc can stand on.
 class Search {
  public:
-  Search(const StaticMap& map, double radius)
-      : map_{map}, grid_{map.grid()}, radius_{radius}, cost_(grid_.cells.size(), kInfinity) {
+  Search(const StaticMap& map, double radius, double narrow_cost)
+      : map_{map},
+        grid_{map.grid()},
+        radius_{radius},
+        narrow_cost_{narrow_cost},
+        cost_(grid_.cells.size(), kInfinity) {
     from_.resize(grid_.cells.size(), kNone);
   }
 
@@ -78,13 +82,13 @@ class Search {
         if (room < 0.0) continue;
         const double narrow = std::max(0.0, 1.0 - room / kWide);
         const double length = grid_.resolution * std::hypot(dx, dy);
-        reach(next, cost_[cell] + length * (1.0 + kNarrowCost * narrow * narrow), cell);
+        reach(next, cost_[cell] + length * (1.0 + narrow_cost_ * narrow * narrow), cell);
       }
   }
 
   const StaticMap& map_;
   const Grid& grid_;
-  double radius_;
+  double radius_, narrow_cost_;
   std::vector<double> cost_;
   std::vector<std::size_t> from_;
   using Entry = std::pair<double, std::size_t>;
@@ -94,8 +98,9 @@ class Search {
 }  // namespace
 
 std::vector<Eigen::Vector2d> find_way(const StaticMap& map, const Eigen::Vector2d& p_MA,
-                                      const Eigen::Vector2d& p_MZ, double radius) {
-  return Search{map, radius}.way(p_MA, p_MZ);
+                                      const Eigen::Vector2d& p_MZ, double radius,
+                                      double narrow_cost) {
+  return Search{map, radius, narrow_cost}.way(p_MA, p_MZ);
 }
 
 }  // namespace tandem

@@ -10,12 +10,13 @@
 namespace tandem {
 
 /// The cheapest way for the centre of a disc of that radius, from cell to cell of the grid, a point
-/// about every quarter of a metre; both ends included. A metre costs up to `kNarrowCost` metres
-/// more where the disc's rim comes near obstacles than where it keeps `kWide` [m] from them.
-/// Empty if there is no way.
+/// about every quarter of a metre; both ends included. A metre costs up to `narrow_cost` metres
+/// more where the disc's rim comes near obstacles than where it keeps `kWide` [m] from them; 0
+/// gives the shortest way of its kind. Empty if there is no way.
 inline constexpr double kWide = 0.5, kNarrowCost = 8.0;
 [[nodiscard]] std::vector<Eigen::Vector2d> find_way(const StaticMap& map,
                                                     const Eigen::Vector2d& p_MA,
-                                                    const Eigen::Vector2d& p_MZ, double radius);
+                                                    const Eigen::Vector2d& p_MZ, double radius,
+                                                    double narrow_cost = kNarrowCost);
 
 }  // namespace tandem

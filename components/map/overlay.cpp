@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "map/overlay.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+constexpr double kStep = 1.0;       // [m]
+constexpr double kTouching = 1e-6;  // of a cell: a common edge is no overlap
+
+struct Span {
+  int begin = 0, end = 0;
+};
+
+// For each of `count` cells of side `r` from `low` on: the cells of another axis that it overlaps.
+std::vector<Span> overlaps(double low, double r, int count, double other_low, double other_r,
+                           int other_count) {
+  std::vector<Span> spans(static_cast<std::size_t>(count));
+  const auto clip = [&](double cell) {
+    return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(other_count)));
+  };
+  for (int i = 0; i < count; ++i) {
+    const double from = (low + i * r - other_low) / other_r, to = from + r / other_r;
+    spans[static_cast<std::size_t>(i)] = {clip(std::floor(from + kTouching)),
+                                          clip(std::ceil(to - kTouching))};
+  }
+  return spans;
+}
+
+Cell stronger(Cell a, Cell b) {
+  if (a == Cell::kOccupied || b == Cell::kOccupied) return Cell::kOccupied;
+  return a == Cell::kFree ? a : b;
+}
+
+void lay_over(Grid& out, const Grid& in) {
+  const auto columns =
+      overlaps(out.origin.x(), out.resolution, out.width, in.origin.x(), in.resolution, in.width);
+  const auto rows =
+      overlaps(out.origin.y(), out.resolution, out.height, in.origin.y(), in.resolution, in.height);
+  std::size_t at = 0;
+  for (const Span& row : rows)
+    for (const Span& column : columns) {
+      Cell& cell = out.cells[at++];
+      for (int iy = row.begin; iy < row.end; ++iy)
+        for (int ix = column.begin; ix < column.end; ++ix) cell = stronger(cell, in.at(ix, iy));
+    }
+}
+
+}  // namespace
+
+Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC, double reach) {
+  const double r = live.resolution;
+  const double step = r * std::max(1.0, std::round(kStep / r));
+  const double side = std::ceil(2.0 * reach / step + 1.0) * step;
+  Grid out;
+  out.resolution = r;
+  out.origin = ((p_MC.array() - reach) / step).floor() * step;
+  out.width = out.height = static_cast<int>(std::lround(side / r));
+  out.cells.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height),
+                   Cell::kUnknown);
+  lay_over(out, base);
+  lay_over(out, live);
+  return out;
+}
+
+}  // namespace tandem

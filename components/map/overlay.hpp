@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a map that stays and what is seen now. Out: both as one grid round the robot.
+#pragma once
+
+#include "map/grid.hpp"
+
+namespace tandem {
+
+/// The square within `reach` [m] of a point, at the resolution of `live`. A cell is occupied if it
+/// overlaps an occupied cell of either grid, else free if it overlaps a free one, else unknown. The
+/// cells lie where those of OctoMap lie, and the square moves by whole metres, so that it does not
+/// change at each step of the robot.
+[[nodiscard]] Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC,
+                           double reach);
+
+}  // namespace tandem

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: what range sensors measured, and from where. Out: an OctoMap of a window round the robot.
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <Eigen/Geometry>
+#include <unordered_map>
+
+#include "map/echoes.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// Names as in ROS 2's octomap_server, where it has one.
+struct LocalMapParams {
+  double resolution = 0.05;
+  double window = 20.0;
+  double min_range = 0.1;
+  double max_range = 8.0;
+  double point_cloud_min_z = -0.5;
+  double point_cloud_max_z = 1.5;
+  double decay = 0.0;
+  double hit = 0.9;
+  double miss = 0.4;
+  double clamp_min = 0.12;
+  double clamp_max = 0.97;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("resolution", resolution, Range{0.01, 0.5}, "[m] side of a voxel");
+    field("window", window, Range{2.0, 100.0},
+          "[m] side of the square round the robot that is remembered");
+    field("min_range", min_range, Range{0.0, 5.0}, "[m] what is nearer to the sensor is ignored");
+    field("max_range", max_range, Range{0.5, 100.0}, "[m] what is farther only clears the way");
+    field("point_cloud_min_z", point_cloud_min_z, Range{-10.0, 100.0},
+          "[m] in the map: what is lower only clears the way");
+    field("point_cloud_max_z", point_cloud_max_z, Range{-10.0, 100.0},
+          "[m] in the map: what is higher only clears the way");
+    field("decay", decay, Range{0.0, 3600.0},
+          "[s] an obstacle not seen for so long counts as gone; 0: only if it is seen to be gone");
+    field("hit", hit, Range{0.5, 0.999}, "[1] probability that an echo means an obstacle");
+    field("miss", miss, Range{0.001, 0.5}, "[1] probability of an obstacle on a beam's way");
+    field("clamp_min", clamp_min, Range{0.001, 0.499}, "[1] least probability of a voxel");
+    field("clamp_max", clamp_max, Range{0.501, 0.999}, "[1] greatest probability of a voxel");
+  }
+};
+
+/// What range sensors see, kept in an OctoMap of the robot's surroundings.
+///
+/// One echo makes a voxel an obstacle, whatever was there before; a single one in space known to be
+/// free is gone with the next beam that passes through it, and an obstacle long seen needs several.
+/// Memory is bounded by the window.
+class LocalMap {
+ public:
+  /// Throws std::invalid_argument on parameters out of range, on heights that exclude each other,
+  /// and if one echo would not make an obstacle of a free voxel.
+  explicit LocalMap(const LocalMapParams& params);
+  LocalMap(const LocalMap&) = delete;
+  LocalMap& operator=(const LocalMap&) = delete;
+
+  /// Takes in what a sensor at X_MS measured at time t [s]; the window follows the sensor. False,
+  /// and nothing is taken in, if X_MS is not finite or farther than OctoMap reaches (its 2¹⁵ voxels
+  /// from the map's origin).
+  [[nodiscard]] bool insert(const Echoes& echoes, const Eigen::Isometry3d& X_MS, double t);
+
+  /// Forgets all that was seen.
+  void clear();
+
+  /// Leaves alone are up to date: inner nodes are neither updated nor pruned.
+  [[nodiscard]] const octomap::OcTree& tree() const { return tree_; }
+
+ private:
+  // Voxels [low, high] of the window, keys of OctoMap.
+  struct Box {
+    octomap::OcTreeKey low, high;
+    [[nodiscard]] bool contains(const octomap::OcTreeKey& key) const;
+  };
+
+  [[nodiscard]] double farthest() const;
+  void follow(const Eigen::Vector3d& p_MS);
+  [[nodiscard]] Box box_around(const Eigen::Vector3d& p_MC) const;
+  void clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ);
+  void mark(const octomap::OcTreeKey& key, double t);
+  void forget_old(double t);
+
+  LocalMapParams params_;
+  octomap::OcTree tree_;
+  Box window_;
+  Eigen::Vector3d p_MC_;  // the window's middle
+  std::unordered_map<octomap::OcTreeKey, double, octomap::OcTreeKey::KeyHash> seen_;  // time [s]
+
+  // Of the look being inserted; here to keep their memory.
+  octomap::KeyRay ray_;
+  octomap::KeySet free_, occupied_, ends_;
+};
+
+}  // namespace tandem

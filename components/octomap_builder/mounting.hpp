@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: poses of the plane, and six numbers of a parameter. Out: poses in space.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "model/se2.hpp"
+
+namespace tandem {
+
+/// X_BS of a sensor from the parameter `name`: x, y, z, roll, pitch, yaw [m, rad], as
+/// static_transform_publisher takes them. Throws std::invalid_argument unless there are six.
+[[nodiscard]] inline Eigen::Isometry3d mounting(const std::string& name,
+                                                const std::vector<double>& numbers) {
+  if (numbers.size() != 6)
+    throw std::invalid_argument(name + ": needs six numbers, x, y, z, roll, pitch, yaw");
+  return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) *
+         Eigen::AngleAxisd(numbers[5], Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(numbers[4], Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(numbers[3], Eigen::Vector3d::UnitX());
+}
+
+/// The same pose in space, at height 0.
+[[nodiscard]] inline Eigen::Isometry3d in_space(const Pose2& X) {
+  return Eigen::Translation3d(X.x, X.y, 0.0) * Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
+}
+
+}  // namespace tandem
