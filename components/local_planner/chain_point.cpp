@@ -9,38 +9,39 @@ namespace {
 constexpr double kLeastRoom = 2e-6;  // between two bounds
 
 Pose2 pose_of(const double* z) { return {z[kX], z[kY], z[kTheta]}; }
-Twist2 twist_of(const double* z) { return {z[kV], z[kW]}; }
+Twist2 command_of(const double* z) { return {z[kV], z[kW]}; }
 
+template <int n>
 double product_of_distances(const double* z, const double* lower, const double* upper) {
   double product = 1.0;
-  for (int i = 0; i < kBlock; ++i) product *= (z[i] - lower[i]) * (upper[i] - z[i]);
+  for (std::size_t i = 0; i < block_of(n); ++i) product *= (z[i] - lower[i]) * (upper[i] - z[i]);
   return product;
 }
 
 }  // namespace
 
-void Box::resize(std::size_t stages) {
-  lower.resize(kBlock * stages);
-  upper.resize(kBlock * stages);
-}
-
 bool Box::set(const Ocp& ocp) {
   constexpr Interval kFree{-kFar, kFar};
   const Interval place = ocp.workspace > 0.0 ? Interval{-ocp.workspace, ocp.workspace} : kFree;
+  const std::size_t length = block(ocp);
+  lower.resize(length * ocp.stages.size());
+  upper.resize(lower.size());
   for (std::size_t k = 0; k < ocp.stages.size(); ++k) {
-    const Interval all[kBlock] = {ocp.v[k], ocp.w[k], ocp.change_v[k], ocp.change_w[k],
-                                  place,    place,    kFree,           {0.0, kFar}};
-    for (std::size_t i = 0; i < kBlock; ++i) {
+    const Interval all[kMotionW + 1] = {ocp.v[k], ocp.w[k], ocp.change_v[k], ocp.change_w[k],
+                                        place,    place,    kFree,           {0.0, kFar},
+                                        kFree,    kFree};
+    for (std::size_t i = 0; i < length; ++i) {
       if (!(all[i].min <= all[i].max)) return false;
       const double extra = std::max(0.0, 0.5 * (kLeastRoom - (all[i].max - all[i].min)));
-      lower[kBlock * k + i] = std::max(-kFar, all[i].min - extra);
-      upper[kBlock * k + i] = std::min(kFar, all[i].max + extra);
+      lower[length * k + i] = std::max(-kFar, all[i].min - extra);
+      upper[length * k + i] = std::min(kFar, all[i].max + extra);
     }
   }
   return true;
 }
 
-void ChainPoint::resize(std::size_t stage_count, std::size_t pair_count) {
+template <int n>
+void ChainPoint<n>::resize(std::size_t stage_count, std::size_t pair_count) {
   z.resize(kBlock * stage_count);
   stages.resize(stage_count);
   targets_.resize(stage_count);
@@ -48,15 +49,18 @@ void ChainPoint::resize(std::size_t stage_count, std::size_t pair_count) {
   pairs.resize(pair_count);
 }
 
-void ChainPoint::set_targets(const Ocp& ocp) {
+template <int n>
+void ChainPoint<n>::set_targets(const Ocp& ocp) {
   for (std::size_t k = 0; k < targets_.size(); ++k)
     targets_[k] = Heading::of(ocp.stages[k].cost.X_MR.theta);
 }
 
-void ChainPoint::evaluate(const Ocp& ocp, const Box& box) {
+template <int n>
+void ChainPoint<n>::evaluate(const Ocp& ocp, const Box& box) {
   cost = infeasibility = violation = 0.0;
   LogOfProduct distances;
   Pose2 X_before = ocp.X_MB;
+  Twist2 motion_before = ocp.motion;
   Heading before = Heading::of(X_before.theta);
   Twist2 u_before = ocp.command;
   std::size_t row = 0;
@@ -64,20 +68,27 @@ void ChainPoint::evaluate(const Ocp& ocp, const Box& box) {
     const double* at = &z[kBlock * k];
     const Pose2 X = pose_of(at);
     const Placed after{X};
-    const Twist2 u = twist_of(at);
-    StageTerms& s = stages[k];
+    const Twist2 u = command_of(at);
+    Twist2 mean = u;
+    if constexpr (n == 5) mean = ocp.lag.mean(motion_before, u);
+    StageTerms<n>& s = stages[k];
     s.cost = cost_terms(ocp.stages[k].cost, u, {at[kDv], at[kDw]}, after.p_MB,
                         after.theta.from(targets_[k]));
-    s.motion = displacement(ocp, before, u);
+    s.motion = displacement(ocp, before, mean);
     s.change = {u.v - u_before.v - at[kDv], u.w - u_before.w - at[kDw]};
-    s.gap = {X_before.x + s.motion.d.x() - X.x, X_before.y + s.motion.d.y() - X.y,
-             X_before.theta + ocp.dt * u.w - X.theta};
+    s.gap.template head<3>() << X_before.x + s.motion.d.x() - X.x,
+        X_before.y + s.motion.d.y() - X.y, X_before.theta + ocp.dt * mean.w - X.theta;
+    if constexpr (n == 5) {
+      const Twist2 motion{at[kMotionV], at[kMotionW]}, end = ocp.lag.end(motion_before, u);
+      s.gap.template tail<2>() << end.v - motion.v, end.w - motion.w;
+      motion_before = motion;
+    }
     s.growth = {2.0 * ocp.gap_v * u.v, 2.0 * ocp.gap_w * u.w};
     cost += s.cost.value + ocp.slack_weight * at[kSlack];
-    infeasibility += s.change.lpNorm<1>() + s.gap.lpNorm<1>();
-    violation =
-        std::max({violation, s.change.lpNorm<Eigen::Infinity>(), s.gap.lpNorm<Eigen::Infinity>()});
-    distances *= product_of_distances(at, &box.lower[kBlock * k], &box.upper[kBlock * k]);
+    infeasibility += s.change.template lpNorm<1>() + s.gap.template lpNorm<1>();
+    violation = std::max({violation, s.change.template lpNorm<Eigen::Infinity>(),
+                          s.gap.template lpNorm<Eigen::Infinity>()});
+    distances *= product_of_distances<n>(at, &box.lower[kBlock * k], &box.upper[kBlock * k]);
     row = evaluate_pairs(ocp, k, after, row, distances);
     X_before = X;
     before = after.theta;
@@ -86,10 +97,11 @@ void ChainPoint::evaluate(const Ocp& ocp, const Box& box) {
   logs = distances.value();
 }
 
-std::size_t ChainPoint::evaluate_pairs(const Ocp& ocp, std::size_t k, const Placed& X,
-                                       std::size_t first, LogOfProduct& distances) {
+template <int n>
+std::size_t ChainPoint<n>::evaluate_pairs(const Ocp& ocp, std::size_t k, const Placed& X,
+                                          std::size_t first, LogOfProduct& distances) {
   const double* at = &z[kBlock * k];
-  const double offset = at[kSlack] - growth(ocp, twist_of(at));
+  const double offset = at[kSlack] - growth(ocp, command_of(at));
   double sum = 0.0, largest = violation;
   LogOfProduct product = distances;
   std::size_t row = first;
@@ -107,15 +119,19 @@ std::size_t ChainPoint::evaluate_pairs(const Ocp& ocp, std::size_t k, const Plac
   return row;
 }
 
-void ChainPoint::set_slacks(const Ocp& ocp, double least) {
+template <int n>
+void ChainPoint<n>::set_slacks(const Ocp& ocp, double least) {
   std::size_t row = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const double* at = &z[kBlock * k];
     const Placed X{pose_of(at)};
-    const double offset = at[kSlack] - growth(ocp, twist_of(at));
+    const double offset = at[kSlack] - growth(ocp, command_of(at));
     for (const Pair& pair : ocp.stages[k].pairs)
       t[row++] = std::max(least, pair_terms(pair, X).value + offset);
   }
 }
+
+template struct ChainPoint<3>;
+template struct ChainPoint<5>;
 
 }  // namespace tandem

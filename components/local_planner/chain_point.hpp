@@ -16,7 +16,6 @@ struct Box {
   static constexpr double kFar = 1e10;
   std::vector<double> lower, upper;
 
-  void resize(std::size_t stages);
   /// False if a bound is not a number or lies on the wrong side.
   [[nodiscard]] bool set(const Ocp& ocp);
 };
@@ -36,19 +35,22 @@ class LogOfProduct {
   double product_ = 1.0, sum_ = 0.0;
 };
 
-/// A stage at a point.
+/// A stage at a point. n: states that it hands on, 3, or 5 where the motors lag.
+template <int n>
 struct StageTerms {
   CostTerms cost;
   Displacement motion;
-  Eigen::Vector2d change;  ///< residuals of rows (2)
-  Eigen::Vector3d gap;     ///< f(X, u) − X⁺: the residuals of rows (3), with the other sign
-  Eigen::Vector2d growth;  ///< gradient of growth() with respect to u
+  Eigen::Vector2d change;           ///< residuals of rows (2)
+  Eigen::Matrix<double, n, 1> gap;  ///< f(X, u) − X⁺: rows (3) and (8), with the other sign
+  Eigen::Vector2d growth;           ///< gradient of growth() with respect to u
 };
 
 /// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0; and what follows.
+template <int n>
 struct ChainPoint {
+  static constexpr std::size_t kBlock = block_of(n);
   std::vector<double> z, t;
-  std::vector<StageTerms> stages;
+  std::vector<StageTerms<n>> stages;
   std::vector<PairTerms> pairs;   ///< in the order of rows (4)
   std::vector<double> residuals;  ///< of rows (4)
   double cost = 0.0;

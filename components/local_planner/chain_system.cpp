@@ -13,8 +13,10 @@
 namespace tandem {
 namespace {
 
+using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
 constexpr double kLeast = 1e-10, kMost = 1e10;  // of a multiplier, times μ / distance
 constexpr double kTau = 0.99;                   // of a distance that a step may use up
@@ -34,26 +36,52 @@ Two clamp(const Two& multipliers, const Two& centred) {
   return multipliers.max(kLeast * centred).min(kMost * centred);
 }
 
+// Derivative of the pose after a stage by the mean twist.
+Matrix32 by_mean(const Ocp& ocp, const Displacement& motion) {
+  Matrix32 B;
+  B << motion.d_v.x(), motion.d_w.x(), motion.d_v.y(), motion.d_w.y(), 0.0, ocp.dt;
+  return B;
+}
+
+// What a stage knows of the mean twist, share · a + (1 − share) · u, told of a and u.
+void share_out(const LagStep& lag, ChainStage<5>& out) {
+  const Vector2d of_a{lag.share_v, lag.share_w}, of_u = Vector2d::Ones() - of_a;
+  const Matrix2d C = out.C_uu;
+  const Vector2d t = out.t_u;
+  const Matrix32 B = out.B.topRows<3>();
+  out.lag.E << lag.decay_v, lag.decay_w;
+  out.lag.M = B * of_a.asDiagonal();
+  out.lag.t_a = of_a.cwiseProduct(t);
+  out.lag.C_aa = of_a.asDiagonal() * C * of_a.asDiagonal();
+  out.lag.C_au = of_a.asDiagonal() * C * of_u.asDiagonal();
+  out.C_uu = of_u.asDiagonal() * C * of_u.asDiagonal();
+  out.t_u = of_u.cwiseProduct(t);
+  out.B << B * of_u.asDiagonal(), Matrix2d{(Vector2d::Ones() - out.lag.E).asDiagonal()};
+}
+
 // Largest fraction of a step that a ratio −Δ / distance allows.
 double allowed(double worst, double tau) { return worst > tau ? tau / worst : 1.0; }
 
 }  // namespace
 
-void Multipliers::resize(std::size_t stage_count, std::size_t pair_count) {
-  lower.resize(kBlock * stage_count);
-  upper.resize(kBlock * stage_count);
+template <int n>
+void Multipliers<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+  lower.resize(block_of(n) * stage_count);
+  upper.resize(block_of(n) * stage_count);
   y.resize(pair_count);
   pi.resize(stage_count);
   lambda.resize(stage_count);
 }
 
-void Step::resize(std::size_t stage_count, std::size_t pair_count) {
-  for (auto* values : {&z, &lower, &upper}) values->resize(kBlock * stage_count);
+template <int n>
+void Step<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+  for (auto* values : {&z, &lower, &upper}) values->resize(block_of(n) * stage_count);
   for (auto* values : {&t, &y}) values->resize(pair_count);
   chain.resize(stage_count);
 }
 
-void ChainSystem::resize(std::size_t stage_count, std::size_t pair_count) {
+template <int n>
+void ChainSystem<n>::resize(std::size_t stage_count, std::size_t pair_count) {
   stages_.resize(stage_count);
   gains_.resize(stage_count);
   slacks_.resize(stage_count);
@@ -62,8 +90,9 @@ void ChainSystem::resize(std::size_t stage_count, std::size_t pair_count) {
   per_t_.resize(pair_count);
 }
 
-void ChainSystem::condense(const Ocp& ocp, const Box& box, const ChainPoint& point, double mu,
-                           Multipliers& multipliers) {
+template <int n>
+void ChainSystem<n>::condense(const Ocp& ocp, const Box& box, const ChainPoint<n>& point, double mu,
+                              Multipliers<n>& multipliers) {
   dual_ = multipliers_ = largest_product_ = 0.0;
   least_product_ = Box::kFar;
   violation_ = point.violation;
@@ -78,8 +107,9 @@ void ChainSystem::condense(const Ocp& ocp, const Box& box, const ChainPoint& poi
   }
 }
 
-void ChainSystem::condense_bounds(const Box& box, const ChainPoint& point, double mu,
-                                  Multipliers& multipliers) {
+template <int n>
+void ChainSystem<n>::condense_bounds(const Box& box, const ChainPoint<n>& point, double mu,
+                                     Multipliers<n>& multipliers) {
   Two least = Two::Constant(Box::kFar), largest = Two::Zero(), sum = Two::Zero();
   for (std::size_t i = 0; i < point.z.size(); i += 2) {
     const Two z = two(point.z, i);
@@ -104,8 +134,11 @@ void ChainSystem::condense_bounds(const Box& box, const ChainPoint& point, doubl
   multipliers_ += sum.sum();
 }
 
-ChainSystem::PairSums ChainSystem::condense_pairs(Rows rows, const ChainPoint& point, double mu,
-                                                  Multipliers& multipliers) {
+template <int n>
+typename ChainSystem<n>::PairSums ChainSystem<n>::condense_pairs(Rows rows,
+                                                                 const ChainPoint<n>& point,
+                                                                 double mu,
+                                                                 Multipliers<n>& multipliers) {
   // Sums of this function, not of an object that the stores below could change: in registers.
   double sigma_sum = 0.0, y_sum = 0.0, gradient_sum = 0.0;
   double least = least_product_, largest = largest_product_;
@@ -121,14 +154,14 @@ ChainSystem::PairSums ChainSystem::condense_pairs(Rows rows, const ChainPoint& p
     largest = std::max(largest, y * t);
 
     const double sigma = y * per, gradient = centred - sigma * point.residuals[i];
-    const Vector3d n = pair.gradient();
+    const Vector3d p = pair.gradient();
     sigma_sum += sigma;
     y_sum += y;
     gradient_sum += gradient;
-    sigma_n += sigma * n;
-    y_n += y * n;
-    gradient_n += gradient * n;
-    H.add(sigma, n);
+    sigma_n += sigma * p;
+    y_n += y * p;
+    gradient_n += gradient * p;
+    H.add(sigma, p);
     C.add(-y * pair.curvature, pair.along());
     C.tt += y * pair.lean;
   }
@@ -137,25 +170,35 @@ ChainSystem::PairSums ChainSystem::condense_pairs(Rows rows, const ChainPoint& p
   return {sigma_sum, y_sum, gradient_sum, sigma_n, y_n, gradient_n, H, C};
 }
 
-void ChainSystem::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms& stage,
-                                 const PairSums& pairs, const Vector3d& pi) {
+template <int n>
+void ChainSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
+                                    const PairSums& pairs, const ChainState<n>& pi) {
   const double *sigma = &sigma_[kBlock * k], *barrier = &barrier_[kBlock * k];
   const double per = 1.0 / (sigma[kSlack] + pairs.sigma);
   const double gradient = ocp.slack_weight + barrier[kSlack] - pairs.gradient;
   const double stiffness = sigma[kSlack] * per;  // of the rows, their slack being free: a share
   slacks_[k] = {per, gradient, pairs.sigma, pairs.sigma_n};
 
-  ChainStage& out = stages_[k];
-  out.H_xx = pairs.H.matrix() - per * pairs.sigma_n * pairs.sigma_n.transpose();
-  out.H_xx.diagonal() += stage.cost.X2 + Vector3d{sigma[kX], sigma[kY], sigma[kTheta]};
+  ChainStage<n>& out = stages_[k];
+  Eigen::Matrix3d H_pose = pairs.H.matrix() - per * pairs.sigma_n * pairs.sigma_n.transpose();
+  H_pose.diagonal() += stage.cost.X2 + Vector3d{sigma[kX], sigma[kY], sigma[kTheta]};
+  H_pose(0, 1) += stage.cost.xy;
+  H_pose(1, 0) += stage.cost.xy;
+  const Vector3d h_pose = stage.cost.X + Vector3d{barrier[kX], barrier[kY], barrier[kTheta]} -
+                          pairs.gradient_n - per * gradient * pairs.sigma_n;
+  if constexpr (n == 5) {
+    out.H_xx.setZero();
+    out.H_xx.diagonal().template tail<2>() << sigma[kMotionV], sigma[kMotionW];
+    out.h_x.template tail<2>() << barrier[kMotionV], barrier[kMotionW];
+  }
+  out.H_xx.template topLeftCorner<3, 3>() = H_pose;
+  out.h_x.template head<3>() = h_pose;
   out.H_xu = -stiffness * pairs.sigma_n * stage.growth.transpose();
   out.H_uu = stiffness * pairs.sigma * stage.growth * stage.growth.transpose();
   out.H_uu(0, 0) += stage.cost.vv + sigma[kV] + 2.0 * ocp.gap_v * pairs.y;
   out.H_uu(1, 1) += stage.cost.ww + sigma[kW] + 2.0 * ocp.gap_w * pairs.y;
   out.H_uu(0, 1) += stage.cost.vw;
   out.H_uu(1, 0) += stage.cost.vw;
-  out.h_x = stage.cost.X + Vector3d{barrier[kX], barrier[kY], barrier[kTheta]} - pairs.gradient_n -
-            per * gradient * pairs.sigma_n;
   out.h_u = stage.cost.u + Vector2d{barrier[kV], barrier[kW]} +
             (pairs.gradient + per * gradient * pairs.sigma) * stage.growth;
 
@@ -166,23 +209,26 @@ void ChainSystem::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms
   condense_motion(ocp, stage, pi, out);
 }
 
-void ChainSystem::condense_motion(const Ocp& ocp, const StageTerms& stage, const Vector3d& pi,
-                                  ChainStage& out) {
+template <int n>
+void ChainSystem<n>::condense_motion(const Ocp& ocp, const StageTerms<n>& stage,
+                                     const ChainState<n>& pi, ChainStage<n>& out) {
   const Displacement& motion = stage.motion;
-  const Vector2d l = pi.head<2>();
+  const Vector2d l = pi.template head<2>();
   const double vw = l.dot(motion.d_v_w);
   out.C_uu << 0.0, vw, vw, l.dot(motion.d_w_w);
   out.t = l.dot(motion.d_theta_theta);
   out.t_u = {l.dot(motion.d_theta_v), l.dot(motion.d_theta_w)};
   out.a = motion.d_theta;
-  out.B << motion.d_v.x(), motion.d_w.x(), motion.d_v.y(), motion.d_w.y(), 0.0, ocp.dt;
+  out.B.template topRows<3>() = by_mean(ocp, motion);
   out.c = stage.gap;
+  if constexpr (n == 5) share_out(ocp.lag, out);
 }
 
-void ChainSystem::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint& point,
-                               const PairSums& pairs, const Multipliers& multipliers) {
-  const StageTerms& stage = point.stages[k];
-  const Vector3d& pi = multipliers.pi[k];
+template <int n>
+void ChainSystem<n>::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint<n>& point,
+                                  const PairSums& pairs, const Multipliers<n>& multipliers) {
+  const StageTerms<n>& stage = point.stages[k];
+  const ChainState<n>& pi = multipliers.pi[k];
   const Vector2d& lambda = multipliers.lambda[k];
   const auto bound = [&](int place) {
     const std::size_t i = kBlock * k + static_cast<std::size_t>(place);
@@ -190,38 +236,50 @@ void ChainSystem::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint& 
   };
   Vector2d u = stage.cost.u + Vector2d{bound(kV), bound(kW)} + lambda + pairs.y * stage.growth +
                stages_[k].B.transpose() * pi;
-  Vector3d X = stage.cost.X + Vector3d{bound(kX), bound(kY), bound(kTheta)} - pi - pairs.y_n;
+  ChainState<n> X = -pi;
+  X.template head<3>() += stage.cost.X + Vector3d{bound(kX), bound(kY), bound(kTheta)} - pairs.y_n;
+  if constexpr (n == 5) X.template tail<2>() += Vector2d{bound(kMotionV), bound(kMotionW)};
   if (k + 1 < point.stages.size()) {
-    const Vector3d& pi_after = multipliers.pi[k + 1];
+    const ChainState<n>& pi_after = multipliers.pi[k + 1];
+    const Displacement& motion_after = point.stages[k + 1].motion;
     u -= multipliers.lambda[k + 1];
-    X += pi_after;
-    X.z() += point.stages[k + 1].motion.d_theta.dot(pi_after.head<2>());
+    X.template head<3>() += pi_after.template head<3>();
+    X.z() += motion_after.d_theta.dot(pi_after.template head<2>());
+    if constexpr (n == 5) {
+      const LagStep& lag = ocp.lag;
+      const Vector2d by = by_mean(ocp, motion_after).transpose() * pi_after.template head<3>();
+      X[3] += lag.share_v * by.x() + lag.decay_v * pi_after[3];
+      X[4] += lag.share_w * by.y() + lag.decay_w * pi_after[4];
+    }
   }
   const Vector2d d = stage.cost.change + Vector2d{bound(kDv), bound(kDw)} - lambda;
   const double s = ocp.slack_weight + bound(kSlack) - pairs.y;
-  dual_ = std::max({dual_, u.lpNorm<Eigen::Infinity>(), X.lpNorm<Eigen::Infinity>(),
+  dual_ = std::max({dual_, u.lpNorm<Eigen::Infinity>(), X.template lpNorm<Eigen::Infinity>(),
                     d.lpNorm<Eigen::Infinity>(), std::abs(s)});
-  multipliers_ += 2.0 * pairs.y + pi.lpNorm<1>() + lambda.lpNorm<1>();
+  multipliers_ += 2.0 * pairs.y + pi.template lpNorm<1>() + lambda.lpNorm<1>();
 }
 
-double ChainSystem::complementarity(double mu) const {
+template <int n>
+double ChainSystem<n>::complementarity(double mu) const {
   return std::max(largest_product_ - mu, mu - least_product_);
 }
 
-double ChainSystem::error(double mu) const {
+template <int n>
+double ChainSystem<n>::error(double mu) const {
   constexpr double kOrdinary = 100.0;  // mean multiplier above which the error is scaled
   const auto count =
-      static_cast<double>((2 * kBlock + kEqualities) * stages_.size() + 2 * per_t_.size());
+      static_cast<double>((2 * kBlock + equalities_of(n)) * stages_.size() + 2 * per_t_.size());
   const double scale = std::max(kOrdinary, multipliers_ / count) / kOrdinary;
   return std::max({dual_ / scale, violation_, complementarity(mu) / scale});
 }
 
 // Adds more and more to the diagonal until the pivots are positive. Where much is needed, the
 // curvature of pairs and motion is dropped instead: what is left is convex, or nearly.
-bool ChainSystem::factorize_convex() {
+template <int n>
+bool ChainSystem<n>::factorize_convex() {
   const double before = last_delta_;
   Convexity convexity;
-  for (int i = 0; !factorize(stages_, convexity, gains_); ++i) {
+  for (int i = 0; !factorize<n>(stages_, convexity, gains_); ++i) {
     if (i == kAttempts) return false;
     double& delta = convexity.delta;
     if (delta == 0.0)
@@ -234,26 +292,30 @@ bool ChainSystem::factorize_convex() {
   return true;
 }
 
-bool ChainSystem::solve(const Ocp& ocp, const ChainPoint& point, double mu,
-                        const Multipliers& multipliers, Step& step) {
+template <int n>
+bool ChainSystem<n>::solve(const Ocp& ocp, const ChainPoint<n>& point, double mu,
+                           const Multipliers<n>& multipliers, Step<n>& step) {
   if (!factorize_convex()) return false;
-  roll_out(stages_, gains_, step.chain);
+  roll_out<n>(stages_, gains_, step.chain);
   step.slope = step.worst_primal = step.worst_dual = 0.0;
   std::size_t row = 0;
   for (std::size_t k = 0; k < stages_.size(); ++k) {
-    const StageTerms& stage = point.stages[k];
-    const ChainStep& chain = step.chain[k];
+    const StageTerms<n>& stage = point.stages[k];
+    const ChainStep<n>& chain = step.chain[k];
     const SlackTerms& slack = slacks_[k];
     const double grown = stage.growth.dot(chain.u);
-    const double ds =
-        -slack.per * (slack.gradient + slack.weights.dot(chain.X) - slack.sum * grown);
-    const double all[kBlock] = {chain.u.x(), chain.u.y(), chain.d.x(), chain.d.y(),
-                                chain.X.x(), chain.X.y(), chain.X.z(), ds};
-    std::copy(all, all + kBlock, &step.z[kBlock * k]);
-    step.slope += stage.cost.u.dot(chain.u) + stage.cost.X.dot(chain.X) +
+    const double ds = -slack.per * (slack.gradient + slack.weights.dot(chain.X.template head<3>()) -
+                                    slack.sum * grown);
+    double* z = &step.z[kBlock * k];
+    const double all[kSlack + 1] = {chain.u.x(), chain.u.y(), chain.d.x(), chain.d.y(),
+                                    chain.X.x(), chain.X.y(), chain.X.z(), ds};
+    std::copy(std::begin(all), std::end(all), z);
+    if constexpr (n == 5) z[kMotionV] = chain.X[3], z[kMotionW] = chain.X[4];
+    const Vector3d pose = chain.X.template head<3>();
+    step.slope += stage.cost.u.dot(chain.u) + stage.cost.X.dot(pose) +
                   stage.cost.change.dot(chain.d) + ocp.slack_weight * ds;
     const std::size_t end = row + ocp.stages[k].pairs.size();
-    expand_pairs({row, end}, point, mu, multipliers, {chain.X, ds - grown}, step);
+    expand_pairs({row, end}, point, mu, multipliers, {pose, ds - grown}, step);
     row = end;
   }
   expand_bounds(mu, multipliers, step);
@@ -263,9 +325,10 @@ bool ChainSystem::solve(const Ocp& ocp, const ChainPoint& point, double mu,
   return std::isfinite(step.slope);
 }
 
-void ChainSystem::expand_pairs(Rows rows, const ChainPoint& point, double mu,
-                               const Multipliers& multipliers, const PairStep& by,
-                               Step& step) const {
+template <int n>
+void ChainSystem<n>::expand_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+                                  const Multipliers<n>& multipliers, const PairStep& by,
+                                  Step<n>& step) const {
   double logs = 0.0, primal = step.worst_primal, dual = step.worst_dual;
   for (std::size_t i = rows.first; i < rows.end; ++i) {
     const double y = multipliers.y[i];
@@ -283,7 +346,9 @@ void ChainSystem::expand_pairs(Rows rows, const ChainPoint& point, double mu,
   step.worst_dual = dual;
 }
 
-void ChainSystem::expand_bounds(double mu, const Multipliers& multipliers, Step& step) const {
+template <int n>
+void ChainSystem<n>::expand_bounds(double mu, const Multipliers<n>& multipliers,
+                                   Step<n>& step) const {
   Two slope = Two::Zero(), primal = Two::Zero(), dual = Two::Zero();
   for (std::size_t i = 0; i < step.z.size(); i += 2) {
     const Two z = two(step.z, i), lower = two(multipliers.lower, i),
@@ -302,5 +367,12 @@ void ChainSystem::expand_bounds(double mu, const Multipliers& multipliers, Step&
   step.worst_primal = std::max(step.worst_primal, primal.maxCoeff());
   step.worst_dual = std::max(step.worst_dual, dual.maxCoeff());
 }
+
+template struct Multipliers<3>;
+template struct Multipliers<5>;
+template struct Step<3>;
+template struct Step<5>;
+template class ChainSystem<3>;
+template class ChainSystem<5>;
 
 }  // namespace tandem

@@ -9,20 +9,22 @@
 
 namespace tandem {
 
-/// Multipliers: of the bounds, of rows (4) (y = −λ ≥ 0), of rows (3) (π = −λ) and of rows (2).
+/// Multipliers: of the bounds, of rows (4) (y = −λ ≥ 0), of rows (3), (8) (π = −λ) and of rows (2).
+template <int n>
 struct Multipliers {
   std::vector<double> lower, upper;
   std::vector<double> y;
-  std::vector<Eigen::Vector3d> pi;
+  std::vector<ChainState<n>> pi;
   std::vector<Eigen::Vector2d> lambda;
 
   void resize(std::size_t stage_count, std::size_t pair_count);
 };
 
 /// Newton's step and how much of it stays inside: (1 − τ) of each distance is left.
+template <int n>
 struct Step {
   std::vector<double> z, t, lower, upper, y;
-  std::vector<ChainStep> chain;  ///< its pi and lambda: the new multipliers
+  std::vector<ChainStep<n>> chain;  ///< its pi and lambda: the new multipliers
   double alpha_primal = 1.0, alpha_dual = 1.0;
   double worst_primal = 0.0, worst_dual = 0.0;  ///< largest −Δ / distance
   double slope = 0.0;                           ///< derivative of the barrier objective along it
@@ -33,14 +35,15 @@ struct Step {
 /// The primal-dual system of min cost − μ Σ log(distances) subject to (2), (3), (4), condensed:
 /// t, y and the bounds' multipliers are eliminated by themselves, then s of each stage, then d;
 /// what is left is the chain of (1) of riccati.hpp. Owns its memory: no allocation once it is
-/// large enough.
+/// large enough. n: states that a stage hands on, 3, or 5 where the motors lag.
+template <int n>
 class ChainSystem {
  public:
   void resize(std::size_t stage_count, std::size_t pair_count);
 
   /// Sets the system up. Multipliers more than 1e10 off μ / distance are brought back first.
-  void condense(const Ocp& ocp, const Box& box, const ChainPoint& point, double mu,
-                Multipliers& multipliers);
+  void condense(const Ocp& ocp, const Box& box, const ChainPoint<n>& point, double mu,
+                Multipliers<n>& multipliers);
 
   /// Largest residual of the optimality conditions at barrier `mu` as Ipopt scales it.
   [[nodiscard]] double error(double mu) const;
@@ -48,13 +51,15 @@ class ChainSystem {
   [[nodiscard]] double complementarity(double mu) const;
 
   /// Solves for the step. False if no regularisation makes the system convex.
-  [[nodiscard]] bool solve(const Ocp& ocp, const ChainPoint& point, double mu,
-                           const Multipliers& multipliers, Step& step);
+  [[nodiscard]] bool solve(const Ocp& ocp, const ChainPoint<n>& point, double mu,
+                           const Multipliers<n>& multipliers, Step<n>& step);
 
   /// Forgets how much regularisation was needed.
   void reset() { last_delta_ = 0.0; }
 
  private:
+  static constexpr std::size_t kBlock = block_of(n);
+
   // s of a stage: Δs = −per (gradient + weights · ΔX − sum growth · Δu).
   struct SlackTerms {
     double per, gradient, sum;
@@ -96,22 +101,23 @@ class ChainSystem {
     OuterSum H, C;
   };
 
-  void condense_bounds(const Box& box, const ChainPoint& point, double mu,
-                       Multipliers& multipliers);
-  PairSums condense_pairs(Rows rows, const ChainPoint& point, double mu, Multipliers& multipliers);
-  void condense_stage(const Ocp& ocp, std::size_t k, const StageTerms& stage, const PairSums& pairs,
-                      const Eigen::Vector3d& pi);
-  static void condense_motion(const Ocp& ocp, const StageTerms& stage, const Eigen::Vector3d& pi,
-                              ChainStage& out);
-  void look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint& point, const PairSums& pairs,
-                    const Multipliers& multipliers);
+  void condense_bounds(const Box& box, const ChainPoint<n>& point, double mu,
+                       Multipliers<n>& multipliers);
+  PairSums condense_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+                          Multipliers<n>& multipliers);
+  void condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
+                      const PairSums& pairs, const ChainState<n>& pi);
+  static void condense_motion(const Ocp& ocp, const StageTerms<n>& stage, const ChainState<n>& pi,
+                              ChainStage<n>& out);
+  void look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint<n>& point,
+                    const PairSums& pairs, const Multipliers<n>& multipliers);
   [[nodiscard]] bool factorize_convex();
-  void expand_pairs(Rows rows, const ChainPoint& point, double mu, const Multipliers& multipliers,
-                    const PairStep& by, Step& step) const;
-  void expand_bounds(double mu, const Multipliers& multipliers, Step& step) const;
+  void expand_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+                    const Multipliers<n>& multipliers, const PairStep& by, Step<n>& step) const;
+  void expand_bounds(double mu, const Multipliers<n>& multipliers, Step<n>& step) const;
 
-  std::vector<ChainStage> stages_;
-  std::vector<ChainGain> gains_;
+  std::vector<ChainStage<n>> stages_;
+  std::vector<ChainGain<n>> gains_;
   std::vector<SlackTerms> slacks_;
   std::vector<double> per_lower_, per_upper_;  // 1 / distance
   std::vector<double> sigma_, barrier_;        // of the bounds: Hessian, gradient

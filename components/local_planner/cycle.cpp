@@ -27,9 +27,13 @@ Interval reachable(double min, double max, double command, double step) {
 
 // Largest |x|, |y| on the way to rest, after one step in which the command hardly changes.
 double extent_of_braking(const Cycle& cycle) {
+  const MotorLag lag = lag_of(cycle.params);
+  const Moving moving =
+      follow({cycle.start.X_MB, cycle.start.moves}, cycle.start.command, lag, cycle.params.dt);
   Start after = cycle.start;
-  after.X_MB = integrate(after.X_MB, after.command, cycle.params.dt);
-  const Motion motion = braking(after, cycle.params.dt, cycle.robot.a_max, cycle.robot.alpha_max);
+  after.X_MB = moving.X_MB;
+  const Motion motion = with_lag(
+      braking(after, cycle.params.dt, cycle.robot.a_max, cycle.robot.alpha_max), lag, moving.twist);
   double extent = std::max(std::abs(cycle.start.X_MB.x), std::abs(cycle.start.X_MB.y));
   for (const Pose2& X : to_plan(motion, 0.0).X_MB)
     extent = std::max({extent, std::abs(X.x), std::abs(X.y)});
@@ -40,24 +44,27 @@ double extent_of_braking(const Cycle& cycle) {
 double final_cost(const Cycle& cycle, const Forecast& motion) {
   const StageCost& c = cycle.costs.back();
   const Pose2& X = motion.X_MB.back();
-  const double x = X.x - c.X_MR.x, y = X.y - c.X_MR.y;
-  return c.q_x * x * x + c.q_y * y * y + 2.0 * c.q_theta * (1.0 - std::cos(X.theta - c.X_MR.theta));
+  const Eigen::Vector2d off = X.position() - c.X_MR.position();
+  return off.dot(c.pull(off)) + 2.0 * c.q_theta * (1.0 - std::cos(X.theta - c.X_MR.theta));
 }
 
 // Delay compensation: what was commanded during the last `delay` seconds is what the robot is still
 // to do. Before the first known command it went from the measured twist to that one.
-Pose2 predicted_pose(const PlanRequest& request, double delay, std::span<const Sent> sent) {
+Moving predicted(const PlanRequest& request, double delay, const MotorLag& lag,
+                 std::span<const Sent> sent) {
   const Twist2 first = sent.empty() ? request.command : sent.front().twist;
   const Twist2 mean{0.5 * (request.measured.v + first.v), 0.5 * (request.measured.w + first.w)};
   double t = request.t - delay;
   const double known = sent.empty() ? request.t : std::max(t, sent.front().from);
-  Pose2 X_MB = integrate(request.X_MB, mean, known - t);
+  const Moving measured{request.X_MB, request.measured};
+  Moving at = lag.any() ? follow(measured, first, lag, known - t)
+                        : Moving{integrate(request.X_MB, mean, known - t), first};
   t = known;
   for (const Sent& s : sent) {
-    X_MB = integrate(X_MB, s.twist, std::max(0.0, s.until - t));
+    at = follow(at, s.twist, lag, std::max(0.0, s.until - t));
     t = std::max(t, s.until);
   }
-  return X_MB;
+  return at;
 }
 
 }  // namespace
@@ -83,14 +90,14 @@ bool is_valid(const PlanRequest& request) {
 
 Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const RobotParams& robot,
                   const Body& body, std::span<const Sent> sent) {
-  const Start start{predicted_pose(request, params.delay, sent), request.command,
-                    request.t + params.delay};
+  const Moving from = predicted(request, params.delay, lag_of(params), sent);
+  const Start start{from.X_MB, request.command, request.t + params.delay, from.twist};
   Cycle cycle{.params = params,
               .robot = robot,
               .body = body,
               .request = request,
               .start = start,
-              .wish = forecast(request, start.X_MB, params, robot),
+              .wish = forecast(request, from, params, robot),
               .costs = {},
               .to_avoid = {},
               .limits = {.margin = params.margin,
@@ -117,7 +124,9 @@ Ocp problem(const Cycle& cycle, const Forecast& guess) {
       .gap_v = cycle.params.margin_v,
       .gap_w = cycle.params.margin_w,
       .X_MB = cycle.start.X_MB,
-      .command = cycle.start.command};
+      .command = cycle.start.command,
+      .lag = LagStep::over(cycle.params.dt, lag_of(cycle.params)),
+      .motion = cycle.start.moves};
   const Twist2& u = cycle.start.command;
   double time = cycle.params.control_period;
   for (int k = 0; k < cycle.params.horizon_steps; ++k, time += cycle.params.dt) {
@@ -139,6 +148,7 @@ Ocp problem(const Cycle& cycle, const Forecast& guess) {
 
 Forecast within_limits(const Ocp& ocp, const Forecast& motion) {
   Forecast out{{}, {ocp.X_MB}};
+  Moving at{ocp.X_MB, ocp.motion};
   Twist2 u = ocp.command;
   for (std::size_t k = 0; k < motion.twist.size(); ++k) {
     const Interval &dv = ocp.change_v[k], &dw = ocp.change_w[k];
@@ -146,7 +156,8 @@ Forecast within_limits(const Ocp& ocp, const Forecast& motion) {
     u = {u.v + std::clamp(std::clamp(wanted.v, ocp.v[k].min, ocp.v[k].max) - u.v, dv.min, dv.max),
          u.w + std::clamp(std::clamp(wanted.w, ocp.w[k].min, ocp.w[k].max) - u.w, dw.min, dw.max)};
     out.twist.push_back(u);
-    out.X_MB.push_back(advance(ocp, out.X_MB.back(), u));
+    at = advance(ocp, at, u);
+    out.X_MB.push_back(at.X_MB);
   }
   return out;
 }
@@ -159,7 +170,7 @@ Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion) {
                         cycle.limits);
   for (std::size_t k = 0; k < out.gaps.size(); ++k) {
     const double missed = growth(out.ocp, out.motion.twist[k]) - out.gaps[k];
-    point.z[kBlock * k + kSlack] = std::max(0.0, missed);
+    point.z[block(out.ocp) * k + kSlack] = std::max(0.0, missed);
     out.slack = std::max(out.slack, missed);
   }
   out.clearance = *std::min_element(out.gaps.begin(), out.gaps.end()) + cycle.params.margin;
@@ -170,10 +181,12 @@ Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion) {
 
 bool is_clear(const Cycle& cycle, const Candidate& candidate) {
   const auto& twist = candidate.motion.twist;
-  const double matters =
-      cycle.params.control_period + cycle.params.dt + stopping_time(twist.front(), cycle.robot);
-  return is_clear(cycle.body, {cycle.start.X_MB, cycle.params.delay, cycle.params.dt, twist},
-                  cycle.to_avoid, matters);
+  const MotorLag lag = lag_of(cycle.params);
+  const double matters = cycle.params.control_period + cycle.params.dt +
+                         stopping_time(twist.front(), cycle.robot) + coasting_time(lag);
+  const Motion motion{cycle.start.X_MB, cycle.params.delay, cycle.params.dt, twist, lag,
+                      cycle.start.moves};
+  return is_clear(cycle.body, motion, cycle.to_avoid, matters);
 }
 
 CostParts cost_parts(const Candidate& candidate) {
@@ -185,7 +198,8 @@ CostParts cost_parts(const Candidate& candidate) {
     const Twist2 change{u.v - before.v, u.w - before.w};
     before = u;
     StageCost pose = candidate.ocp.stages[k].cost, twist = pose, smooth = pose;
-    twist.q_x = twist.q_y = twist.q_theta = smooth.q_x = smooth.q_y = smooth.q_theta = 0.0;
+    for (StageCost* without : {&twist, &smooth})
+      without->q_x = without->q_y = without->q_xy = without->q_theta = 0.0;
     pose.r_v = pose.r_w = pose.c_dir = smooth.r_v = smooth.r_w = smooth.c_dir = 0.0;
     pose.c_v = pose.c_w = twist.c_v = twist.c_w = 0.0;
     const Pose2& X = motion.X_MB[k + 1];
@@ -211,7 +225,7 @@ int active_rows(const Candidate& candidate) {
 
 bool left_out_a_pair(const Candidate& candidate) {
   for (std::size_t k = 0; k < candidate.gaps.size(); ++k)
-    if (candidate.gaps[k] < -candidate.solution.point.z[kBlock * k + kSlack] - kLeftOut)
+    if (candidate.gaps[k] < -at(candidate.ocp, candidate.solution.point.z, k, kSlack) - kLeftOut)
       return true;
   return false;
 }
@@ -229,17 +243,17 @@ Forecast cold_guess(const Cycle& cycle) {
 }
 
 std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs) {
-  const Pose2& X_MB = cycle.start.X_MB;
+  const Moving from{cycle.start.X_MB, cycle.start.moves};
   const RobotParams& robot = cycle.robot;
   const auto toward = [&](double v, double w) {
-    return forecast_of({v, w}, cycle.request, X_MB, cycle.params, robot);
+    return forecast_of({v, w}, cycle.request, from, cycle.params, robot);
   };
   std::vector<Forecast> guesses;
   const auto poses = std::span(cycle.wish.X_MB).subspan(1);
   const auto& obstacles = cycle.request.obstacles;
   if (first_miss(cycle.body, obstacles, poses, cycle.limits) < poses.size()) {
     for (const auto& p_MV : points_beside(cycle.wish, cycle.body, obstacles, cycle.limits))
-      guesses.push_back(forecast_via(p_MV, cycle.request, X_MB, cycle.params, robot));
+      guesses.push_back(forecast_via(p_MV, cycle.request, from, cycle.params, robot));
     guesses.push_back(toward(0.0, 0.0));
   }
   guesses.push_back(cycle.wish);

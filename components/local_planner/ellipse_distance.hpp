@@ -20,9 +20,22 @@ struct SignedDistance {
   double curvature;        ///< κ' of (2) [1/m]
 };
 
-/// Exact up to rounding, outside and inside. A disc of radius r about p keeps clear of the ellipse
-/// exactly if value > r: the Minkowski sum of the two, which is no ellipse, is {φ ≤ r}. Inside,
-/// beyond the centres of curvature, φ has a crease along the long axis; there (2) is bounded.
+/// Exact up to rounding, outside and inside. A disc of radius r ≥ 0 about p meets the filled
+/// ellipse E exactly if φ(p) ≤ r: nothing is bounded, the sum of ellipse and disc is used as it is.
+/// Proof: with D the closed disc of radius r about 0,
+///
+///   (p + D) ∩ E ≠ ∅  ⇔  |p − e| ≤ r for some e ∈ E  ⇔  p ∈ E ⊕ D  ⇔  dist(p, E) ≤ r        (4)
+///
+/// as D = −D, and since E is compact. Outside of E its nearest point is on the outline: φ = dist;
+/// inside φ < 0 ≤ r and p itself is in both. So E ⊕ D = {φ ≤ r}, the outer parallel body of E
+/// (Schneider, "Convex Bodies: The Brunn-Minkowski Theory", 2nd ed., section 3.1), and its outline
+/// is the offset curve c + r n. That is no ellipse. The ellipse of semi-axes a + r and b + r lies
+/// inside of it, and would hide contacts: support functions add (ibid., section 1.7), and
+/// |(a cos t, b sin t)| + |(r cos t, r sin t)| ≥ |((a + r) cos t, (b + r) sin t)|.
+///
+/// (1) and (2): Gilbarg and Trudinger, "Elliptic Partial Differential Equations of Second Order",
+/// section 14.6. Inside, beyond the centres of curvature, φ has a crease along the long axis; there
+/// (2) is bounded.
 [[nodiscard]] SignedDistance signed_distance_to_ellipse(const Obstacle& ellipse,
                                                         const Eigen::Vector2d& p_MQ);
 

@@ -35,6 +35,13 @@ Motion braking(const Start& start, double period, double a, double alpha) {
   return motion;
 }
 
+Motion with_lag(Motion motion, const MotorLag& lag, const Twist2& moves) {
+  motion.lag = lag;
+  motion.moves = moves;
+  for (double t = 0.0; t < coasting_time(lag); t += motion.dt) motion.twist.emplace_back();
+  return motion;
+}
+
 double stopping_time(const Twist2& twist, const RobotParams& robot) {
   return std::max(std::abs(twist.v) / robot.a_max, std::abs(twist.w) / robot.alpha_max);
 }
@@ -42,8 +49,11 @@ double stopping_time(const Twist2& twist, const RobotParams& robot) {
 Plan to_plan(const Motion& motion, double t0) {
   Plan plan{.command = motion.twist.front(), .t0 = t0, .dt = motion.dt, .X_MB = {motion.X_MB}};
   plan.twist = motion.twist;
-  for (const Twist2& u : motion.twist)
-    plan.X_MB.push_back(integrate(plan.X_MB.back(), u, motion.dt));
+  Moving at{motion.X_MB, motion.moves};
+  for (const Twist2& u : motion.twist) {
+    at = follow(at, u, motion.lag, motion.dt);
+    plan.X_MB.push_back(at.X_MB);
+  }
   return plan;
 }
 

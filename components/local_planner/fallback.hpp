@@ -2,6 +2,7 @@
 // In: the last good plan and where the robot is. Out: the safest motion that needs no solver.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "local_planner/motion_check.hpp"
@@ -13,8 +14,9 @@ namespace tandem {
 /// Where a fallback starts: pose and twist at the moment the command acts.
 struct Start {
   Pose2 X_MB;
-  Twist2 command;   ///< in force
-  double t0 = 0.0;  ///< [s]
+  Twist2 command;     ///< in force
+  double t0 = 0.0;    ///< [s]
+  Twist2 moves = {};  ///< what the robot does then; not read without a lag
 };
 
 /// Rest of `plan` from t0 on, within acceleration limits of the command in force, one twist per
@@ -24,6 +26,14 @@ struct Start {
 
 /// To rest along the current arc: w / v stays. The slower of v / a and w / α decides.
 [[nodiscard]] Motion braking(const Start& start, double period, double a, double alpha);
+
+/// The motion as motors drive that lag: seconds of rest commanded at its end until they stand.
+[[nodiscard]] Motion with_lag(Motion motion, const MotorLag& lag, const Twist2& moves);
+
+/// Seconds in which the motors all but reach a command.
+[[nodiscard]] inline double coasting_time(const MotorLag& lag) {
+  return 3.0 * std::max(lag.v, lag.w);
+}
 
 /// Seconds to rest from `twist` at the comfortable limits.
 [[nodiscard]] double stopping_time(const Twist2& twist, const RobotParams& robot);

@@ -8,23 +8,48 @@ namespace tandem {
 
 LocalPlannerNode::LocalPlannerNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<LocalPlannerNodeParams>()},
-      method_{method_named(params_->method)},
+      params_{node.declare_parameters<LocalPlannerNodeParams>(
+          {}, [](auto& all) -> auto& { return all.live; },
+          [this](const auto& wanted) { change(wanted.live); })},
+      method_{method_named(params_->live.method)},
       guidance_{guidance_of(*params_)},
-      nmpc_{params_->nmpc, params_->robot},
+      nmpc_{params_->live.nmpc, params_->robot},
       robot_{node, params_->input},
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
       plan_{node.create_publisher(topics::plan)},
       user_path_{node.create_publisher(topics::user_path)},
-      status_out_{node.create_publisher(topics::planner_status)} {
+      status_out_{node.create_publisher(topics::planner_status)},
+      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->twist_input,
+               [this](const auto& msg) { hear(msg, user_); }},
+      on_command_{node, topics::cmd_vel, params_->twist_input,
+                  [this](const auto& msg) { hear(msg, command_); }} {
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
     throw std::invalid_argument("goal: needs three numbers, x, y and heading");
   if (!goal.empty()) X_MG_ = Pose2{goal[0], goal[1], goal[2]};
   status_.method(name(method_));
   subscribe();
-  timer_ = node.create_timer(params_->nmpc.control_period, [this] { plan(); });
-  watchdog_ = node.create_timer(params_->nmpc.control_period / 4, [this] { watch(); });
+  start_timers(params_->live.nmpc.control_period);
+}
+
+void LocalPlannerNode::start_timers(double control_period) {
+  timer_ = node_.create_timer(control_period, [this] { plan(); });
+  watchdog_ = node_.create_timer(control_period / 4, [this] { watch(); });
+}
+
+void LocalPlannerNode::change(const LivePlannerParams& wanted) {
+  const auto& now = params_->live;
+  nmpc_.set_params(wanted.nmpc);
+  if (wanted.nmpc.control_period != now.nmpc.control_period)
+    start_timers(wanted.nmpc.control_period);
+  if (wanted.method == now.method) return;
+  nmpc_.reset();  // the way that another method took leads nowhere
+  method_ = method_named(wanted.method);
+  status_.method(wanted.method);
+}
+
+void LocalPlannerNode::hear(const geometry_msgs::msg::Twist& msg, Heard<Twist2>& heard) {
+  if (const auto twist = from_msg(msg)) heard = {*twist, node_.now()};
 }
 
 void LocalPlannerNode::subscribe() {
@@ -35,10 +60,6 @@ void LocalPlannerNode::subscribe() {
                              obstacles.refused);
     obstacles_ = {std::move(obstacles.all), node_.now()};
   });
-  on_user_ =
-      node_.create_subscription(topics::cmd_vel_user, topics::kUserInput, [this](const auto& msg) {
-        if (const auto twist = from_msg(msg)) user_ = {*twist, node_.now()};
-      });
   on_leader_ =
       node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
         if (const auto X_ML = from_msg(msg.pose())) leader_ = {*X_ML, node_.now()};
@@ -48,9 +69,6 @@ void LocalPlannerNode::subscribe() {
       X_MG_ = X_MG;
     else
       node_.log().warn_every(1.0, "goal_pose is not finite: dropped");
-  });
-  on_command_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
-    if (const auto twist = from_msg(msg)) command_ = {*twist, node_.now()};
   });
 }
 
@@ -119,7 +137,7 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   status_.clearance(plan.clearance);
   status_.cycles(status_.cycles() + 1);
   if (plan.source != PlanSource::kSolution) status_.fallbacks(status_.fallbacks() + 1);
-  const double budget = params_->nmpc.time_budget;
+  const double budget = params_->live.nmpc.time_budget;
   if (budget > 0.0 && plan.solve_time > budget) status_.overruns(status_.overruns() + 1);
   status_.disagreements(status_.disagreements() + static_cast<std::uint64_t>(plan.disagreements));
   status_out_.publish(status_);
@@ -133,8 +151,8 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
   if (plan_.matched() > 0) plan_.publish(to_path(plan.X_MB, map_header));
   if (user_path_.matched() == 0) return;
   std::vector<Pose2> forecast{request.X_MB};
-  for (int k = 0; k < params_->nmpc.horizon_steps; ++k)
-    forecast.push_back(integrate(forecast.back(), request.user, params_->nmpc.dt));
+  for (int k = 0; k < params_->live.nmpc.horizon_steps; ++k)
+    forecast.push_back(integrate(forecast.back(), request.user, params_->live.nmpc.dt));
   user_path_.publish(to_path(forecast, map_header));
 }
 

@@ -8,26 +8,38 @@
 #include "map/fixtures.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
+#include "twist_input.hpp"
 
 namespace tandem {
 
+/// What may change while the node runs.
+struct LivePlannerParams {
+  NmpcParams nmpc;
+  std::string method = "leader";
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    nmpc.visit(field);
+    field("method", method, OneOf{{"leader", "intention", "path", "goal"}}, "what the plan is for");
+  }
+};
+
 struct LocalPlannerNodeParams {
   RobotParams robot;
-  NmpcParams nmpc;
+  LivePlannerParams live;
   RobotStateParams input;
-  std::string method = "leader";
   std::vector<double> goal;
   std::string fixtures;
   double user_timeout = 0.12;
   double obstacle_timeout = 0.1;
   double command_timeout = 0.2;
+  TwistInputParams twist_input;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     robot.visit(field);
-    nmpc.visit(field);
+    live.visit(field);
     input.visit(field);
-    field("method", method, OneOf{{"leader", "intention", "path", "goal"}}, "what the plan is for");
     field("goal", goal, Range{-1e5, 1e5},
           "[m, m, rad] first goal of method goal; /goal_pose later");
     field("fixtures", fixtures, "YAML file of guidance lines; empty: none");
@@ -37,6 +49,7 @@ struct LocalPlannerNodeParams {
           "[s] silence of obstacles that stops");
     field("command_timeout", command_timeout, Range{0.02, 5.0},
           "[s] age after which the command in force is taken as zero");
+    twist_input.visit(field);
   }
 };
 
@@ -62,6 +75,9 @@ class LocalPlannerNode {
     double t = -1e9;
   };
 
+  void hear(const geometry_msgs::msg::Twist& msg, Heard<Twist2>& heard);
+  void change(const LivePlannerParams& wanted);
+  void start_timers(double control_period);
   void subscribe();
   void plan();
   void watch();
@@ -87,7 +103,8 @@ class LocalPlannerNode {
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
   rt::Publisher<nav_msgs::msg::Path> plan_, user_path_;
   rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
-  rt::Subscription on_obstacles_, on_user_, on_leader_, on_goal_, on_command_;
+  TwistInput on_user_, on_command_;
+  rt::Subscription on_obstacles_, on_leader_, on_goal_;
   bool planning_ = false;
   rt::Timer timer_, watchdog_;
 };

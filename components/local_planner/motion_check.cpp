@@ -64,20 +64,23 @@ std::vector<Obstacle> passable(const Body& body, const Motion& motion,
 bool is_clear(const Body& body, const Motion& motion, std::span<const Obstacle> obstacles,
               double duration) {
   const double radius = reach(body);
-  Pose2 X = motion.X_MB;
+  Moving at{motion.X_MB, motion.moves};
   double t = 0.0;
   for (const Twist2& u : motion.twist) {
     const double held = std::min(motion.dt, duration - t);
     if (held <= 0.0) break;
-    const double travel = (std::abs(u.v) + radius * std::abs(u.w)) * held;
+    const Twist2& before = motion.lag.any() ? at.twist : u;
+    const double v = std::max(std::abs(u.v), std::abs(before.v));
+    const double w = std::max(std::abs(u.w), std::abs(before.w));
+    const double travel = (v + radius * w) * held;
     const int steps = std::max(1, static_cast<int>(std::ceil(travel / kSpacing)));
     for (int i = 1; i <= steps; ++i) {
       const double s = held * i / steps;
-      const Pose2 X_at = integrate(X, u, s);
+      const Pose2 X_at = follow(at, u, motion.lag, s).X_MB;
       for (const Obstacle& obstacle : obstacles)
         if (touches(body, X_at, predicted(obstacle, motion.start + t + s))) return false;
     }
-    X = integrate(X, u, motion.dt);
+    at = follow(at, u, motion.lag, motion.dt);
     t += motion.dt;
   }
   return true;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/footprint.hpp"
+#include "model/motor_lag.hpp"
 #include "model/obstacle.hpp"
 #include "model/se2.hpp"
 
@@ -18,12 +19,14 @@ struct Body {
   bool round = false;  ///< the robot is its first disc, as in Devalla's scripts; no outline
 };
 
-/// Twists held for dt each, from X_MB on, starting `start` seconds after the obstacles' time.
+/// Twists commanded for dt each, from X_MB on, starting `start` seconds after the obstacles' time.
 struct Motion {
   Pose2 X_MB;
   double start = 0.0;
   double dt = 0.25;
   std::vector<Twist2> twist = {};
+  MotorLag lag = {};
+  Twist2 moves = {};  ///< the twist at X_MB; not read without a lag
 };
 
 /// The obstacle where it will be in `t` seconds.
@@ -39,8 +42,9 @@ struct Motion {
 [[nodiscard]] std::vector<Obstacle> passable(const Body& body, const Motion& motion,
                                              std::span<const Obstacle> obstacles);
 
-/// Whether the motion touches no obstacle for `duration` seconds, checked along the exact arcs at
-/// least every centimetre of travel of any point of the body.
+/// Whether the motion touches no obstacle for `duration` seconds, checked along the exact arcs (of
+/// the mean twist, where the motors lag) at least every centimetre of travel of any point of the
+/// body.
 [[nodiscard]] bool is_clear(const Body& body, const Motion& motion,
                             std::span<const Obstacle> obstacles, double duration);
 

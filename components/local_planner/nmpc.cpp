@@ -74,7 +74,8 @@ struct Nmpc::State {
 void Nmpc::State::measure_delay(const PlanRequest& request) {
   loop.on_command(request.command, sent.empty() ? request.t : sent.back().until);
   loop.on_measurement(request.measured, request.t);
-  if (const auto measured = loop.delay()) params.delay = *measured;
+  const double told = 0.5 * (params.lag_v + params.lag_w);
+  if (const auto measured = loop.delay()) params.delay = std::max(0.0, *measured - told);
 }
 
 // The request's command was in force since the request before.
@@ -131,7 +132,7 @@ Candidate Nmpc::State::solve(Solver& solver, const Cycle& cycle, Ocp ocp, const 
 
   Forecast motion;
   for (std::size_t k = 0; k < ocp.stages.size(); ++k)
-    motion.twist.push_back({solution.point.z[kBlock * k + kV], solution.point.z[kBlock * k + kW]});
+    motion.twist.push_back(twist_of(ocp, solution.point.z, k));
   Candidate out = rate(cycle, std::move(ocp), motion);
   out.solution = std::move(solution);
   out.solver = answer.by;
@@ -238,22 +239,24 @@ Plan Nmpc::State::finish(const Cycle& cycle, const Candidate& best) {
 Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
   const Start& start = cycle.start;
   const double period = params.control_period;
+  const MotorLag lag = lag_of(params);
   PlanSource source = PlanSource::kPrevious;
   Motion motion;
   bool found = false;
   if (!good.twist.empty() && start.t0 >= good.t0 && start.t0 - good.t0 < kLongestReuse) {
-    motion = rest_of(good, start, period, robot);
+    motion = with_lag(rest_of(good, start, period, robot), lag, start.moves);
     motion.start = params.delay;
-    found =
-        is_clear(body, motion, cycle.to_avoid, 2.0 * period + stopping_time(start.command, robot));
+    found = is_clear(body, motion, cycle.to_avoid,
+                     2.0 * period + stopping_time(start.command, robot) + coasting_time(lag));
   }
   if (!found) {
     source = PlanSource::kBraking;
-    motion = braking(start, period, robot.a_max, robot.alpha_max);
+    motion = with_lag(braking(start, period, robot.a_max, robot.alpha_max), lag, start.moves);
     motion.start = params.delay;
     if (!is_clear(body, motion, cycle.to_avoid, 1e9))
-      motion = braking(start, period, std::max(robot.a_max, robot.a_brake),
-                       std::max(robot.alpha_max, robot.alpha_brake));
+      motion = with_lag(braking(start, period, std::max(robot.a_max, robot.a_brake),
+                                std::max(robot.alpha_max, robot.alpha_brake)),
+                        lag, start.moves);
   }
   Plan plan = to_plan(motion, start.t0);
   plan.status = status;
@@ -292,6 +295,15 @@ Nmpc::Nmpc(const NmpcParams& params, const RobotParams& robot) {
 Nmpc::~Nmpc() = default;
 Nmpc::Nmpc(Nmpc&&) noexcept = default;
 Nmpc& Nmpc::operator=(Nmpc&&) noexcept = default;
+
+void Nmpc::set_params(const NmpcParams& params) {
+  Nmpc next{params, state_->robot};
+  next.state_->good = std::move(state_->good);
+  next.state_->loop = std::move(state_->loop);
+  next.state_->sent = std::move(state_->sent);
+  next.state_->trail = std::move(state_->trail);
+  *this = std::move(next);
+}
 
 Plan Nmpc::solve(const PlanRequest& request) {
   State& state = *state_;

@@ -22,6 +22,10 @@ class Nmpc {
   Nmpc(Nmpc&&) noexcept;
   Nmpc& operator=(Nmpc&&) noexcept;
 
+  /// Goes on with other parameters: the next solve starts cold, but the way driven, the commands
+  /// sent and the last good plan are kept. Throws as the constructor, having changed nothing.
+  void set_params(const NmpcParams& params);
+
   /// Plans from the pose predicted for the moment the command acts. Does not throw.
   [[nodiscard]] Plan solve(const PlanRequest& request);
 

@@ -7,6 +7,17 @@
 #include <string>
 
 namespace tandem {
+namespace {
+
+// Constant twist that leads from one pose to the other in dt: the mean one where the motors lag.
+Twist2 between(const Pose2& from, const Pose2& to, double dt) {
+  const double turn = to.theta - from.theta, middle = from.theta + 0.5 * turn;
+  const double chord = (to.x - from.x) * std::cos(middle) + (to.y - from.y) * std::sin(middle);
+  const double sinc = std::abs(turn) < 1e-6 ? 1.0 : std::sin(0.5 * turn) / (0.5 * turn);
+  return {chord / (dt * sinc), turn / dt};
+}
+
+}  // namespace
 
 const char* name(Method method) {
   switch (method) {
@@ -68,7 +79,7 @@ Pose2 Plan::pose_at(double t) const {
   const double step = std::max(0.0, std::floor((t - t0) / dt + 1e-9));
   if (!(step < static_cast<double>(twist.size()))) return X_MB.back();
   const auto k = static_cast<std::size_t>(step);
-  return integrate(X_MB[k], twist[k], std::max(0.0, t - t0 - step * dt));
+  return integrate(X_MB[k], between(X_MB[k], X_MB[k + 1], dt), std::max(0.0, t - t0 - step * dt));
 }
 
 }  // namespace tandem

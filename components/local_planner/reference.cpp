@@ -30,9 +30,10 @@ bool is_far_along(const PlanRequest& request) {
 using Wanted = std::function<Twist2(const Pose2&)>;
 
 // Follows `wanted` within speed and acceleration limits.
-Forecast roll_out(const Wanted& wanted, const Twist2& command, const Pose2& X_MB,
+Forecast roll_out(const Wanted& wanted, const Twist2& command, const Moving& from,
                   const NmpcParams& params, const RobotParams& robot) {
-  Forecast out{{}, {X_MB}};
+  Forecast out{{}, {from.X_MB}};
+  Moving at = from;
   Twist2 u = command;
   for (int k = 0; k < params.horizon_steps; ++k) {
     const double period = k == 0 ? params.control_period : params.dt;
@@ -40,7 +41,8 @@ Forecast roll_out(const Wanted& wanted, const Twist2& command, const Pose2& X_MB
     u = {approach(u.v, target.v, robot.a_max * period),
          approach(u.w, target.w, robot.alpha_max * period)};
     out.twist.push_back(u);
-    out.X_MB.push_back(integrate(out.X_MB.back(), u, params.dt));
+    at = follow(at, u, lag_of(params), params.dt);
+    out.X_MB.push_back(at.X_MB);
   }
   return out;
 }
@@ -93,7 +95,12 @@ StageCost trail_cost(const PlanRequest& request, const Forecast& wish, std::size
   const OnTrail target = along(request.trail, wish.X_MB[k + 1].position(), kLead);
   cost.X_MR.x = target.p_MT.x();
   cost.X_MR.y = target.p_MT.y();
-  if (target.bridges) cost.q_x = cost.q_y = 0.0;
+  const double along_it = target.bridges ? 0.0 : params.weight_along;
+  const double across = target.bridges ? 0.0 : params.weight_across;
+  const double c = target.ahead.x(), s = target.ahead.y();
+  cost.q_x = along_it * c * c + across * s * s;
+  cost.q_y = along_it * s * s + across * c * c;
+  cost.q_xy = (along_it - across) * c * s;
   return cost;
 }
 
@@ -112,8 +119,8 @@ StageCost rollout_cost(const Twist2& user, const Forecast& wish, std::size_t k,
 }
 
 void discount(StageCost& cost, double factor) {
-  for (double* weight : {&cost.q_x, &cost.q_y, &cost.q_theta, &cost.r_v, &cost.r_w, &cost.c_v,
-                         &cost.c_w, &cost.c_dir})
+  for (double* weight : {&cost.q_x, &cost.q_y, &cost.q_xy, &cost.q_theta, &cost.r_v, &cost.r_w,
+                         &cost.c_v, &cost.c_w, &cost.c_dir})
     *weight *= factor;
 }
 
@@ -135,12 +142,12 @@ StageCost atan_cost(const Twist2& user, const NmpcParams& params) {
 
 }  // namespace
 
-Forecast forecast(const PlanRequest& request, const Pose2& X_MB, const NmpcParams& params,
+Forecast forecast(const PlanRequest& request, const Moving& from, const NmpcParams& params,
                   const RobotParams& robot) {
-  return roll_out(wanted_by(request, robot), request.command, X_MB, params, robot);
+  return roll_out(wanted_by(request, robot), request.command, from, params, robot);
 }
 
-Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, const Pose2& X_MB,
+Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, const Moving& from,
                       const NmpcParams& params, const RobotParams& robot) {
   const Wanted afterwards = wanted_by(request, robot);
   bool passed = false;
@@ -148,12 +155,12 @@ Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, c
     passed = passed || (p_MV - X.position()).norm() < 0.3;
     return passed ? afterwards(X) : drive_to(p_MV, X, robot);
   };
-  return roll_out(wanted, request.command, X_MB, params, robot);
+  return roll_out(wanted, request.command, from, params, robot);
 }
 
-Forecast forecast_of(const Twist2& twist, const PlanRequest& request, const Pose2& X_MB,
+Forecast forecast_of(const Twist2& twist, const PlanRequest& request, const Moving& from,
                      const NmpcParams& params, const RobotParams& robot) {
-  return roll_out([&](const Pose2&) { return twist; }, request.command, X_MB, params, robot);
+  return roll_out([&](const Pose2&) { return twist; }, request.command, from, params, robot);
 }
 
 std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
@@ -183,7 +190,7 @@ std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& w
 double pull(const std::vector<StageCost>& costs, const Pose2& X_MB, double dt) {
   double sum = 0.0;
   for (const StageCost& c : costs)
-    sum += 2.0 * std::hypot(c.q_x * (c.X_MR.x - X_MB.x), c.q_y * (c.X_MR.y - X_MB.y)) +
+    sum += 2.0 * c.pull(c.X_MR.position() - X_MB.position()).norm() +
            2.0 * c.r_v * std::abs(c.twist.v) / dt / static_cast<double>(costs.size());
   return sum;
 }

@@ -11,23 +11,23 @@
 
 namespace tandem {
 
-/// Twists and poses of the person's own wish from X_MB on: what the robot would do without
+/// Twists and poses of the person's own wish from a place on: what the robot would do without
 /// obstacles, within its limits. For a leader or goal: driving to the point, then turning.
 struct Forecast {
   std::vector<Twist2> twist;  ///< N
   std::vector<Pose2> X_MB;    ///< N + 1
 };
-[[nodiscard]] Forecast forecast(const PlanRequest& request, const Pose2& X_MB,
+[[nodiscard]] Forecast forecast(const PlanRequest& request, const Moving& from,
                                 const NmpcParams& params, const RobotParams& robot);
 
 /// The same, by way of a point: an initial guess that passes an obstacle on one side.
 [[nodiscard]] Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request,
-                                    const Pose2& X_MB, const NmpcParams& params,
+                                    const Moving& from, const NmpcParams& params,
                                     const RobotParams& robot);
 
 /// The same toward a constant twist.
 [[nodiscard]] Forecast forecast_of(const Twist2& twist, const PlanRequest& request,
-                                   const Pose2& X_MB, const NmpcParams& params,
+                                   const Moving& from, const NmpcParams& params,
                                    const RobotParams& robot);
 
 /// Costs of the N stages, one shape for all methods:
@@ -41,9 +41,10 @@ struct Forecast {
 ///                 atan: C_v(v_u−v)² + C_h 2(1 − cos(atan(ω_u/v_u) − atan(ω/v))) + C_c|Δu|²   (3)
 ///                 both fade over the horizon, as what the person wants now is known best
 ///   path          (1) toward the point of the trail beside which the forecast, which drives along
-///                 the trail, is at that stage, a little ahead of it: to leave the trail costs, to
-///                 be slower costs as little as a step of it. Where the trail was cut by an
-///                 obstacle no place is asked for, only the trail beyond                     (4)
+///                 the trail, is at that stage, a little ahead of it, with Q = R diag(along,
+///                 across) Rᵀ in the frame R of the trail there: contouring and lag error (Lam,
+///                 Manzie and Good 2010; Liniger, Domahidi and Morari 2015). Where the trail was
+///                 cut by an obstacle no place is asked for, only the trail beyond           (4)
 [[nodiscard]] std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
                                                  const NmpcParams& params,
                                                  const RobotParams& robot);

@@ -4,8 +4,22 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <type_traits>
 
 namespace tandem {
+
+template <int n>
+using ChainState = Eigen::Matrix<double, n, 1>;
+
+/// What a stage knows of motors that lag: how ΔX⁺ follows the twist a at its start, and the
+/// curvature of the motion that takes part in,  Δθ t_aᵀ Δa + ½ Δaᵀ C_aa Δa + Δaᵀ C_au Δu.
+struct LagModel {
+  Eigen::Vector2d E;              ///< Δa⁺ = E Δa + …
+  Eigen::Matrix<double, 3, 2> M;  ///< Δ(x, y, θ)⁺ = M Δa + …
+  Eigen::Vector2d t_a;
+  Eigen::Matrix2d C_aa, C_au;
+};
+struct NoLag {};
 
 /// Quadratic model of one stage in the steps ΔX, Δu' at its start and Δu, ΔX⁺ at its end:
 ///
@@ -14,20 +28,25 @@ namespace tandem {
 ///   + ½ Δdᵀ D Δd + gᵀ Δd,    Δd = Δu − Δu' + e             change of the twist             (1)
 ///   subject to ΔX⁺ = A ΔX + B Δu + c,    A = I + (a, 0) at θ
 ///
-/// The state at the start of a stage is (X, u'): five numbers; its controls are u: two. C, t and
-/// t_u are what may be concave: C_xx of the pairs, the others of the motion.
+/// X is the pose, n = 3, or the pose and the twist that lags behind its command, n = 5: then A
+/// holds M and E as well. The state at the start of a stage is (X, u'), its controls are u. C, t,
+/// t_u and the curvature of LagModel are what may be concave: C_xx of the pairs, on the pose; the
+/// others of the motion.
+template <int n>
 struct ChainStage {
-  Eigen::Matrix3d H_xx, C_xx;
-  Eigen::Matrix<double, 3, 2> H_xu;
+  Eigen::Matrix<double, n, n> H_xx;
+  Eigen::Matrix3d C_xx;
+  Eigen::Matrix<double, 3, 2> H_xu;  ///< of the pose
   Eigen::Matrix2d H_uu, C_uu;
-  Eigen::Vector3d h_x;
+  ChainState<n> h_x;
   Eigen::Vector2d h_u;
   double t;
   Eigen::Vector2d t_u;
   Eigen::Vector2d D, g, e;
   Eigen::Vector2d a;
-  Eigen::Matrix<double, 3, 2> B;
-  Eigen::Vector3d c;
+  Eigen::Matrix<double, n, 2> B;
+  ChainState<n> c;
+  [[no_unique_address]] std::conditional_t<n == 5, LagModel, NoLag> lag;
 };
 
 /// How much of the curvature C, t, t_u is kept, and what is added to the diagonals of H.
@@ -37,30 +56,34 @@ struct Convexity {
 };
 
 /// What the recursion (2) leaves at a stage: value function at its end, and Δu = k + K ΔX + L Δu'.
+template <int n>
 struct ChainGain {
-  Eigen::Matrix3d P_xx;
-  Eigen::Matrix<double, 3, 2> P_xu;
-  Eigen::Vector3d p_x;
+  Eigen::Matrix<double, n, n> P_xx;
+  Eigen::Matrix<double, n, 2> P_xu;
+  ChainState<n> p_x;
   Eigen::Vector2d k;
-  Eigen::Matrix<double, 2, 3> K;
+  Eigen::Matrix<double, 2, n> K;
   Eigen::Matrix2d L;
 };
 
 /// The step of a stage and the multipliers after it: π = −λ of rows (3), and λ of rows (2).
+template <int n>
 struct ChainStep {
   Eigen::Vector2d u, d;
-  Eigen::Vector3d X;
-  Eigen::Vector3d pi;
+  ChainState<n> X;
+  ChainState<n> pi;
   Eigen::Vector2d lambda;
 };
 
 /// Backward pass. False if the sum of the stages is not strictly convex on the constraints: a
-/// pivot of the recursion is not positive.
-[[nodiscard]] bool factorize(std::span<const ChainStage> stages, const Convexity& convexity,
-                             std::span<ChainGain> gains);
+/// pivot of the recursion is not positive. n: 3 or 5.
+template <int n>
+[[nodiscard]] bool factorize(std::span<const ChainStage<n>> stages, const Convexity& convexity,
+                             std::span<ChainGain<n>> gains);
 
 /// Forward pass: the minimiser and its multipliers.
-void roll_out(std::span<const ChainStage> stages, std::span<const ChainGain> gains,
-              std::span<ChainStep> steps);
+template <int n>
+void roll_out(std::span<const ChainStage<n>> stages, std::span<const ChainGain<n>> gains,
+              std::span<ChainStep<n>> steps);
 
 }  // namespace tandem

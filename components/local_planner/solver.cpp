@@ -33,7 +33,7 @@ double price(const Ocp& ocp, const Iterate& point) {
   row_values(ocp, point.z, values);
   double missed = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const bool is_equality = i < kEqualities * ocp.stages.size();
+    const bool is_equality = i < equalities(ocp) * ocp.stages.size();
     missed += is_equality ? std::abs(values[i]) : std::max(0.0, -values[i]);
   }
   return cost(ocp, point.z) + 10.0 * ocp.slack_weight * missed;

@@ -59,18 +59,20 @@ bool plug_in() {
 }  // namespace
 
 std::vector<Pivot> stage_pivots(const Ocp& ocp) {
-  const int stages = ocp.horizon(), pairs = rows(ocp) - kEqualities * stages;
-  const int slack = kBlock * stages, equality = slack + pairs,
-            pair = equality + kEqualities * stages;
+  const int stages = ocp.horizon(), length = static_cast<int>(block(ocp)),
+            each = static_cast<int>(equalities(ocp));
+  const int pairs = rows(ocp) - each * stages;
+  const int slack = length * stages, equality = slack + pairs, pair = equality + each * stages;
   std::vector<Pivot> order;
   for (int i = 0; i < pairs; ++i) order.push_back({slack + i});
   for (int i = 0; i < pairs; ++i) order.push_back({pair + i});
   for (int k = stages - 1; k >= 0; --k) {
-    const int z = kBlock * k, row = equality + kEqualities * k;
+    const int z = length * k, row = equality + each * k;
     order.push_back({z + kSlack});
     order.push_back({z + kDv, row});
     order.push_back({z + kDw, row + 1});
     for (int i = 0; i < 3; ++i) order.push_back({z + kX + i, row + 2 + i});
+    for (int i = 5; i < each; ++i) order.push_back({z + kMotionV + i - 5, row + i});
     order.push_back({z + kV, z + kW});
   }
   return order;

@@ -9,7 +9,7 @@ namespace tandem {
 
 /// Pivots for the system of Ipopt's step, unknowns z, slacks of rows (4), λ of (2), (3), then λ of
 /// (4), in the order of a Riccati recursion: each row (4) into its stage, then the stages from the
-/// last to the first, s, d and X⁺ each against its own row, whose entry is 1, and u at the end.
+/// last to the first, s, d, X⁺ and a⁺ each against its own row, whose entry is 1, and u at the end.
 /// Only the pivots of u depend on the curvature: as in riccati.cpp, they tell its inertia.
 [[nodiscard]] std::vector<Pivot> stage_pivots(const Ocp& ocp);
 

@@ -71,20 +71,20 @@ Displacement displacement(const Ocp& ocp, const Heading& theta, const Twist2& u)
 
 CostTerms cost_terms(const StageCost& c, const Twist2& u, const Twist2& change,
                      const Vector2d& p_MB, const Heading& error) {
-  const double e_x = p_MB.x() - c.X_MR.x, e_y = p_MB.y() - c.X_MR.y;
+  const Vector2d e = p_MB - c.X_MR.position(), pull = c.pull(e);
   const double e_v = u.v - c.twist.v, e_w = u.w - c.twist.w;
   const double e_dv = change.v - c.change.v, e_dw = change.w - c.change.w;
-  CostTerms terms{.value = c.q_x * e_x * e_x + c.q_y * e_y * e_y +
-                           2.0 * c.q_theta * (1.0 - error.c) + c.r_v * e_v * e_v +
+  CostTerms terms{.value = e.dot(pull) + 2.0 * c.q_theta * (1.0 - error.c) + c.r_v * e_v * e_v +
                            c.r_w * e_w * e_w + c.c_v * e_dv * e_dv + c.c_w * e_dw * e_dw,
                   .u = {2.0 * c.r_v * e_v, 2.0 * c.r_w * e_w},
                   .change = {2.0 * c.c_v * e_dv, 2.0 * c.c_w * e_dw},
-                  .X = {2.0 * c.q_x * e_x, 2.0 * c.q_y * e_y, 2.0 * c.q_theta * error.s},
+                  .X = {2.0 * pull.x(), 2.0 * pull.y(), 2.0 * c.q_theta * error.s},
                   .vv = 2.0 * c.r_v,
                   .vw = 0.0,
                   .ww = 2.0 * c.r_w,
                   .change2 = {2.0 * c.c_v, 2.0 * c.c_w},
-                  .X2 = {2.0 * c.q_x, 2.0 * c.q_y, 2.0 * c.q_theta * error.c}};
+                  .X2 = {2.0 * c.q_x, 2.0 * c.q_y, 2.0 * c.q_theta * error.c},
+                  .xy = 2.0 * c.q_xy};
   if (c.c_dir > 0.0) add_wish(c, u, terms);
   return terms;
 }

@@ -42,6 +42,7 @@ struct CostTerms {
   double vv, vw, ww;          ///< Hessian
   Eigen::Vector2d change2;    ///< … its diagonal
   Eigen::Vector3d X2;         ///< … its diagonal
+  double xy;                  ///< … and of x with y
 };
 /// `error`: θ⁺ − θ_r.
 [[nodiscard]] CostTerms cost_terms(const StageCost& cost, const Twist2& u, const Twist2& change,

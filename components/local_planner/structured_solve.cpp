@@ -30,14 +30,16 @@ std::size_t pair_count(const Ocp& ocp) {
   return count;
 }
 
-}  // namespace
+// An interior point method on stages that hand on n states.
+template <int n>
+struct Chain {
+  const Solution& solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits);
 
-struct StructuredSolver::State {
   Box box;
-  ChainPoint now, trial;
-  Multipliers multipliers;
-  ChainSystem system;
-  Step step;
+  ChainPoint<n> now, trial;
+  Multipliers<n> multipliers;
+  ChainSystem<n> system;
+  Step<n> step;
   Filter filter;
   double mu = kTarget;
   int short_steps = 0;  // in a row
@@ -61,10 +63,10 @@ struct StructuredSolver::State {
 };
 
 // False if guess or bounds are unusable.
-bool StructuredSolver::State::start(const Ocp& ocp, const Iterate& guess) {
+template <int n>
+bool Chain<n>::start(const Ocp& ocp, const Iterate& guess) {
   const std::size_t stages = ocp.stages.size(), pairs = pair_count(ocp);
-  box.resize(stages);
-  for (ChainPoint* point : {&now, &trial}) {
+  for (ChainPoint<n>* point : {&now, &trial}) {
     point->resize(stages, pairs);
     point->set_targets(ocp);
   }
@@ -73,13 +75,13 @@ bool StructuredSolver::State::start(const Ocp& ocp, const Iterate& guess) {
   system.reset();
   step.resize(stages, pairs);
   short_steps = recentrings = acceptable = at_end = 0;
-  const std::size_t n = kBlock * stages;
-  if (guess.z.size() != n || !box.set(ocp)) return false;
+  const std::size_t size = block_of(n) * stages;
+  if (guess.z.size() != size || !box.set(ocp)) return false;
   if (!std::all_of(guess.z.begin(), guess.z.end(), [](double z) { return std::abs(z) < 1e9; }))
     return false;
 
-  const bool warm = guess.lambda.size() == kEqualities * stages + pairs &&
-                    guess.lower.size() == n && guess.upper.size() == n;
+  const bool warm = guess.lambda.size() == equalities_of(n) * stages + pairs &&
+                    guess.lower.size() == size && guess.upper.size() == size;
   if (warm) {
     mu = kTarget;
     push_inside(guess.z, kWarmPush);
@@ -88,14 +90,15 @@ bool StructuredSolver::State::start(const Ocp& ocp, const Iterate& guess) {
   } else {
     now.z = guess.z;
     centre(ocp, kColdBarrier * ocp.slack_weight);
-    std::fill(multipliers.pi.begin(), multipliers.pi.end(), Eigen::Vector3d::Zero());
+    std::fill(multipliers.pi.begin(), multipliers.pi.end(), ChainState<n>::Zero());
     std::fill(multipliers.lambda.begin(), multipliers.lambda.end(), Eigen::Vector2d::Zero());
   }
   begin_from_here(ocp);
   return std::isfinite(now.infeasibility) && std::isfinite(now.merit(mu).barrier);
 }
 
-void StructuredSolver::State::push_inside(const std::vector<double>& z, double push) {
+template <int n>
+void Chain<n>::push_inside(const std::vector<double>& z, double push) {
   for (std::size_t i = 0; i < z.size(); ++i) {
     const double lower = box.lower[i], upper = box.upper[i], room = upper - lower;
     now.z[i] = std::clamp(z[i], lower + push * std::min(std::max(1.0, std::abs(lower)), room),
@@ -103,21 +106,23 @@ void StructuredSolver::State::push_inside(const std::vector<double>& z, double p
   }
 }
 
-void StructuredSolver::State::take_multipliers(const Iterate& guess) {
+template <int n>
+void Chain<n>::take_multipliers(const Iterate& guess) {
   const std::size_t stages = multipliers.pi.size();
   multipliers.lower = guess.lower;
   multipliers.upper = guess.upper;
   for (std::size_t k = 0; k < stages; ++k) {
-    const double* row = &guess.lambda[kEqualities * k];
+    const double* row = &guess.lambda[equalities_of(n) * k];
     multipliers.lambda[k] = {row[0], row[1]};
-    multipliers.pi[k] = {-row[2], -row[3], -row[4]};
+    for (int i = 0; i < n; ++i) multipliers.pi[k][i] = -row[2 + i];
   }
   for (std::size_t i = 0; i < multipliers.y.size(); ++i)
-    multipliers.y[i] = -guess.lambda[kEqualities * stages + i];
+    multipliers.y[i] = -guess.lambda[equalities_of(n) * stages + i];
 }
 
 // Well inside of all bounds, multipliers of bounds and rows (4) such that each product is mu.
-void StructuredSolver::State::centre(const Ocp& ocp, double barrier) {
+template <int n>
+void Chain<n>::centre(const Ocp& ocp, double barrier) {
   mu = std::max(kTarget, barrier);
   push_inside(now.z, kColdPush);
   now.set_slacks(ocp, kColdPush);
@@ -128,14 +133,16 @@ void StructuredSolver::State::centre(const Ocp& ocp, double barrier) {
   for (std::size_t i = 0; i < now.t.size(); ++i) multipliers.y[i] = mu / now.t[i];
 }
 
-void StructuredSolver::State::begin_from_here(const Ocp& ocp) {
+template <int n>
+void Chain<n>::begin_from_here(const Ocp& ocp) {
   now.evaluate(ocp, box);
   filter.reset(now.infeasibility);
   system.condense(ocp, box, now, mu, multipliers);
 }
 
 // Sets the status if there is nothing left to do, or no time.
-bool StructuredSolver::State::is_done(const SolveLimits& limits, Clock::time_point started) {
+template <int n>
+bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
   const double error = system.error(kTarget);
   if (error <= kTarget && system.complementarity(kTarget) <= kTarget) {
     out.status = SolveStatus::kConverged;
@@ -152,7 +159,8 @@ bool StructuredSolver::State::is_done(const SolveLimits& limits, Clock::time_poi
 }
 
 // Ipopt's monotone rule: once the error is of the barrier's size, on to the next one.
-void StructuredSolver::State::lower_barrier(const Ocp& ocp) {
+template <int n>
+void Chain<n>::lower_barrier(const Ocp& ocp) {
   const double before = mu;
   while (mu > kTarget && system.error(mu) <= 10.0 * mu)
     mu = std::max(kTarget, std::min(0.2 * mu, std::pow(mu, 1.5)));
@@ -163,7 +171,8 @@ void StructuredSolver::State::lower_barrier(const Ocp& ocp) {
 
 // One iteration. Steps that stay short, or many of them, tell that the point hugs its bounds at too
 // low a barrier: it is centred again, at a higher one.
-bool StructuredSolver::State::advance_point(const Ocp& ocp) {
+template <int n>
+bool Chain<n>::advance_point(const Ocp& ocp) {
   lower_barrier(ocp);
   if (!system.solve(ocp, now, mu, multipliers, step)) return false;
   const bool moved = search_line(ocp);
@@ -183,7 +192,8 @@ bool StructuredSolver::State::advance_point(const Ocp& ocp) {
   return moved;
 }
 
-bool StructuredSolver::State::search_line(const Ocp& ocp) {
+template <int n>
+bool Chain<n>::search_line(const Ocp& ocp) {
   const Merit merit = now.merit(mu);
   double alpha = step.alpha_primal;
   for (int i = 0; i < kBacktracks; ++i, alpha *= 0.5) {
@@ -197,9 +207,10 @@ bool StructuredSolver::State::search_line(const Ocp& ocp) {
   return false;
 }
 
-void StructuredSolver::State::take_step(double alpha) {
+template <int n>
+void Chain<n>::take_step(double alpha) {
   std::swap(now, trial);
-  Multipliers& m = multipliers;
+  Multipliers<n>& m = multipliers;
   for (std::size_t k = 0; k < m.pi.size(); ++k) {
     m.pi[k] += alpha * (step.chain[k].pi - m.pi[k]);
     m.lambda[k] += alpha * (step.chain[k].lambda - m.lambda[k]);
@@ -211,7 +222,8 @@ void StructuredSolver::State::take_step(double alpha) {
   for (std::size_t i = 0; i < m.y.size(); ++i) m.y[i] += step.alpha_dual * step.y[i];
 }
 
-void StructuredSolver::State::write_point() {
+template <int n>
+void Chain<n>::write_point() {
   Iterate& point = out.point;
   point.z = now.z;
   point.lower = multipliers.lower;
@@ -221,16 +233,43 @@ void StructuredSolver::State::write_point() {
     if (box.upper[i] >= Box::kFar) point.upper[i] = 0.0;
   }
   const std::size_t stages = now.stages.size();
-  point.lambda.resize(kEqualities * stages + now.t.size());
+  point.lambda.resize(equalities_of(n) * stages + now.t.size());
   for (std::size_t k = 0; k < stages; ++k) {
-    const Eigen::Vector2d& lambda = multipliers.lambda[k];
-    const Eigen::Vector3d& pi = multipliers.pi[k];
-    const double row[kEqualities] = {lambda.x(), lambda.y(), -pi.x(), -pi.y(), -pi.z()};
-    std::copy(row, row + kEqualities, &point.lambda[kEqualities * k]);
+    double* row = &point.lambda[equalities_of(n) * k];
+    row[0] = multipliers.lambda[k].x();
+    row[1] = multipliers.lambda[k].y();
+    for (int i = 0; i < n; ++i) row[2 + i] = -multipliers.pi[k][i];
   }
   for (std::size_t i = 0; i < now.t.size(); ++i)
-    point.lambda[kEqualities * stages + i] = -multipliers.y[i];
+    point.lambda[equalities_of(n) * stages + i] = -multipliers.y[i];
 }
+
+template <int n>
+const Solution& Chain<n>::solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits) {
+  const Clock::time_point started = Clock::now();
+  out.status = SolveStatus::kFailed;
+  out.iterations = 0;
+  out.iteration_time = 0.0;
+  filter.reserve(static_cast<std::size_t>(limits.iterations) + 1);
+  if (!start(ocp, guess)) return out;
+  while (!is_done(limits, started)) {
+    if (!advance_point(ocp)) {
+      if (out.status != SolveStatus::kAcceptable) out.status = SolveStatus::kFailed;
+      break;
+    }
+    ++out.iterations;
+  }
+  if (out.iterations > 0) out.iteration_time = seconds(Clock::now() - started) / out.iterations;
+  write_point();
+  return out;
+}
+
+}  // namespace
+
+struct StructuredSolver::State {
+  Chain<3> at_once;
+  Chain<5> lagging;
+};
 
 StructuredSolver::StructuredSolver() : state_{std::make_unique<State>()} {}
 StructuredSolver::~StructuredSolver() = default;
@@ -239,24 +278,8 @@ StructuredSolver& StructuredSolver::operator=(StructuredSolver&&) noexcept = def
 
 const Solution& StructuredSolver::solve(const Ocp& ocp, const Iterate& guess,
                                         const SolveLimits& limits) {
-  State& state = *state_;
-  Solution& out = state.out;
-  const Clock::time_point started = Clock::now();
-  out.status = SolveStatus::kFailed;
-  out.iterations = 0;
-  out.iteration_time = 0.0;
-  state.filter.reserve(static_cast<std::size_t>(limits.iterations) + 1);
-  if (!state.start(ocp, guess)) return out;
-  while (!state.is_done(limits, started)) {
-    if (!state.advance_point(ocp)) {
-      if (out.status != SolveStatus::kAcceptable) out.status = SolveStatus::kFailed;
-      break;
-    }
-    ++out.iterations;
-  }
-  if (out.iterations > 0) out.iteration_time = seconds(Clock::now() - started) / out.iterations;
-  state.write_point();
-  return out;
+  if (ocp.lag.any()) return state_->lagging.solve(ocp, guess, limits);
+  return state_->at_once.solve(ocp, guess, limits);
 }
 
 }  // namespace tandem

@@ -56,15 +56,28 @@ std::vector<Eigen::Vector2d> Trail::free_points(const Body& body,
   return free;
 }
 
+namespace {
+
+// Direction of the trail about its i-th step, over a few of them: single ones are coarse.
+Eigen::Vector2d direction(std::span<const Eigen::Vector2d> trail, std::size_t i) {
+  constexpr std::size_t kSteps = 3;  // to either side
+  const Eigen::Vector2d from = trail[i > kSteps ? i - kSteps : 0];
+  const Eigen::Vector2d to = trail[std::min(i + 1 + kSteps, trail.size() - 1)];
+  return (to - from).stableNormalized();
+}
+
+}  // namespace
+
 OnTrail along(std::span<const Eigen::Vector2d> trail, const Eigen::Vector2d& p_MQ, double ahead) {
   std::size_t i = nearest(trail, p_MQ, 1e9);
   for (; i + 1 < trail.size(); ++i) {
     const Eigen::Vector2d step = trail[i + 1] - trail[i];
     const double length = step.norm();
-    if (ahead < length) return {trail[i] + ahead / length * step, length > kBridge};
+    if (ahead < length)
+      return {trail[i] + ahead / length * step, direction(trail, i), length > kBridge};
     ahead -= length;
   }
-  return {trail[i]};
+  return {trail[i], direction(trail, i)};
 }
 
 }  // namespace tandem

@@ -34,6 +34,7 @@ class Trail {
 /// The point `ahead` metres along the trail from its point nearest to p_MQ [m].
 struct OnTrail {
   Eigen::Vector2d p_MT;
+  Eigen::Vector2d ahead = {1.0, 0.0};  ///< the trail's direction there, of length 1
   bool bridges = false;  ///< where points are missing, so that the robot has to find its own way
 };
 [[nodiscard]] OnTrail along(std::span<const Eigen::Vector2d> trail, const Eigen::Vector2d& p_MQ,

@@ -41,7 +41,7 @@ std::vector<double> interpolate(const std::vector<double>& values, const Solved&
 // First row (4) of each stage.
 std::vector<std::size_t> first_pair_rows(const Ocp& ocp) {
   std::vector<std::size_t> rows;
-  std::size_t row = kEqualities * ocp.stages.size();
+  std::size_t row = equalities(ocp) * ocp.stages.size();
   for (const Stage& stage : ocp.stages) {
     rows.push_back(row);
     row += stage.pairs.size();
@@ -66,8 +66,8 @@ double multiplier(const Solved& last, const std::vector<std::size_t>& first, std
 
 void set_slacks(const Ocp& ocp, std::vector<double>& z) {
   for (std::size_t k = 0; k < ocp.stages.size(); ++k) {
-    double& slack = z[kBlock * k + kSlack];
-    const Pose2 X{z[kBlock * k + kX], z[kBlock * k + kY], z[kBlock * k + kTheta]};
+    double& slack = z[block(ocp) * k + kSlack];
+    const Pose2 X = pose_after(ocp, z, k);
     for (const Pair& pair : ocp.stages[k].pairs) slack = std::max(slack, -clearance(pair, X));
   }
 }
@@ -75,9 +75,10 @@ void set_slacks(const Ocp& ocp, std::vector<double>& z) {
 void set_changes(const Ocp& ocp, std::vector<double>& z) {
   Twist2 before = ocp.command;
   for (std::size_t k = 0; k < ocp.stages.size(); ++k) {
-    const Twist2 u{z[kBlock * k + kV], z[kBlock * k + kW]};
-    z[kBlock * k + kDv] = u.v - before.v;
-    z[kBlock * k + kDw] = u.w - before.w;
+    const Twist2 u = twist_of(ocp, z, k);
+    double* stage = &z[block(ocp) * k];
+    stage[kDv] = u.v - before.v;
+    stage[kDw] = u.w - before.w;
     before = u;
   }
 }
@@ -86,10 +87,14 @@ void set_changes(const Ocp& ocp, std::vector<double>& z) {
 
 Iterate cold_start(const Ocp& ocp, const Forecast& motion) {
   Iterate guess;
+  Twist2 moves = ocp.motion;
   for (std::size_t k = 0; k < ocp.stages.size(); ++k) {
     const Twist2& u = motion.twist[k];
     const Pose2& X = motion.X_MB[k + 1];
     guess.z.insert(guess.z.end(), {u.v, u.w, 0.0, 0.0, X.x, X.y, X.theta, 1e-3});
+    if (!ocp.lag.any()) continue;
+    moves = ocp.lag.end(moves, u);
+    guess.z.insert(guess.z.end(), {moves.v, moves.w});
   }
   set_changes(ocp, guess.z);
   set_slacks(ocp, guess.z);
@@ -97,26 +102,34 @@ Iterate cold_start(const Ocp& ocp, const Forecast& motion) {
 }
 
 Pose2 shifted_start(const Solved& last, double elapsed) {
-  const int k = std::min(static_cast<int>(elapsed / last.ocp.dt), last.ocp.horizon() - 1);
-  const double* block = &last.point.z[static_cast<std::size_t>(kBlock * k)];
-  const double rest = std::clamp(elapsed - k * last.ocp.dt, 0.0, last.ocp.dt);
-  return integrate(pose_before(last.ocp, last.point.z, k), {block[kV], block[kW]}, rest);
+  const Ocp& ocp = last.ocp;
+  const int k = std::min(static_cast<int>(elapsed / ocp.dt), ocp.horizon() - 1);
+  const double rest = std::clamp(elapsed - k * ocp.dt, 0.0, ocp.dt);
+  const auto stage = static_cast<std::size_t>(k);
+  const Moving before = moving_before(ocp, last.point.z, stage);
+  return integrate(before.X_MB, ocp.lag.mean(before.twist, twist_of(ocp, last.point.z, stage)),
+                   rest);
 }
 
 Forecast shifted_motion(const Solved& last, double elapsed, const Ocp& ocp) {
   const std::size_t stages = ocp.stages.size();
-  const auto z = interpolate(last.point.z, last, elapsed, stages, kBlock);
+  const auto z = interpolate(last.point.z, last, elapsed, stages, block(ocp));
   // The measured heading is wrapped, the plan's is continuous: compare stage 0 of both.
   const double turns = std::round((last.ocp.X_MB.theta - ocp.X_MB.theta) / (2 * std::numbers::pi));
   Forecast out{{}, {ocp.X_MB}};
+  Moving at{ocp.X_MB, ocp.motion};
   for (std::size_t k = 0; k < stages; ++k) {
-    const double* block = &z[kBlock * k];
-    out.twist.push_back({block[kV], block[kW]});
+    out.twist.push_back(twist_of(ocp, z, k));
     const bool beyond =
         static_cast<double>(k) + elapsed / ocp.dt > static_cast<double>(last.ocp.stages.size() - 1);
-    out.X_MB.push_back(
-        beyond ? advance(ocp, out.X_MB.back(), out.twist.back())
-               : Pose2{block[kX], block[kY], block[kTheta] - turns * 2 * std::numbers::pi});
+    const Twist2& u = out.twist.back();
+    if (beyond) {
+      at = advance(ocp, at, u);
+    } else {
+      at = {pose_after(ocp, z, k), ocp.lag.end(at.twist, u)};
+      at.X_MB.theta -= turns * 2 * std::numbers::pi;
+    }
+    out.X_MB.push_back(at.X_MB);
   }
   return out;
 }
@@ -124,16 +137,16 @@ Forecast shifted_motion(const Solved& last, double elapsed, const Ocp& ocp) {
 Iterate warm_start(const Solved& last, double elapsed, const Ocp& ocp) {
   const std::size_t stages = ocp.stages.size();
   Iterate guess = cold_start(ocp, shifted_motion(last, elapsed, ocp));
-  guess.lambda = interpolate(last.point.lambda, last, elapsed, stages, kEqualities);
-  guess.lower = interpolate(last.point.lower, last, elapsed, stages, kBlock);
-  guess.upper = interpolate(last.point.upper, last, elapsed, stages, kBlock);
+  guess.lambda = interpolate(last.point.lambda, last, elapsed, stages, equalities(ocp));
+  guess.lower = interpolate(last.point.lower, last, elapsed, stages, block(ocp));
+  guess.upper = interpolate(last.point.upper, last, elapsed, stages, block(ocp));
   const auto first = first_pair_rows(last.ocp);
   for (std::size_t k = 0; k < stages; ++k) {
     const Between b = between(last, elapsed, k);
-    const double* block = &guess.z[kBlock * k];
-    const Pose2 X{block[kX], block[kY], block[kTheta]};
+    const Pose2 X = pose_after(ocp, guess.z, k);
+    const double slack = at(ocp, guess.z, k, kSlack);
     for (const Pair& pair : ocp.stages[k].pairs) {
-      const double unmatched = -kBarrier / std::max(1e-3, clearance(pair, X) + block[kSlack]);
+      const double unmatched = -kBarrier / std::max(1e-3, clearance(pair, X) + slack);
       guess.lambda.push_back(b.of(multiplier(last, first, b.first, pair, unmatched),
                                   multiplier(last, first, b.second, pair, unmatched)));
     }
