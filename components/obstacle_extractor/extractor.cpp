@@ -2,6 +2,7 @@
 #include "obstacle_extractor/extractor.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -11,6 +12,9 @@ namespace tandem {
 namespace {
 
 constexpr double kWhole = 1.0;  // [m] clusters up to this size are never cut by a tile's border
+
+constexpr std::size_t kPatches = 6;  // more new cells than these are fitted at once
+constexpr double kOffRaster = 1e-3;  // [cells] two grids share a raster if they are off by less
 
 int cells(double length, const Grid& grid) {
   return std::max(1, static_cast<int>(std::ceil(length / grid.resolution - 1e-9)));
@@ -37,24 +41,69 @@ std::vector<CoverShape> Extractor::shapes_near(const Eigen::Vector2d& p_MB, doub
   std::vector<CoverShape> shapes;
   if (!p_MB.allFinite()) return shapes;
   enter_region(p_MB);
-  const Grid& grid = map_->grid();
-  const int side = cells(params_.tile, grid);
-  // A whole cluster may reach from its tile into the next ones up, left and right.
-  const double reach = range + kWhole + grid.resolution;
-  const auto tile = [&](double metres, int tiles) {
-    return static_cast<int>(std::clamp(std::floor(metres / (side * grid.resolution)), -1.0,
-                                       static_cast<double>(tiles)));
-  };
-  const int columns = (grid.width + side - 1) / side, rows = (grid.height + side - 1) / side;
-  const Eigen::Vector2d low = p_MB - grid.origin - Eigen::Vector2d::Constant(reach);
-  const Eigen::Vector2d high = p_MB - grid.origin + Eigen::Vector2d::Constant(reach);
-  for (int ty = std::max(0, tile(low.y(), rows)); ty <= std::min(rows - 1, tile(high.y(), rows));
-       ++ty)
-    for (int tx = std::max(0, tile(low.x(), columns));
-         tx <= std::min(columns - 1, tile(high.x(), columns)); ++tx)
-      for (const CoverShape& shape : tile_at(tx, ty))
+  const CellRect tiles = tiles_near(p_MB, range);
+  for (int ty = tiles.y0; ty < tiles.y1; ++ty)
+    for (int tx = tiles.x0; tx < tiles.x1; ++tx)
+      for (const CoverShape& shape : tile_at(tx, ty).shapes)
         if (distance_to_cells(shape, p_MB) <= range) shapes.push_back(shape);
   return shapes;
+}
+
+void Extractor::update(std::shared_ptr<const StaticMap> map) {
+  const Eigen::Vector2d moved = (map->grid().origin - map_->grid().origin) / map->grid().resolution;
+  const bool is_same_raster = map->grid().resolution == map_->grid().resolution &&
+                              (moved - moved.array().round().matrix()).norm() < kOffRaster;
+  if (!is_same_raster) tiles_.clear();
+  std::erase_if(tiles_, [&](const auto& tile) { return tile.second.map != updates_; });
+  shift_ += moved.array().round().matrix().cast<int>();
+  ++updates_;
+  region_ = 0;
+  map_ = std::move(map);
+  places_ = Places{*map_, params_.smallest_gap};
+}
+
+bool Extractor::refresh_near(const Eigen::Vector2d& p_MB, double range, long settle) {
+  if (!p_MB.allFinite()) return false;
+  const CellRect rect = tiles_near(p_MB, range);
+  auto oldest = tiles_.end();
+  for (auto it = tiles_.begin(); it != tiles_.end(); ++it) {
+    const auto& [place, tile] = *it;
+    if (!tile.is_stale || !rect.contains(place[0], place[1])) continue;
+    if (updates_ - tile.fitted < settle) continue;
+    if (oldest == tiles_.end() || tile.fitted < oldest->second.fitted) oldest = it;
+  }
+  if (oldest == tiles_.end()) return false;
+  fit(oldest->second, oldest->first[0], oldest->first[1]);
+  return true;
+}
+
+CellRect Extractor::tiles_near(const Eigen::Vector2d& p_MB, double range) const {
+  const Grid& grid = map_->grid();
+  const double side = cells(params_.tile, grid);
+  // A whole cluster may reach from its tile into the next ones up, left and right.
+  const double reach = range + kWhole + grid.resolution;
+  const auto clip = [](double cell, int size) {
+    return std::clamp(std::floor(cell), -1.0, static_cast<double>(size));
+  };
+  const auto tile = [&](double cell, int shift) {
+    return static_cast<int>(std::floor((cell + shift) / side));
+  };
+  const Eigen::Vector2d low = (p_MB - grid.origin).array() - reach;
+  const Eigen::Vector2d high = (p_MB - grid.origin).array() + reach;
+  const double x0 = clip(low.x() / grid.resolution, grid.width);
+  const double y0 = clip(low.y() / grid.resolution, grid.height);
+  const double x1 = clip(high.x() / grid.resolution, grid.width);
+  const double y1 = clip(high.y() / grid.resolution, grid.height);
+  if (x1 < 0.0 || y1 < 0.0 || x0 >= grid.width || y0 >= grid.height) return {};
+  return {tile(std::max(0.0, x0), shift_.x()), tile(std::max(0.0, y0), shift_.y()),
+          tile(std::min(x1, grid.width - 1.0), shift_.x()) + 1,
+          tile(std::min(y1, grid.height - 1.0), shift_.y()) + 1};
+}
+
+CellRect Extractor::cells_of(int tx, int ty) const {
+  const int side = cells(params_.tile, map_->grid());
+  const int x0 = tx * side - shift_.x(), y0 = ty * side - shift_.y();
+  return {x0, y0, x0 + side, y0 + side};
 }
 
 void Extractor::enter_region(const Eigen::Vector2d& p_MB) {
@@ -63,21 +112,104 @@ void Extractor::enter_region(const Eigen::Vector2d& p_MB) {
   if (region != 0) region_ = region;
 }
 
-const std::vector<CoverShape>& Extractor::tile_at(int tx, int ty) {
-  const auto [entry, is_new] = tiles_.try_emplace({region_, tx, ty});
-  if (!is_new) return entry->second;
+const Extractor::Tile& Extractor::tile_at(int tx, int ty) {
+  Tile& tile = tiles_[{tx, ty}];
+  if (tile.map == updates_ && tile.region == region_) return tile;
+  const bool is_new_map = tile.map != updates_, is_first = tile.map == 0;
+  tile.map = updates_;
+  tile.region = region_;
+  const CellRect rect = cells_of(tx, ty);
+  auto clusters = clusters_of_tile(*map_, rect, cells(kWhole, map_->grid()));
+  for (auto& cluster : clusters)
+    for (CellIndex& cell : cluster) cell = {cell.ix + shift_.x(), cell.iy + shift_.y()};
+  const bool same_cells = clusters == std::exchange(tile.clusters, clusters);
+  if (same_cells && clusters.empty()) return tile;
+  const bool is_stale = tile.is_stale || !same_cells || space_round(rect) != tile.space;
+  if (!is_first && is_new_map && patch(tile))
+    tile.is_stale = is_stale;
+  else if (is_stale || is_first)
+    fit(tile, tx, ty);
+  return tile;
+}
+
+// Whether the tile's shapes do, with a few more: then they cover all its cells, and each has some.
+bool Extractor::patch(Tile& tile) const {
   const Grid& grid = map_->grid();
-  const int side = cells(params_.tile, grid), whole = cells(kWhole, grid);
-  const CellRect tile{tx * side, ty * side, (tx + 1) * side, (ty + 1) * side};
-  const auto clusters = clusters_of_tile(*map_, tile, whole);
-  if (clusters.empty()) return entry->second;
-  const int margin = 2 * whole;
+  const double side = grid.resolution;
+  std::vector<CoverShape> alone;  // each cell as a shape of its own
+  for (const auto& cluster : tile.clusters)
+    for (const CellIndex& cell : cluster) {
+      const Eigen::Vector2d p_MC = grid.center(cell.ix - shift_.x(), cell.iy - shift_.y());
+      const double radius = side * std::sqrt(0.5) * (1.0 + 1e-9);
+      alone.push_back({Obstacle{.id = id_of(cell), .p_MO = p_MC, .a = radius, .b = radius},
+                       p_MC.array() - 0.5 * side, p_MC.array() + 0.5 * side});
+    }
+  std::erase_if(tile.shapes, [&](const CoverShape& shape) {
+    return std::none_of(alone.begin(), alone.end(), [&](const CoverShape& cell) {
+      return distance_to_cells(shape, cell.obstacle.p_MO) <= 0.0;
+    });
+  });
+  const auto covers = [](const CoverShape& shape, const CoverShape& cell) {
+    return level(shape.obstacle, cell.low) <= 1.0 && level(shape.obstacle, cell.high) <= 1.0 &&
+           level(shape.obstacle, {cell.low.x(), cell.high.y()}) <= 1.0 &&
+           level(shape.obstacle, {cell.high.x(), cell.low.y()}) <= 1.0;
+  };
+  std::erase_if(alone, [&](const CoverShape& cell) {
+    return std::any_of(tile.shapes.begin(), tile.shapes.end(), [&](const CoverShape& shape) {
+      return distance_to_cells(shape, cell.obstacle.p_MO) <= side && covers(shape, cell);
+    });
+  });
+  if (alone.size() > kPatches) return false;
+  tile.shapes.insert(tile.shapes.end(), alone.begin(), alone.end());
+  return true;
+}
+
+// The same cell has the same id in every map.
+std::uint32_t Extractor::id_of(const CellIndex& cell) const {
+  return ((static_cast<std::uint32_t>(cell.iy) & 0xFFFFU) << 16U |
+          (static_cast<std::uint32_t>(cell.ix) & 0xFFFFU)) +
+         1;
+}
+
+void Extractor::fit(Tile& tile, int tx, int ty) const {
+  const Grid& grid = map_->grid();
+  const CellRect rect = cells_of(tx, ty);
+  tile.is_stale = false;
+  tile.fitted = updates_;
+  tile.shapes.clear();
+  if (tile.clusters.empty()) return;
+  auto clusters = tile.clusters;
+  for (auto& cluster : clusters)
+    for (CellIndex& cell : cluster) cell = {cell.ix - shift_.x(), cell.iy - shift_.y()};
+  const int margin = 2 * cells(kWhole, grid);
   const FreeSpace space(*map_, places_,
-                        {tile.x0 - margin, tile.y0 - margin, tile.x1 + margin, tile.y1 + margin},
+                        {rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin},
                         region_);
-  return entry->second =
-             cover(grid, clusters, space,
-                   {.max_excess = params_.max_excess, .space_per_shape = params_.space_per_shape});
+  tile.space = space_round(rect);
+  tile.shapes =
+      cover(grid, clusters, space,
+            {.max_excess = params_.max_excess, .space_per_shape = params_.space_per_shape});
+  for (CoverShape& shape : tile.shapes) {
+    const auto index = static_cast<int>(shape.obstacle.id - 1);
+    shape.obstacle.id = id_of({index % grid.width + shift_.x(), index / grid.width + shift_.y()});
+  }
+}
+
+// FNV-1a hash of all that FreeSpace reads of the places.
+std::uint64_t Extractor::space_round(const CellRect& rect) const {
+  const double radius = places_.radius();
+  const int margin =
+      2 * cells(kWhole, map_->grid()) + static_cast<int>(std::ceil(2.0 * radius)) + 3;
+  const auto most = static_cast<float>(radius + 3.0);  // a gap beyond that is as good as any
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (int iy = rect.y0 - margin; iy < rect.y1 + margin; ++iy)
+    for (int ix = rect.x0 - margin; ix < rect.x1 + margin; ++ix) {
+      const int region = places_.region(ix, iy);
+      const std::uint32_t kind = region == 0 ? 0 : region_ == 0 || region == region_ ? 1 : 2;
+      const auto gap = std::bit_cast<std::uint32_t>(std::min(places_.gap(ix, iy), most));
+      hash = (hash ^ (std::uint64_t{kind} << 32U | gap)) * 0x100000001b3U;
+    }
+  return hash;
 }
 
 std::vector<Obstacle> extract(const StaticMap& map, const Eigen::Vector2d& p_MB,

@@ -8,18 +8,25 @@ namespace tandem {
 
 ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<ObstacleExtractorNodeParams>()},
+      params_{node.declare_parameters<ObstacleExtractorNodeParams>(
+          {}, [](auto& all) -> auto& { return all.extractor; },
+          [this](const auto& wanted) { shapes_.set_params(wanted.extractor); })},
       map_{node, params_->map},
       robot_{node, params_->input},
       shapes_{params_->extractor},
       obstacles_{node.create_publisher(topics::obstacles)},
       markers_{node.create_publisher(topics::obstacle_markers)} {
+  if (params_->people)
+    on_people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto all) {
+      people_ = std::move(all);
+      people_heard_ = node_.now();
+    });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
 }
 
 void ObstacleExtractorNode::extract() {
-  const auto map = map_.map();
   const auto robot = robot_.state();
+  const auto map = map_.map(robot);
   if (!map || !robot) {
     node_.log().warn_every(1.0, "no obstacles: {}", map ? "not localised" : "no map yet");
     return;
@@ -29,7 +36,17 @@ void ObstacleExtractorNode::extract() {
     node_.log().warn_every(1.0, "no obstacles: not fitted yet");
     return;
   }
-  const auto& shapes = *near;
+  if (!params_->people) return publish(*near);
+  if (node_.now() - people_heard_ > params_->people_timeout) {
+    node_.log().warn_every(1.0, "no obstacles: people are silent");
+    return;
+  }
+  auto shapes = *near;
+  shapes.insert(shapes.end(), people_.begin(), people_.end());
+  publish(shapes);
+}
+
+void ObstacleExtractorNode::publish(const std::vector<Obstacle>& shapes) {
   const auto map_header = header(node_.stamp(), params_->input.frames.map);
   obstacles_.publish(to_msg(shapes, map_header));
   if (markers_.matched() == 0 || lists_++ % kMarkersEvery != 0) return;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "map_input.hpp"
 #include "obstacle_extractor/shapes_ahead.hpp"
+#include "people_input.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 
@@ -13,6 +16,8 @@ struct ObstacleExtractorNodeParams {
   MapInputParams map;
   RobotStateParams input;
   double period = 0.025;
+  bool people = false;
+  double people_timeout = 0.2;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -20,10 +25,13 @@ struct ObstacleExtractorNodeParams {
     map.visit(field);
     input.visit(field);
     field("period", period, Range{0.01, 1.0}, "[s] between two obstacle lists");
+    field("people", people,
+          "true: who walks about is listed with what stands, and nothing while `people` is silent");
+    field("people_timeout", people_timeout, Range{0.02, 5.0}, "[s] silence of people, if needed");
   }
 };
 
-/// octomap_binary, odom, tf → obstacles, obstacles/markers.
+/// octomap_binary, octomap_local, people, odom, tf → obstacles, obstacles/markers.
 ///
 /// Silent until there is a map, the robot is localised and the place is fitted: no list is not an
 /// empty list.
@@ -35,6 +43,7 @@ class ObstacleExtractorNode {
 
  private:
   void extract();
+  void publish(const std::vector<Obstacle>& shapes);
 
   rt::Node& node_;
   rt::Parameters<ObstacleExtractorNodeParams> params_;
@@ -42,6 +51,9 @@ class ObstacleExtractorNode {
   RobotStateInput robot_;
   ShapesAhead shapes_;
   int lists_ = 0;
+  std::vector<Obstacle> people_;
+  double people_heard_ = -1e9;  ///< [s]
+  std::unique_ptr<PeopleInput> on_people_;
 
   rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;

@@ -1,22 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obstacle_extractor/shapes_ahead.hpp"
 
+#include <chrono>
 #include <utility>
 
 namespace tandem {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr long kSettle = 5;     // maps: no tile is fitted more often while they keep coming
+constexpr auto kQuiet = 300ms;  // without a new one they have stopped coming
+
+// What there is to do while nobody asks: tiles that are due, later perhaps, all that are stale.
+enum class Rest { kNothing, kLater, kSome, kAll };
+
+}  // namespace
 
 std::optional<std::vector<Obstacle>> shapes_within(const FittedArea& area,
-                                                   const Eigen::Vector2d& p_MB, double range) {
+                                                   const Eigen::Vector2d& p_MB) {
   if (!((p_MB - area.p_MC).norm() <= ShapesAhead::kAhead)) return std::nullopt;
   std::vector<Obstacle> obstacles;
   for (const CoverShape& shape : area.shapes)
-    if (distance_to_cells(shape, p_MB) <= range) obstacles.push_back(shape.obstacle);
+    if (distance_to_cells(shape, p_MB) <= area.range) obstacles.push_back(shape.obstacle);
   return obstacles;
 }
 
-ShapesAhead::ShapesAhead(const ExtractorParams& params) : params_{params} {
-  check(params);
+ShapesAhead::ShapesAhead(const ExtractorParams& params) {
+  set_params(params);
   worker_ = std::thread{[this] { run(); }};
+}
+
+void ShapesAhead::set_params(const ExtractorParams& params) {
+  check(params);
+  params_ = std::make_shared<const ExtractorParams>(params);
+  asked_p_MC_.reset();
 }
 
 ShapesAhead::~ShapesAhead() {
@@ -35,7 +53,7 @@ std::optional<std::vector<Obstacle>> ShapesAhead::near(const std::shared_ptr<con
   std::shared_ptr<const FittedArea> area;
   {
     const std::lock_guard lock{mutex_};
-    if (asks || waiting_) waiting_ = Request{map, p_MB};  // the newest place
+    if (asks || waiting_) waiting_ = Request{map, p_MB, params_};  // the newest place
     area = fitted_;
   }
   if (asks) {
@@ -43,24 +61,46 @@ std::optional<std::vector<Obstacle>> ShapesAhead::near(const std::shared_ptr<con
     asked_p_MC_ = p_MB;
     asked_.notify_one();
   }
-  return area ? shapes_within(*area, p_MB, params_.range) : std::nullopt;
+  return area ? shapes_within(*area, p_MB) : std::nullopt;
 }
 
 void ShapesAhead::run() {
   std::shared_ptr<const StaticMap> map;
+  std::shared_ptr<const ExtractorParams> params;
   std::optional<Extractor> extractor;
+  Eigen::Vector2d p_MC{0.0, 0.0};
+  Rest rest = Rest::kNothing;
   std::unique_lock lock{mutex_};
   while (true) {
-    asked_.wait(lock, [this] { return stop_ || waiting_; });
+    const auto is_asked = [&] { return stop_ || waiting_; };
+    if (rest == Rest::kNothing)
+      asked_.wait(lock, is_asked);
+    else if (rest == Rest::kLater && !asked_.wait_for(lock, kQuiet, is_asked))
+      rest = Rest::kAll;
     if (stop_) return;
-    const Request request = std::move(*waiting_);
-    waiting_.reset();
+    const auto request = std::exchange(waiting_, std::nullopt);
     lock.unlock();
-    if (request.map != map) extractor.emplace(map = request.map, params_);
-    auto area = std::make_shared<const FittedArea>(
-        FittedArea{request.p_MC, extractor->shapes_near(request.p_MC, params_.range + kAhead)});
+    bool has_changed = true;
+    if (request) {
+      p_MC = request->p_MC;
+      if (!extractor || request->params != params)
+        extractor.emplace(request->map, *request->params);
+      else if (request->map != map)
+        extractor->update(request->map);
+      map = request->map;
+      params = request->params;
+      rest = Rest::kSome;
+    } else {
+      has_changed =
+          extractor->refresh_near(p_MC, params->range + kAhead, rest == Rest::kAll ? 0 : kSettle);
+      if (!has_changed) rest = rest == Rest::kAll ? Rest::kNothing : Rest::kLater;
+    }
+    std::shared_ptr<const FittedArea> area;
+    if (has_changed)
+      area = std::make_shared<const FittedArea>(
+          FittedArea{p_MC, extractor->shapes_near(p_MC, params->range + kAhead), params->range});
     lock.lock();
-    fitted_ = std::move(area);
+    if (area) fitted_ = std::move(area);
   }
 }
 

@@ -18,11 +18,16 @@ namespace tandem {
 struct FittedArea {
   Eigen::Vector2d p_MC{0.0, 0.0};  ///< where the robot was [m]
   std::vector<CoverShape> shapes;  ///< all within range + kAhead of it
+  double range = 0.0;              ///< [m]
 };
 
 /// An extractor on a thread of its own. A first look at a place costs tens of milliseconds; `near`
 /// never waits for it, because everything within kAhead beyond the range is there before the robot
 /// is, and the next is fitted once the robot has driven kRenew.
+///
+/// A map that changes with every scan is followed by what changed in it: at once the tiles that
+/// show more than a few new cells, then, one by one while no newer map waits, those whose shapes
+/// cover all but could be better.
 class ShapesAhead {
  public:
   static constexpr double kAhead = 2.0;  ///< [m]
@@ -34,6 +39,10 @@ class ShapesAhead {
   ShapesAhead(const ShapesAhead&) = delete;
   ShapesAhead& operator=(const ShapesAhead&) = delete;
 
+  /// Fits anew; until that is done `near` goes on as before. Throws std::invalid_argument, having
+  /// changed nothing, on parameters out of range.
+  void set_params(const ExtractorParams& params);
+
   /// The same shapes as Extractor::near, of this map or, until it is fitted, of the one before.
   /// nullopt while the place is not fitted yet. Does not wait.
   [[nodiscard]] std::optional<std::vector<Obstacle>> near(
@@ -43,10 +52,11 @@ class ShapesAhead {
   struct Request {
     std::shared_ptr<const StaticMap> map;
     Eigen::Vector2d p_MC;
+    std::shared_ptr<const ExtractorParams> params;
   };
   void run();
 
-  ExtractorParams params_;
+  std::shared_ptr<const ExtractorParams> params_;
   std::shared_ptr<const StaticMap> asked_map_;  // the last request's
   std::optional<Eigen::Vector2d> asked_p_MC_;
 
@@ -61,7 +71,6 @@ class ShapesAhead {
 
 /// Shapes of the area near a point within it; nullopt if the area may miss some of them.
 [[nodiscard]] std::optional<std::vector<Obstacle>> shapes_within(const FittedArea& area,
-                                                                 const Eigen::Vector2d& p_MB,
-                                                                 double range);
+                                                                 const Eigen::Vector2d& p_MB);
 
 }  // namespace tandem
