@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "model/diff_drive.hpp"
 
@@ -13,8 +15,14 @@ namespace {
 constexpr double kClearanceCap = 1.0;  // [m] reported clearance ends here
 constexpr double kBlocked = 0.05;      // an arc of which less than this passes counts as blocked
 constexpr int kBisections = 6;
+constexpr double kPathGap = 0.3;   // [m] between the ends of two motions that are looked at …
+constexpr double kTurnGap = 0.10;  // [m] … and across their way
+constexpr int kMostShares = 8;
 
 constexpr Twist2 kRest{};
+
+// Into how many parts a range of speeds is cut.
+int shares(double parts) { return std::clamp(static_cast<int>(std::ceil(parts)), 1, kMostShares); }
 
 Footprint scaled(const Footprint& footprint, double scale) {
   Footprint result = footprint;
@@ -47,8 +55,12 @@ const char* name(FilterReason reason) {
       return "command not finite";
     case FilterReason::kNotLocalized:
       return "not localized";
+    case FilterReason::kPoseJumped:
+      return "pose jumped";
     case FilterReason::kNoMap:
       return "no map";
+    case FilterReason::kNoPeople:
+      return "people silent";
   }
   return "unknown";
 }
@@ -73,17 +85,35 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
                                  : params.control_period;
   bounds_ = {robot.command_delay + robot.motor_lag, robot.a_brake, robot.alpha_brake,
              params.brake_spread};
+  people_check_.emplace(params.people, robot, body_, params.brake_spread);
+  jumped_until_ = -std::numeric_limits<double>::infinity();
 }
 
 void SafetyFilter::on_command(const Twist2& twist, double t) { command_ = TimedTwist{twist, t}; }
 
 Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now) {
+  if (state) watch_pose(*state, now);
   Filtered out = decide(state, now);
   const bool drives =
       out.reason != FilterReason::kNoCommand && out.reason != FilterReason::kNotFinite;
   out.twist = !params_.enforce && drives ? out.requested : out.safe;
   remember(out.twist, now);
   return out;
+}
+
+// From one pose to the next the wheels must lead there, but for how late odometry may arrive.
+void SafetyFilter::watch_pose(const RobotState& state, double now) {
+  if (!is_finite(state.X_MB) || !is_finite(state.twist)) return;
+  const auto last = std::exchange(last_state_, state);
+  if (!last || !(state.t > last->t) || state.t - last->t > params_.state_timeout) return;
+  const Twist2 mean{0.5 * (last->twist.v + state.twist.v), 0.5 * (last->twist.w + state.twist.w)};
+  const Pose2 expected = integrate(last->X_MB, mean, state.t - last->t);
+  const double late = 0.5 * params_.state_timeout;
+  const double off = (state.X_MB.position() - expected.position()).norm();
+  const double turned = std::abs(wrap_angle(state.X_MB.theta - expected.theta));
+  if (off > params_.jump_distance + late * std::abs(mean.v) ||
+      turned > params_.jump_angle + late * std::abs(mean.w))
+    jumped_until_ = now + params_.jump_rest;
 }
 
 Filtered SafetyFilter::decide(const std::optional<RobotState>& state, double now) const {
@@ -96,6 +126,10 @@ Filtered SafetyFilter::decide(const std::optional<RobotState>& state, double now
     out.reason = FilterReason::kNoMap;
   } else if (!state) {
     out.reason = FilterReason::kNotLocalized;
+  } else if (now < jumped_until_) {
+    out.reason = FilterReason::kPoseJumped;
+  } else if (params_.people.watched && !(now - people_.t <= params_.people.people_timeout)) {
+    out.reason = FilterReason::kNoPeople;
   } else {
     out = filter(command_->twist, *state, *map_, now);
   }
@@ -153,6 +187,25 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   return scene;
 }
 
+// Whether all possible motions are clear.
+template <class Clear>
+bool SafetyFilter::are_clear(const MotionStart& start, const Reach& way, const Clear& clear) const {
+  const Motion low = possible_motion(start, bounds_, 0.0, 0.0);
+  const Motion high = possible_motion(start, bounds_, 1.0, 1.0);
+  if (!clear(low) || !clear(high)) return false;
+  // The ends alone would miss what stands between them.
+  const Spread apart = spread(low, high);
+  const int n_v = shares(apart.path / kPathGap);
+  const int n_w = shares(apart.turn * (way.path + body_.radius) / kTurnGap);
+  for (int i = 0; i <= n_v; ++i)
+    for (int j = 0; j <= n_w; ++j) {
+      if ((i == 0 && j == 0) || (i == n_v && j == n_w)) continue;
+      const double v = static_cast<double>(i) / n_v, w = static_cast<double>(j) / n_w;
+      if (!clear(possible_motion(start, bounds_, v, w))) return false;
+    }
+  return true;
+}
+
 bool SafetyFilter::is_safe(const Twist2& command, double hold, const Scene& scene) const {
   MotionStart start = scene.start;
   start.command = command;
@@ -160,15 +213,20 @@ bool SafetyFilter::is_safe(const Twist2& command, double hold, const Scene& scen
   const Reach way = reach(start, bounds_);
   const auto& required = scene.required;
   const double rims = 2.0 * way.path + robot_.wheel_separation * way.turn;
-  if (scene.clearance > required.level + required.per_rim * rims + required.per_path * way.path +
-                            way.path + body_.radius * way.turn)
-    return true;
-  for (const Extreme v : {Extreme::kHigh, Extreme::kLow})
-    for (const Extreme w : {Extreme::kHigh, Extreme::kLow}) {
-      const Motion motion = extreme_motion(start, bounds_, v, w);
-      if (!stays_clear(motion, scene.X_MB, scene.body, *scene.map, required)) return false;
-    }
-  return true;
+  const double away =
+      required.per_rim * rims + required.per_path * way.path + way.path + body_.radius * way.turn;
+  const bool walls_far = scene.clearance > required.level + away;
+  const bool people_far =
+      !params_.people.watched ||
+      people_check_->is_far(people_, scene.X_MB, hard_margin_ + away, start.t_measured, way.time);
+  if (walls_far && people_far) return true;
+  RequiredClearance from_people = required;
+  from_people.level = hard_margin_;
+  return are_clear(start, way, [&](const Motion& motion) {
+    return (walls_far || stays_clear(motion, scene.X_MB, scene.body, *scene.map, required)) &&
+           (people_far || people_check_->keeps_away(motion, start.measured, scene.X_MB,
+                                                    start.t_measured, people_, from_people));
+  });
 }
 
 double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scene) const {

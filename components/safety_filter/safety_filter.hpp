@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a command, the robot's measured state, the map. Out: the command that cannot end in contact.
+// In: a command, the robot's measured state, the map, people. Out: the command that cannot end in
+// contact.
 #pragma once
 
 #include <memory>
@@ -11,6 +12,7 @@
 #include "model/robot.hpp"
 #include "params.hpp"
 #include "safety_filter/clearance_check.hpp"
+#include "safety_filter/people_check.hpp"
 #include "safety_filter/stopping_motion.hpp"
 
 namespace tandem {
@@ -37,6 +39,10 @@ struct SafetyFilterParams {
   double band = 0.01;
   double slip = 0.02;
   double brake_spread = 1.5;
+  double jump_distance = 0.2;
+  double jump_angle = 0.3;
+  double jump_rest = 1.0;
+  PeopleParams people{};
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -56,6 +62,11 @@ struct SafetyFilterParams {
     field("slip", slip, Range{0.0, 0.3}, "[1] bound on a wheel's travel being off");
     field("brake_spread", brake_spread, Range{1.0, 10.0},
           "[1] real braking is at most this times the robot's a_brake, alpha_brake");
+    field("jump_distance", jump_distance, Range{0.02, 10.0},
+          "[m] a pose this far from where the wheels lead is not believed at first …");
+    field("jump_angle", jump_angle, Range{0.02, 4.0}, "[rad] … nor one turned by this …");
+    field("jump_rest", jump_rest, Range{0.0, 60.0}, "[s] … but only after standing this long");
+    people.visit(field);
   }
 };
 
@@ -69,7 +80,9 @@ enum class FilterReason {
   kNoCommand,   ///< silent, or never heard
   kNotFinite,   ///< the command is not a number
   kNotLocalized,
+  kPoseJumped,  ///< the pose is not where the wheels lead
   kNoMap,
+  kNoPeople,  ///< they are watched, and nobody says where they are
 };
 
 [[nodiscard]] const char* name(FilterReason reason);
@@ -89,7 +102,8 @@ struct Filtered {
 /// base's own time-out) and then braked, it ends before contact plus margin whatever the delays,
 /// the lag and the braking are within their bounds; else the largest safe fraction of it, else
 /// zero. Call update() on every command and at least every control_period, and send what it
-/// returns: by induction a robot that starts safe in a static world stays safe.
+/// returns: by induction a robot that starts safe in a static world stays safe, and one that
+/// watches people touches nobody while it moves itself.
 ///
 /// Inside the margin only motion that gains clearance passes. Between the hard margin and the
 /// band's end the robot may come down to the hard margin, as a tail that swings out must. Times are
@@ -101,6 +115,8 @@ class SafetyFilter {
 
   void on_command(const Twist2& twist, double t);
   void on_map(std::shared_ptr<const StaticMap> map) { map_ = std::move(map); }
+  /// Everybody near, as a list said that arrived at time t.
+  void on_people(std::vector<Obstacle> people, double t) { people_ = {std::move(people), t}; }
 
   /// The command to send now; counts it as sent. `state`: Localization::state(now).
   [[nodiscard]] Filtered update(const std::optional<RobotState>& state, double now);
@@ -117,9 +133,13 @@ class SafetyFilter {
  private:
   struct Scene;
 
+  void watch_pose(const RobotState& state, double now);
   [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, double now) const;
   [[nodiscard]] bool is_safe(const Twist2& command, double hold, const Scene& scene) const;
+  template <class Clear>
+  [[nodiscard]] bool are_clear(const MotionStart& start, const Reach& way,
+                               const Clear& clear) const;
   [[nodiscard]] double largest_safe_scale(const Twist2& command, const Scene& scene) const;
   void reduce(Filtered& out, const Twist2& command, const Scene& scene) const;
   void remember(const Twist2& twist, double now);
@@ -129,9 +149,13 @@ class SafetyFilter {
   Body body_;
   double hard_margin_, hold_;
   StoppingBounds bounds_;
+  std::optional<PeopleCheck> people_check_;
   std::shared_ptr<const StaticMap> map_;
+  PeopleSeen people_;
   std::optional<TimedTwist> command_;
   std::vector<TimedTwist> sent_;  // oldest first
+  std::optional<RobotState> last_state_;
+  double jumped_until_;  // [s]
 };
 
 }  // namespace tandem

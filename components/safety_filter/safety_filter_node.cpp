@@ -14,38 +14,53 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       filter_{params_->filter, params_->robot},
       map_{node, params_->map},
       robot_{node, params_->input},
-      cmd_vel_{node.create_publisher(topics::cmd_vel)},
       status_{node.create_publisher(topics::filter_status)},
-      diagnostics_{node.create_publisher(topics::diagnostics)} {
+      diagnostics_{node.create_publisher(topics::diagnostics)},
+      command_{node, topics::cmd_vel_arbitrated, params_->twist_input, [this](const auto& msg) {
+                 // Not finite goes on to the core, which stops for it.
+                 filter_.on_command({msg.linear().x(), msg.angular().z()}, node_.now());
+                 update();
+               }} {
   if (!params_->filter.enforce && !node.use_sim_time())
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
-  command_ = node.create_subscription(
-      topics::cmd_vel_arbitrated, [this](const geometry_msgs::msg::Twist& msg) {
-        // Not finite goes on to the core, which stops for it.
-        filter_.on_command({msg.linear().x(), msg.angular().z()}, node_.now());
-        update();
-      });
+  if (params_->filter.people.watched)
+    people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto people) {
+      filter_.on_people(std::move(people), node_.now());
+    });
+  if (params_->stamped)
+    cmd_vel_stamped_ = node.create_publisher(topics::cmd_vel_stamped);
+  else
+    cmd_vel_ = node.create_publisher(topics::cmd_vel);
   watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
   diagnostics_timer_ =
       node.create_wall_timer(kDiagnosticsPeriod, [this] { publish_diagnostics(); });
 }
 
 void SafetyFilterNode::update() {
-  filter_.on_map(map_.map());
-  const Filtered out = filter_.update(robot_.state(), node_.now());
+  const auto robot = robot_.state();
+  filter_.on_map(map_.map(robot));
+  const Filtered out = filter_.update(robot, node_.now());
   if (out.reason != last_.reason) node_.log().debug("{}", name(out.reason));
   last_ = out;
   updated_ = node_.steady_now();
-  cmd_vel_.publish(to_msg(out.twist));
+  send(out.twist);
   publish_status(out);
+}
+
+void SafetyFilterNode::send(const Twist2& twist) {
+  if (!params_->stamped) return cmd_vel_.publish(to_msg(twist));
+  geometry_msgs::msg::TwistStamped msg;
+  msg.header(header(node_.stamp(), params_->input.frames.base));
+  msg.twist(to_msg(twist));
+  cmd_vel_stamped_.publish(msg);
 }
 
 // Half a control period at the latest after the last word, so that one late beat breaks no promise.
 void SafetyFilterNode::watch() {
   if (node_.clock_silence() > kClockSilence) {
     node_.log().warn_every(1.0, "/clock is silent: stopping");
-    cmd_vel_.publish(to_msg(Twist2{}));
+    send(Twist2{});
     return;
   }
   if (node_.steady_now() - updated_ >= 0.5 * params_->filter.control_period) update();

@@ -4,9 +4,11 @@
 #include <memory>
 
 #include "map_input.hpp"
+#include "people_input.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "safety_filter/safety_filter.hpp"
+#include "twist_input.hpp"
 
 namespace tandem {
 
@@ -15,6 +17,8 @@ struct SafetyFilterNodeParams {
   SafetyFilterParams filter;
   MapInputParams map;
   RobotStateParams input;
+  TwistInputParams twist_input;
+  bool stamped = false;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -22,10 +26,13 @@ struct SafetyFilterNodeParams {
     filter.visit(field);
     map.visit(field);
     input.visit(field);
+    twist_input.visit(field);
+    field("stamped", stamped, "cmd_vel is sent as TwistStamped, as ros2_control and Nav2 want it");
   }
 };
 
-/// cmd_vel_arbitrated, octomap_binary, odom, tf → cmd_vel, safety_filter/status, /diagnostics.
+/// cmd_vel_arbitrated, octomap_binary, octomap_local, people, odom, tf → cmd_vel,
+/// safety_filter/status, /diagnostics.
 ///
 /// The last node before the wheels. Answers every command when it arrives and speaks at least every
 /// control period; silence or doubt is zero. Refuses to start with enforce = false unless the clock
@@ -39,6 +46,7 @@ class SafetyFilterNode {
 
  private:
   void update();
+  void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);
   void publish_diagnostics();
@@ -47,15 +55,17 @@ class SafetyFilterNode {
   rt::Parameters<SafetyFilterNodeParams> params_;
   SafetyFilter filter_;
   MapInput map_;
+  std::unique_ptr<PeopleInput> people_;  ///< if they are watched
   RobotStateInput robot_;
   Filtered last_;
   std::uint64_t interventions_ = 0;
   double updated_ = 0.0;  ///< steady [s]
 
-  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_;
+  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_;                 ///< either this
+  rt::Publisher<geometry_msgs::msg::TwistStamped> cmd_vel_stamped_;  ///< or this
   rt::Publisher<tandem_msgs::msg::FilterStatus> status_;
   rt::Publisher<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
-  rt::Subscription command_;
+  TwistInput command_;
   rt::Timer watchdog_, diagnostics_timer_;
 };
 

@@ -12,16 +12,14 @@ namespace {
 
 constexpr int kRampSteps = 10;         // a ramp is cut into so many constant twists …
 constexpr double kMinRampStep = 0.01;  // … but none shorter than this [s]
+constexpr double kRounding = 1e-12;    // [m/s, rad/s]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // One end of the range of one speed. The low end is the high end of the mirrored speed.
-class Channel {
+class End {
  public:
-  Channel(double speed, Extreme extreme, double weakest, double spread)
-      : sign_{extreme == Extreme::kHigh ? 1.0 : -1.0},
-        speed_{sign_ * speed},
-        weakest_{weakest},
-        strongest_{spread * weakest} {}
+  End(double speed, double sign, double weakest, double spread)
+      : sign_{sign}, speed_{sign_ * speed}, weakest_{weakest}, strongest_{spread * weakest} {}
 
   void forget_targets() { target_ = -kInfinity; }
   void add_target(double target) { target_ = std::max(target_, sign_ * target); }
@@ -35,6 +33,8 @@ class Channel {
   double advance(double dt) {
     const double before = speed_;
     speed_ = approach(speed_, end(), std::abs(rate()) * dt);
+    // A ramp in parts may miss its end by rounding; short of zero the next jump would not come.
+    if (std::abs(speed_ - end()) < kRounding) speed_ = end();
     return sign_ * 0.5 * (before + speed_);
   }
 
@@ -46,6 +46,36 @@ class Channel {
 
   double sign_, speed_, weakest_, strongest_;
   double target_ = 0.0;
+};
+
+// A speed at a share of its range: between its two ends.
+class Channel {
+ public:
+  Channel(double speed, double share, double weakest, double spread)
+      : share_{share}, high_{speed, 1.0, weakest, spread}, low_{speed, -1.0, weakest, spread} {}
+
+  void forget_targets() {
+    high_.forget_targets();
+    low_.forget_targets();
+  }
+  void add_target(double target) {
+    high_.add_target(target);
+    low_.add_target(target);
+  }
+  void jump() {
+    high_.jump();
+    low_.jump();
+  }
+  [[nodiscard]] double ramp_time() const {
+    return std::max(share_ > 0.0 ? high_.ramp_time() : 0.0, share_ < 1.0 ? low_.ramp_time() : 0.0);
+  }
+  double advance(double dt) {
+    return share_ * high_.advance(dt) + (1.0 - share_) * low_.advance(dt);
+  }
+
+ private:
+  double share_;
+  End high_, low_;
 };
 
 class Builder {
@@ -112,8 +142,7 @@ double next_change(const MotionStart& start, double t, double delay) {
 
 }  // namespace
 
-Motion extreme_motion(const MotionStart& start, const StoppingBounds& bounds, Extreme v,
-                      Extreme w) {
+Motion possible_motion(const MotionStart& start, const StoppingBounds& bounds, double v, double w) {
   Builder builder(Channel(start.measured.v, v, bounds.a_brake, bounds.brake_spread),
                   Channel(start.measured.w, w, bounds.alpha_brake, bounds.brake_spread));
   const double settled = start.now + bounds.delay;  // from then on only `command` is in force
@@ -135,6 +164,19 @@ Motion extreme_motion(const MotionStart& start, const StoppingBounds& bounds, Ex
   return builder.take();
 }
 
+Spread spread(const Motion& low, const Motion& high) {
+  Spread out;
+  for (const auto& [twist, dt] : high) {
+    out.path += twist.v * dt;
+    out.turn += twist.w * dt;
+  }
+  for (const auto& [twist, dt] : low) {
+    out.path -= twist.v * dt;
+    out.turn -= twist.w * dt;
+  }
+  return {std::abs(out.path), std::abs(out.turn)};
+}
+
 Reach reach(const MotionStart& start, const StoppingBounds& bounds) {
   double v = std::max(std::abs(start.measured.v), std::abs(start.command.v));
   double w = std::max(std::abs(start.measured.w), std::abs(start.command.w));
@@ -144,7 +186,8 @@ Reach reach(const MotionStart& start, const StoppingBounds& bounds) {
     w = std::max(w, std::abs(sent.twist.w));
   }
   const double time = start.now - start.t_measured + bounds.delay + start.hold;
-  return {v * time + 0.5 * v * v / bounds.a_brake, w * time + 0.5 * w * w / bounds.alpha_brake};
+  return {v * time + 0.5 * v * v / bounds.a_brake, w * time + 0.5 * w * w / bounds.alpha_brake,
+          time + std::max(v / bounds.a_brake, w / bounds.alpha_brake)};
 }
 
 }  // namespace tandem

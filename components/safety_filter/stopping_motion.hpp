@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: measured twist, commands sent, one to try. Out: the extreme motions until the robot stands.
+// In: measured twist, commands sent, one to try. Out: the possible motions until the robot stands.
 #pragma once
 
 #include <span>
@@ -43,10 +43,8 @@ struct MotionStart {
   double hold = 0.0;
 };
 
-/// An end of the range in which a speed can be at every moment.
-enum class Extreme { kHigh, kLow };
-
-/// The motion in which v and w run along the given ends of their ranges.
+/// The motion in which v and w run at the given shares of their ranges at every moment: 0 is the
+/// low end, 1 the high one.
 ///
 /// At time t any command can be in force that was sent in [t − delay, t], or the last one before.
 /// Let T be the highest of them. The high end s of a speed's range follows
@@ -57,12 +55,19 @@ enum class Extreme { kHigh, kLow };
 ///   s < 0, T ≤ s:   s stays                 (the drive may be arbitrarily slow)
 ///
 /// and the low end is its mirror image.
-[[nodiscard]] Motion extreme_motion(const MotionStart& start, const StoppingBounds& bounds,
-                                    Extreme v, Extreme w);
+[[nodiscard]] Motion possible_motion(const MotionStart& start, const StoppingBounds& bounds,
+                                     double v, double w);
 
-/// Longest way of all these motions: path [m] and turn [rad], both absolute.
-struct Reach {
+/// How far apart the ends of the ranges come until rest: path [m] and turn [rad].
+struct Spread {
   double path = 0.0, turn = 0.0;
+};
+[[nodiscard]] Spread spread(const Motion& low, const Motion& high);
+
+/// Longest way of all these motions, path [m] and turn [rad], both absolute; longest time until the
+/// robot stands [s].
+struct Reach {
+  double path = 0.0, turn = 0.0, time = 0.0;
 };
 [[nodiscard]] Reach reach(const MotionStart& start, const StoppingBounds& bounds);
 

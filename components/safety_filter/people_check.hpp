@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a motion, the people near. Out: whether none of them can touch the robot while it moves.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "model/obstacle.hpp"
+#include "model/robot.hpp"
+#include "params.hpp"
+#include "safety_filter/clearance_check.hpp"
+#include "safety_filter/stopping_motion.hpp"
+
+namespace tandem {
+
+/// What people may do, and how well they are known.
+struct PeopleParams {
+  bool watched = false;
+  double people_timeout = 0.2;
+  double people_delay = 0.05;
+  double person_error = 0.02;
+  double person_speed_error = 0.1;
+  double person_speed = 1.6;
+  double person_acceleration = 1.5;
+  double creep_speed = 0.04;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("people", watched,
+          "true: listens to `people`, keeps away from them, and stands while that topic is silent");
+    field("people_timeout", people_timeout, Range{0.02, 5.0},
+          "[s] silence of people that stops, if they are listened to");
+    field("people_delay", people_delay, Range{0.0, 1.0},
+          "[s] bound on the age of a list of people on arrival");
+    field("person_error", person_error, Range{0.0, 1.0}, "[m] bound on a person's position error");
+    field("person_speed_error", person_speed_error, Range{0.0, 2.0},
+          "[m/s] bound on a person's velocity error");
+    field("person_speed", person_speed, Range{0.0, 5.0}, "[m/s] bound on a person's speed");
+    field("person_acceleration", person_acceleration, Range{0.0, 20.0},
+          "[m/s²] bound on a person's change of velocity");
+    field("creep_speed", creep_speed, Range{0.0, 0.3},
+          "[m/s] a robot whose fastest point moves no faster counts as standing");
+  }
+};
+
+/// People as a list said at time t [s]; there was none before t = −∞.
+struct PeopleSeen {
+  std::vector<Obstacle> all;  ///< of an ellipse the larger semi-axis counts
+  double t = -std::numeric_limits<double>::infinity();
+};
+
+/// Keeps motions away from where people may be: passive safety, no contact while the robot moves.
+///
+/// A person of radius r, seen at p with velocity v by a list that arrived τ ago and was D old at
+/// most, is in both of the discs
+///
+///   centre p + v (τ + D/2)   radius r + e + |v| D/2 + e_v (τ + D) + ½ a (τ + D)²              (1)
+///   centre p                 radius r + e + max(s, |v| + e_v) (τ + D)
+///
+/// with e, e_v the errors, s and a the bounds on speed and acceleration. A motion that creeps from
+/// start to end may go on beside a person, but not nearer to where they are now.
+class PeopleCheck {
+ public:
+  PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body,
+              double brake_spread);
+
+  /// Whether so far from everybody that no such motion needs a look: `way` is the longest of them,
+  /// `duration` the longest time until the robot stands.
+  [[nodiscard]] bool is_far(const PeopleSeen& people, const Pose2& X_MB, double way, double t_start,
+                            double duration) const;
+
+  /// Whether the motion, which starts at X_MB at time t_start with the measured twist, keeps the
+  /// required clearance from all people until the robot stands.
+  [[nodiscard]] bool keeps_away(const Motion& motion, const Twist2& measured, const Pose2& X_MB,
+                                double t_start, const PeopleSeen& people,
+                                const RequiredClearance& required) const;
+
+  /// How long after its motion's end the robot may still be faster than creep_speed [s].
+  [[nodiscard]] double tail() const { return tail_; }
+
+ private:
+  struct Discs;
+  [[nodiscard]] double fastest_point(const Twist2& twist) const;
+  [[nodiscard]] bool creeps(const Motion& motion, const Twist2& measured) const;
+  [[nodiscard]] Discs discs(const Obstacle& person, double tau) const;
+  [[nodiscard]] double gap(const Pose2& X_MB, const Discs& discs) const;
+  [[nodiscard]] double spreading(const Obstacle& person, double tau) const;
+  [[nodiscard]] bool keeps_away(const Motion& motion, const Pose2& X_MB, double tau,
+                                const Obstacle& person, const RequiredClearance& required) const;
+  [[nodiscard]] bool does_not_near(const Motion& motion, const Pose2& X_MB, double tau,
+                                   const Obstacle& person, double level) const;
+
+  PeopleParams params_;
+  Body body_;
+  double tail_;
+};
+
+}  // namespace tandem
