@@ -39,6 +39,7 @@ void DiffDriveSim::reset(const Pose2& X_MB, unsigned seed) {
   state_ = {state_.t, X_MB, {}};
   X_WB_ = {};
   samples_.clear();
+  people_.restart();
   contacts_ = {};
   clearance_bound_ = map_->clearance(footprint_, X_MB, kClearanceCap);
   min_clearance_ = clearance_bound_;
@@ -59,6 +60,8 @@ void DiffDriveSim::step(double dt) {
   const double travel = std::hypot(state_.X_MB.x - before.x, state_.X_MB.y - before.y) +
                         radius_ * std::abs(state_.X_MB.theta - before.theta);
   update_clearance(travel);
+  people_.advance(dt);
+  meet_people();
   record();
 }
 
@@ -94,10 +97,10 @@ bool DiffDriveSim::touches(const Pose2& X_MB) const {
 
 void DiffDriveSim::touch(const Pose2& X_MB) {
   clear_since_ = state_.t;
-  if (contacts_.in_contact) return;
-  contacts_.in_contact = true;
+  if (contacts_.in_contact && counted_) return;
+  if (!contacts_.in_contact) open_episode(X_MB.position());
+  counted_ = true;
   ++contacts_.count;
-  contacts_.first_time = state_.t;
   double nearest = std::numeric_limits<double>::infinity();
   const double side = map_->grid().resolution;
   for (const auto& p_MC : map_->cells_near(X_MB.position(), radius_ + side)) {
@@ -105,6 +108,33 @@ void DiffDriveSim::touch(const Pose2& X_MB) {
     if (d >= nearest) continue;
     nearest = d;
     contacts_.p_MQ = p_MC;
+  }
+}
+
+void DiffDriveSim::open_episode(const Eigen::Vector2d& p_MQ) {
+  contacts_.in_contact = true;
+  contacts_.first_time = state_.t;
+  contacts_.p_MQ = p_MQ;
+  counted_ = false;
+}
+
+void DiffDriveSim::meet_people() {
+  const double fastest = std::abs(state_.twist.v) + radius_ * std::abs(state_.twist.w);
+  for (const Obstacle& person : people_.all()) {
+    const double away = (person.p_MO - state_.X_MB.position()).norm() - radius_ - person.a;
+    if (away > params_.episode_clearance) continue;
+    const double gap =
+        distance(footprint_, transform(inverse(state_.X_MB), person.p_MO)) - person.a;
+    if (contacts_.in_contact && gap < params_.episode_clearance) clear_since_ = state_.t;
+    if (gap > 0.0) continue;
+    const bool moves = fastest > params_.standing_speed;
+    if (!contacts_.in_contact) {
+      open_episode(person.p_MO);
+      clear_since_ = state_.t;
+      if (!moves) ++contacts_.walked_into;
+    }
+    if (moves && !counted_) ++contacts_.count;
+    counted_ = counted_ || moves;
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: twist commands with times, the static map. Out: the robot's motion, contacts, odometry, scan.
+// In: twist commands with times, the static map, people. Out: the robot's motion, contacts,
+// odometry, scan.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "diff_drive_sim/drive.hpp"
+#include "diff_drive_sim/people.hpp"
 #include "map/static_map.hpp"
 #include "model/robot.hpp"
 
@@ -20,6 +22,7 @@ struct DiffDriveSimParams {
   double odometry_noise = 0.0;
   double episode_clearance = 0.05;
   double episode_time = 0.5;
+  double standing_speed = 0.05;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -32,6 +35,8 @@ struct DiffDriveSimParams {
     field("episode_clearance", episode_clearance, Range{0.0, 1.0},
           "[m] a contact ends when clear by this much …");
     field("episode_time", episode_time, Range{0.0, 10.0}, "[s] … for this long");
+    field("standing_speed", standing_speed, Range{0.0, 1.0},
+          "[m/s] a robot whose fastest point moves no faster stands, and is walked into");
   }
 };
 
@@ -50,27 +55,32 @@ struct OdometryReport {
   Pose2 X_MW;    ///< a perfect localiser's transform map → odom at that time
 };
 
-/// Contacts since the last reset. An episode begins when the outline touches an occupied cell and
-/// ends when it has been clear by episode_clearance for episode_time.
+/// Contacts since the last reset. An episode begins when the outline touches an occupied cell or a
+/// person and ends when it has been clear of both by episode_clearance for episode_time. With a
+/// person it counts from when the robot itself moves, else as being walked into.
 struct ContactReport {
   bool in_contact = false;  ///< an episode is open
   unsigned count = 0;
+  unsigned walked_into = 0;        ///< episodes that began with a person walking into it
   double first_time = 0.0;         ///< start of the last episode [s]
-  Eigen::Vector2d p_MQ{0.0, 0.0};  ///< centre of the cell touched in the last episode [m]
+  Eigen::Vector2d p_MQ{0.0, 0.0};  ///< centre of what was touched in the last episode [m]
 };
 
-/// A differential-drive robot on a static map; deterministic for a seed.
+/// A differential-drive robot on a static map, among people; deterministic for a seed.
 ///
 /// Contact is exact (polygon against squares). Motion into a cell is blocked: the robot rests at
 /// the last pose free of contact and its wheels stand. Motion away is free. A robot put into an
-/// obstacle may leave it.
+/// obstacle may leave it. People block nothing: they walk on, through the robot if need be.
 class DiffDriveSim {
  public:
   /// Throws std::invalid_argument on parameters out of range or without a map.
   DiffDriveSim(const DiffDriveSimParams& params, const RobotParams& robot,
                std::shared_ptr<const StaticMap> map, unsigned seed);
 
-  /// At rest at X_MB, odometry zero there, contacts forgotten, time goes on.
+  /// From now on these people walk there.
+  void put(People people) { people_ = std::move(people); }
+  /// At rest at X_MB, odometry zero there, contacts forgotten, people back at their starts, time
+  /// goes on.
   void reset(const Pose2& X_MB, unsigned seed);
   /// A command sent at time t.
   void command(const Twist2& twist, double t) { drive_.command(twist, t); }
@@ -84,6 +94,8 @@ class DiffDriveSim {
   [[nodiscard]] double min_clearance() const { return min_clearance_; }
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
   [[nodiscard]] const Drive& drive() const { return drive_; }
+  [[nodiscard]] const People& people() const { return people_; }
+  [[nodiscard]] People& people() { return people_; }
   /// Ranges of `beams` rays from B's origin, evenly from −π on, counter-clockwise [m].
   [[nodiscard]] std::vector<double> scan(int beams, double max_range) const;
 
@@ -98,6 +110,8 @@ class DiffDriveSim {
   [[nodiscard]] Pose2 move(double dt);
   [[nodiscard]] bool touches(const Pose2& X_MB) const;
   void touch(const Pose2& X_MB);
+  void meet_people();
+  void open_episode(const Eigen::Vector2d& p_MQ);
   void update_clearance(double travel);
   void record();
 
@@ -111,7 +125,9 @@ class DiffDriveSim {
   WheelSpeeds odometry_scale_;
   Pose2 X_WB_;
   std::deque<Sample> samples_;
+  People people_;
   ContactReport contacts_;
+  bool counted_ = false;  // the open episode is in contacts_.count
   double clear_since_ = 0.0;
   double min_clearance_ = 1.0;
   double clearance_bound_ = 0.0;  // the true clearance is at least this [m]

@@ -2,6 +2,7 @@
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "map/octomap_file.hpp"
 #include "runtime/component.hpp"
@@ -21,6 +22,7 @@ DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
   auto map = std::make_shared<const StaticMap>(slice(*load_octomap(params.map), params.slice),
                                                params.unknown_is_obstacle);
   DiffDriveSim sim{params.sim, params.robot, std::move(map), static_cast<unsigned>(params.seed)};
+  sim.put(people_of(params));
   sim.reset(start_of(params), static_cast<unsigned>(params.seed));
   return sim;
 }
@@ -36,18 +38,22 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       ground_truth_{node.create_publisher(topics::ground_truth)},
       tf_{node.create_publisher(topics::tf)},
       scan_{node.create_publisher(topics::scan)},
-      collision_{node.create_publisher(topics::collision)} {
+      collision_{node.create_publisher(topics::collision)},
+      people_{node.create_publisher(topics::people)},
+      cmd_vel_{node, topics::cmd_vel, params_->input,
+               [this](const auto& msg) { on_command(msg); }} {
   subscribe();
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
 }
 
+void DiffDriveSimNode::on_command(const geometry_msgs::msg::Twist& msg) {
+  if (const auto twist = from_msg(msg))
+    sim_.command(*twist, sim_.state().t);
+  else
+    node_.log().warn_every(1.0, "cmd_vel is not finite: dropped");
+}
+
 void DiffDriveSimNode::subscribe() {
-  cmd_vel_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
-    if (const auto twist = from_msg(msg))
-      sim_.command(*twist, sim_.state().t);
-    else
-      node_.log().warn_every(1.0, "cmd_vel is not finite: dropped");
-  });
   initial_pose_ = node_.create_subscription(topics::initial_pose, [this](const auto& msg) {
     if (const auto X_MB = from_msg(msg.pose().pose()))
       reset(*X_MB);
@@ -72,6 +78,7 @@ void DiffDriveSimNode::tick() {
   publish_clock();
   if (due(params_->odom_rate)) {
     publish_odometry();
+    publish_people();
     publish_collision();
   }
   if (due(params_->scan_rate)) publish_scan();
@@ -119,8 +126,14 @@ void DiffDriveSimNode::publish_scan() {
   msg.scan_time(static_cast<float>(1.0 / params_->scan_rate));
   msg.range_max(static_cast<float>(params_->scan_range));
   for (const double range : sim_.scan(params_->scan_beams, params_->scan_range))
-    msg.ranges().push_back(static_cast<float>(range));
+    msg.ranges().push_back(range < params_->scan_range ? static_cast<float>(range)
+                                                       : std::numeric_limits<float>::infinity());
   scan_.publish(msg);
+}
+
+void DiffDriveSimNode::publish_people() {
+  people_.publish(
+      to_msg(sim_.people().all(), header(stamp_at(sim_.state().t), params_->frames.map)));
 }
 
 void DiffDriveSimNode::publish_collision() {

@@ -7,6 +7,7 @@
 #include "diff_drive_sim/diff_drive_sim.hpp"
 #include "map/slice.hpp"
 #include "runtime/node.hpp"
+#include "twist_input.hpp"
 
 namespace tandem {
 
@@ -18,6 +19,8 @@ struct DiffDriveSimNodeParams {
   std::string map;
   bool unknown_is_obstacle = false;
   std::vector<double> start = {0.0, 0.0, 0.0};
+  std::vector<double> people;
+  double people_acceleration = 1.0;
   int seed = 1;
   double step = 0.01;
   double speed_factor = 1.0;
@@ -25,6 +28,7 @@ struct DiffDriveSimNodeParams {
   double scan_rate = 10.0;
   int scan_beams = 360;
   double scan_range = 10.0;
+  TwistInputParams input{.max_stamp_age = 0.0};  // stamps may be of the time that it makes itself
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -35,6 +39,11 @@ struct DiffDriveSimNodeParams {
     field("map", map, "OctoMap file, .bt or .ot");
     field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen stop the robot");
     field("start", start, Range{-1e5, 1e5}, "[m, m, rad] x, y, heading in the map");
+    field("people", people, Range{-1e5, 1e5},
+          "who walks there, for each: radius [m], speed [m/s], number of points, x1, y1, … [m] of "
+          "the way, which they walk to and fro");
+    field("people_acceleration", people_acceleration, Range{0.01, 100.0},
+          "[m/s²] with which people change their velocity");
     field("seed", seed, Range{0, 2147483647}, "of slip and odometry noise");
     field("step", step, Range{0.001, 0.1}, "[s] of simulated time between two /clock");
     field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated per real time");
@@ -42,10 +51,16 @@ struct DiffDriveSimNodeParams {
     field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz]");
     field("scan_beams", scan_beams, Range{1, 10000}, "rays of a scan, all around");
     field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] farthest echo");
+    input.visit(field);
   }
 };
 
-/// cmd_vel, initialpose → odom, tf, ground_truth/odom, scan, collision, /clock.
+/// The people who walk there. Throws std::invalid_argument, as walkers_of.
+[[nodiscard]] inline People people_of(const DiffDriveSimNodeParams& params) {
+  return {walkers_of(params.people), params.people_acceleration};
+}
+
+/// cmd_vel, initialpose → odom, tf, ground_truth/odom, people, scan, collision, /clock.
 ///
 /// Runs by steady time at `speed_factor`; a late beat is made up for by simulated time running
 /// slower, never by a jump. Service: ~/reset (back to the start).
@@ -54,6 +69,7 @@ class DiffDriveSimNode {
   explicit DiffDriveSimNode(rt::Node& node);
 
  private:
+  void on_command(const geometry_msgs::msg::Twist& msg);
   void subscribe();
   void reset(const Pose2& X_MB);
   void tick();
@@ -62,6 +78,7 @@ class DiffDriveSimNode {
   void publish_odometry();
   void publish_scan();
   void publish_collision();
+  void publish_people();
   [[nodiscard]] Stamp stamp_at(double t) const;
 
   rt::Node& node_;
@@ -74,7 +91,9 @@ class DiffDriveSimNode {
   rt::Publisher<tf2_msgs::msg::TFMessage> tf_;
   rt::Publisher<sensor_msgs::msg::LaserScan> scan_;
   rt::Publisher<tandem_msgs::msg::Collision> collision_;
-  rt::Subscription cmd_vel_, initial_pose_;
+  rt::Publisher<tandem_msgs::msg::ObstacleArray> people_;
+  TwistInput cmd_vel_;
+  rt::Subscription initial_pose_;
   rt::Service reset_;
   rt::Timer timer_;
 };

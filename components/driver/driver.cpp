@@ -2,171 +2,84 @@
 #include "driver/driver.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace tandem {
 namespace {
 
-constexpr double kBackOutShortest = 1.0;  // [s]
-constexpr double kBackOutLongest = 4.0;   // [s] a leader comes back from the end of its leash
-constexpr double kBackOutDistance = 0.4;  // [m] the first time; farther each time it was in vain
-constexpr double kBackOutFarthest = 1.2;  // [m]
-constexpr double kGotPast = 0.5;          // [m] beyond the place of the trouble it is forgotten
-constexpr double kDetourTime = 3.0;       // [s]
-constexpr double kMovedDistance = 0.1;    // [m]
-constexpr double kMovedAngle = 0.35;      // [rad]
-constexpr double kSearchAhead = 2.0;      // [m] progress jumps no farther than this in a sample
-
-bool pushes(const Hand& hand) {
-  return std::abs(hand.linear) > 0.2 || std::abs(hand.angular) > 0.2;
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
 }
 
-// A leader that has passed the point it was meant for waits there for its robot.
-bool is_past(const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
-  const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
-  return ahead.dot(p_MT - X_ML.position()) <= 0.0;
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 }  // namespace
 
-Driver::Driver(const DriverParams& params, unsigned seed) : params_{params}, random_{seed} {
-  check(params_);
-  if (params_.route.empty() || params_.route.size() % 2 != 0)
-    throw std::invalid_argument("route: needs points x1, y1, x2, y2, …");
-  for (std::size_t i = 0; i < params_.route.size(); i += 2)
-    route_.emplace_back(params_.route[i], params_.route[i + 1]);
-  if (params_.loop) route_.push_back(route_.front());
-  length_.push_back(0.0);
-  for (std::size_t i = 1; i < route_.size(); ++i)
-    length_.push_back(length_.back() + (route_[i] - route_[i - 1]).norm());
+const std::vector<std::string>& all_drivers() {
+  static const std::vector<std::string> all{"navigator", "pointer", "reckless", "adversary",
+                                            "replay"};
+  return all;
+}
+
+DriverName::DriverName(const std::string& text) {
+  std::size_t begin = 0;
+  for (bool first = true; begin <= text.size(); first = false) {
+    const std::size_t end = std::min(text.find('+', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    if (!holds(first ? all_drivers() : all_modifiers(), part))
+      throw std::invalid_argument("driver `" + text + "`: `" + part + "` is none of " +
+                                  joined(first ? all_drivers() : all_modifiers()) +
+                                  (first ? "; modifiers follow after +" : ""));
+    if (first)
+      driver = part;
+    else
+      modifiers.insert(part);
+    begin = end + 1;
+  }
+}
+
+Driver::Person Driver::person(const DriverParams& params, const std::string& name, unsigned seed) {
+  if (name == "pointer") return Pointer{params.navigator, seed};
+  if (name == "reckless") return Reckless{params.reckless_time, seed};
+  if (name == "adversary") return Adversary{seed};
+  if (name == "replay")
+    return Replay{{params.replay_t, params.replay_linear, params.replay_angular}};
+  return Navigator{params.navigator, seed};
+}
+
+// The hand draws from numbers of its own, so that it changes nothing of what its owner means.
+Driver::Driver(const DriverParams& params, unsigned seed)
+    : name_{params.driver},
+      person_{person(params, name_.driver, seed)},
+      hand_{params.hand, name_.modifiers, params.navigator.rate, seed + 0x5eed} {
+  check(params);
+}
+
+Hand Driver::mean(const Pose2& X_MB, const Pose2& X_MS, double t) {
+  if (auto* navigator = std::get_if<Navigator>(&person_)) return navigator->steer(X_MB, X_MS, t);
+  if (auto* pointer = std::get_if<Pointer>(&person_)) return pointer->steer(X_MB, X_MS, t);
+  if (auto* reckless = std::get_if<Reckless>(&person_)) return reckless->steer(X_MS, t);
+  if (auto* adversary = std::get_if<Adversary>(&person_))
+    return adversary->steer(X_MB, X_MS, map_.get(), t);
+  return std::get<Replay>(person_).steer(t);
 }
 
 Hand Driver::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
-  if (!started_) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
-    started_ = true;
-  }
-  advance_along_route(X_MB.position());
-  seen_.push_back({t, X_MS});
-  while (seen_.size() > 1 && seen_[1].t <= t - params_.reaction_delay) seen_.pop_front();
-  if (!params_.loop && (route_.back() - X_MB.position()).norm() < params_.arrive_radius)
-    arrived_ = true;
-  if (arrived_) return {};
-
-  sideways_ = wander(sideways_, params_.aim_noise, params_.aim_time);
-  if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().X_MS));
-  const bool leads = !(X_MS == X_MB);
-  const Eigen::Vector2d p_MT = aim();
-  const bool waits = leads && is_past(seen_.front().X_MS, p_MT);
-  const Hand hand = waits ? Hand{} : with_noise(pursue(seen_.front().X_MS, p_MT));
-  if (t >= detour_until_) detour_ = 0.0;
-  lose_patience(X_MB, waits || pushes(hand), t);
-  return hand;
+  Hand meant = mean(X_MB, X_MS, t);
+  if (arrived()) meant.holds = false;
+  return hand_.apply(meant, t);
 }
 
-// The nearest point of the route, searched from the last one on: a person does not forget how far
-// they have come, even where the way passes the same place twice.
-void Driver::advance_along_route(const Eigen::Vector2d& p_MB) {
-  const double total = length_.back();
-  double best = progress_, best_distance = (point_at(progress_) - p_MB).norm();
-  for (double s = progress_; s <= progress_ + kSearchAhead; s += 0.05) {
-    const double d = (point_at(s) - p_MB).norm();
-    if (d < best_distance) {
-      best = s;
-      best_distance = d;
-    }
-  }
-  progress_ = params_.loop ? best : std::min(best, total);
-  if (progress_ > trouble_ + kGotPast) tries_ = 0;
-}
-
-Eigen::Vector2d Driver::point_at(double s) const {
-  const double total = length_.back();
-  if (total <= 0.0) return route_.front();
-  s = params_.loop ? std::fmod(s, total) : std::clamp(s, 0.0, total);
-  const auto next = std::upper_bound(length_.begin(), length_.end() - 1, s);
-  const auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, next - length_.begin()));
-  const double share = (s - length_[i - 1]) / std::max(1e-9, length_[i] - length_[i - 1]);
-  return route_[i - 1] + share * (route_[i] - route_[i - 1]);
-}
-
-Eigen::Vector2d Driver::aim() {
-  // Who has run into something cuts corners less.
-  const Eigen::Vector2d target = point_at(progress_ + params_.preview / (1.0 + 0.5 * tries_));
-  const Eigen::Vector2d along = target - point_at(progress_);
-  if (along.norm() < 1e-6) return target;
-  const Eigen::Vector2d left = Eigen::Vector2d{-along.y(), along.x()}.normalized();
-  return target + (sideways_ / (1.0 + tries_) + detour_) * left;
-}
-
-Hand Driver::pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const {
-  const Eigen::Vector2d d = p_MT - X_MS.position();
-  const double bearing = wrap_angle(std::atan2(d.y(), d.x()) - X_MS.theta);
-  const double slow = d.norm() < 0.5 ? d.norm() / 0.5 : 1.0;
-  const double forward = std::max(0.0, std::cos(std::clamp(bearing, -1.5, 1.5)));
-  return {params_.speed * slow * forward * forward,
-          std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
-}
-
-// Back to where the route was clear.
-Hand Driver::reverse(const Pose2& X_MS) const {
-  const Eigen::Vector2d d = point_at(progress_) - X_MS.position();
-  const double bearing = wrap_angle(std::atan2(-d.y(), -d.x()) - X_MS.theta);
-  if (tries_ % 2 == 1 || std::abs(bearing) > 1.2) return {-0.7, back_out_turn_};
-  return {-0.7, std::clamp(params_.turn_gain * bearing, -0.5, 0.5)};
-}
-
-Hand Driver::with_noise(Hand hand) {
-  hand_linear_ = wander(hand_linear_, params_.stick_noise, 0.3);
-  hand_angular_ = wander(hand_angular_, params_.stick_noise, 0.3);
-  return {std::clamp(hand.linear + hand_linear_, -1.0, 1.0),
-          std::clamp(hand.angular + hand_angular_, -1.0, 1.0)};
-}
-
-// Pushing without moving: after a while people pull back, turn a little and try another side.
-void Driver::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
-  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kMovedDistance ||
-                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kMovedAngle;
-  if (moved || !wants_to_move) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
-    return;
-  }
-  if (t - moved_time_ < params_.patience) return;
-  const double side = normal_(random_) > 0.0 ? 1.0 : -1.0;
-  back_out_turn_ = -0.4 * side;
-  detour_ = tries_ < 2 ? 0.5 * side : 0.0;
-  back_out_from_ = X_MB;
-  back_out_start_ = t;
-  backing_out_ = true;
-  trouble_ = std::max(trouble_, progress_);
-  ++tries_;
-  if (tries_ % 2 == 0) progress_ = std::max(0.0, progress_ - back_out_distance());
-}
-
-double Driver::back_out_distance() const {
-  return tries_ % 2 == 1 ? kBackOutDistance : std::min(kBackOutFarthest, kBackOutDistance * tries_);
-}
-
-// Until the robot has come back far enough, or that does not help either.
-bool Driver::backs_out(const Pose2& X_MB, double t) {
-  if (!backing_out_) return false;
-  const double age = t - back_out_start_;
-  const double moved = (X_MB.position() - back_out_from_.position()).norm();
-  backing_out_ = age < kBackOutShortest || (age < kBackOutLongest && moved < back_out_distance());
-  if (backing_out_) return true;
-  detour_until_ = t + kDetourTime;
-  moved_pose_ = X_MB;
-  moved_time_ = t;
+bool Driver::arrived() const {
+  if (const auto* navigator = std::get_if<Navigator>(&person_)) return navigator->arrived();
+  if (const auto* pointer = std::get_if<Pointer>(&person_)) return pointer->arrived();
+  if (const auto* reckless = std::get_if<Reckless>(&person_)) return reckless->arrived();
+  if (const auto* replay = std::get_if<Replay>(&person_)) return replay->arrived();
   return false;
-}
-
-// Exact discretisation of an Ornstein–Uhlenbeck process at the joystick's rate.
-double Driver::wander(double value, double deviation, double time) {
-  const double keep = std::exp(-1.0 / (params_.rate * time));
-  return keep * value + deviation * std::sqrt(1.0 - keep * keep) * normal_(random_);
 }
 
 }  // namespace tandem

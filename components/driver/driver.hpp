@@ -1,110 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a coarse route and where the steered robot is. Out: a stick, held as a person would hold it.
+// In: where the steered robot is. Out: a stick, held as one of many kinds of people would hold it.
 #pragma once
 
-#include <Eigen/Core>
-#include <deque>
-#include <optional>
-#include <random>
+#include <memory>
+#include <string>
+#include <variant>
 #include <vector>
 
-#include "model/se2.hpp"
-#include "params.hpp"
+#include "driver/hand.hpp"
+#include "driver/navigator.hpp"
+#include "driver/wanderers.hpp"
 
 namespace tandem {
 
 struct DriverParams {
-  std::vector<double> route;
-  bool loop = false;
-  double rate = 20.0;
-  double reaction_delay = 0.25;
-  double preview = 0.9;
-  double speed = 1.0;
-  double turn_gain = 1.6;
-  double stick_noise = 0.12;
-  double aim_noise = 0.25;
-  double aim_time = 2.0;
-  double patience = 1.5;
-  double arrive_radius = 0.3;
+  std::string driver = "navigator";
+  NavigatorParams navigator{};
+  HandParams hand{};
+  double reckless_time = 120.0;
+  std::vector<double> replay_t, replay_linear, replay_angular;
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("route", route, Range{-1e4, 1e4}, "[m] x1, y1, x2, y2, … as someone who knows the place");
-    field("loop", loop, "after the last point of the route comes the first");
-    field("rate", rate, Range{1.0, 200.0}, "[Hz] of the joystick");
-    field("reaction_delay", reaction_delay, Range{0.0, 2.0}, "[s] from seeing to steering");
-    field("preview", preview, Range{0.1, 10.0}, "[m] looks this far along the route; cuts corners");
-    field("speed", speed, Range{0.0, 1.0}, "[1] how far the stick is pushed on a free way");
-    field("turn_gain", turn_gain, Range{0.0, 10.0}, "[1/rad] stick per bearing error");
-    field("stick_noise", stick_noise, Range{0.0, 1.0}, "[1] standard deviation of the hand");
-    field("aim_noise", aim_noise, Range{0.0, 5.0},
-          "[m] standard deviation of the aim across the route");
-    field("aim_time", aim_time, Range{0.05, 60.0}, "[s] correlation time of the aim");
-    field("patience", patience, Range{0.1, 60.0}, "[s] pushed without moving before backing out");
-    field("arrive_radius", arrive_radius, Range{0.01, 10.0}, "[m] lets go this near to the end");
+    field("driver", driver,
+          "navigator, pointer, reckless, adversary or replay, then its modifiers: "
+          "navigator+tremor+dropouts");
+    navigator.visit(field);
+    hand.visit(field);
+    field("reckless_time", reckless_time, Range{1.0, 1e6}, "[s] then reckless lets go");
+    field("replay_t", replay_t, Range{-1e12, 1e12}, "[s] of each sample that replay plays");
+    field("replay_linear", replay_linear, Range{-1.0, 1.0}, "[1] stick forward at replay_t");
+    field("replay_angular", replay_angular, Range{-1.0, 1.0}, "[1] stick left at replay_t");
   }
 };
 
-/// What a hand does with a joystick: forward and left in [−1, 1].
-struct Hand {
-  double linear = 0.0, angular = 0.0;
+/// Names of all drivers, without their modifiers.
+[[nodiscard]] const std::vector<std::string>& all_drivers();
+
+/// A driver's name taken apart: `navigator+tremor` is navigator with tremor. Throws
+/// std::invalid_argument that lists all names if a part is none of them.
+struct DriverName {
+  std::string driver;
+  std::set<std::string> modifiers;
+
+  explicit DriverName(const std::string& text);
 };
 
-/// A person who follows a way they know, sees no obstacle, reacts late, aims imperfectly, cuts
-/// corners, and backs out when pushing does not help. With each failure at one place they come back
-/// from farther away, cut corners less and aim better. Deterministic for a seed.
-///
-/// Pure pursuit of a point `preview` ahead on the route, shifted sideways by a slow error (an
-/// Ornstein–Uhlenbeck process of deviation `aim_noise` and correlation time `aim_time`), seen
-/// `reaction_delay` late.
+/// A simulated person: what they mean to do, and what their hand makes of it. Deterministic for a
+/// seed.
 class Driver {
  public:
-  /// Throws std::invalid_argument if the route has no point or an odd number of coordinates.
+  /// Throws std::invalid_argument on a name that is none and on parameters out of range or missing.
   Driver(const DriverParams& params, unsigned seed);
 
+  /// What the person sees of the world; only the adversary looks.
+  void on_map(std::shared_ptr<const StaticMap> map) { map_ = std::move(map); }
+
   /// One sample, to be taken every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the stick
-  /// steers, the robot itself or its leader.
+  /// steers, the robot itself or its leader. The hand lets go when the driver has arrived.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
 
-  /// Whether the end of the route was reached (never, if it loops).
-  [[nodiscard]] bool arrived() const { return arrived_; }
+  /// Whether the person is done: at the end of the route, of the time, of the recording.
+  [[nodiscard]] bool arrived() const;
 
  private:
-  struct Seen {
-    double t;
-    Pose2 X_MS;
-  };
+  using Person = std::variant<Navigator, Pointer, Reckless, Adversary, Replay>;
+  [[nodiscard]] static Person person(const DriverParams& params, const std::string& name,
+                                     unsigned seed);
+  [[nodiscard]] Hand mean(const Pose2& X_MB, const Pose2& X_MS, double t);
 
-  void advance_along_route(const Eigen::Vector2d& p_MB);
-  [[nodiscard]] Eigen::Vector2d point_at(double s) const;
-  [[nodiscard]] Eigen::Vector2d aim();
-  [[nodiscard]] Hand pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const;
-  [[nodiscard]] Hand with_noise(Hand hand);
-  [[nodiscard]] Hand reverse(const Pose2& X_MS) const;
-  [[nodiscard]] double back_out_distance() const;
-  [[nodiscard]] bool backs_out(const Pose2& X_MB, double t);
-  void lose_patience(const Pose2& X_MB, bool wants_to_move, double t);
-  double wander(double value, double deviation, double time);
-
-  DriverParams params_;
-  std::mt19937 random_;
-  std::normal_distribution<double> normal_;
-  std::vector<Eigen::Vector2d> route_;
-  std::vector<double> length_;  // arc length at each point of the route
-  double progress_ = 0.0;
-  double sideways_ = 0.0, hand_linear_ = 0.0, hand_angular_ = 0.0;
-  bool arrived_ = false;
-  std::deque<Seen> seen_;
-
-  Pose2 moved_pose_;
-  double moved_time_ = 0.0;
-  bool backing_out_ = false;
-  Pose2 back_out_from_;
-  double back_out_start_ = 0.0, back_out_turn_ = 0.0;
-  int tries_ = 0;         // in vain at one place
-  double trouble_ = 0.0;  // that place, along the route [m]
-  double detour_until_ = -1.0, detour_ = 0.0;
-  bool started_ = false;
+  DriverName name_;
+  Person person_;
+  HandModel hand_;
+  std::shared_ptr<const StaticMap> map_;
 };
 
 }  // namespace tandem

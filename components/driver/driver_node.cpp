@@ -17,27 +17,28 @@ DriverNode::DriverNode(rt::Node& node)
       driver_{params_->driver, static_cast<unsigned>(params_->seed)},
       robot_{node, params_->input},
       joy_{node.create_publisher(topics::joy)} {
+  if (DriverName{params_->driver.driver}.driver == "adversary") map_.emplace(node, params_->map);
   leader_ =
       node.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
         X_ML_ = from_msg(msg.pose());
         leader_time_ = node_.now();
       });
-  timer_ = node.create_timer(1.0 / params_->driver.rate, [this] { tick(); });
+  timer_ = node.create_timer(1.0 / params_->driver.navigator.rate, [this] { tick(); });
 }
 
 void DriverNode::tick() {
   const auto robot = robot_.state();
-  if (!robot) return publish({}, false);
+  if (!robot) return publish({0.0, 0.0, false});
+  if (map_) driver_.on_map(map_->map(robot));
   const bool leads = params_->steers_leader && X_ML_ && node_.now() - leader_time_ < kLeaderAge;
-  const Hand hand = driver_.steer(robot->X_MB, leads ? *X_ML_ : robot->X_MB, node_.now());
-  publish(hand, !driver_.arrived());
+  publish(driver_.steer(robot->X_MB, leads ? *X_ML_ : robot->X_MB, node_.now()));
 }
 
-void DriverNode::publish(const Hand& hand, bool deadman) {
+void DriverNode::publish(const Hand& hand) {
   sensor_msgs::msg::Joy msg;
   msg.header(header(node_.stamp(), "joy"));
   msg.axes({static_cast<float>(hand.angular), static_cast<float>(hand.linear)});
-  msg.buttons({deadman ? 1 : 0, 0});
+  msg.buttons({hand.holds ? 1 : 0, 0});
   joy_.publish(msg);
 }
 

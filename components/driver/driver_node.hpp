@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "driver/driver.hpp"
+#include "map_input.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 
@@ -13,6 +13,7 @@ namespace tandem {
 struct DriverNodeParams {
   DriverParams driver;
   RobotStateParams input;
+  MapInputParams map;
   bool steers_leader = true;
   int seed = 1;
 
@@ -20,25 +21,28 @@ struct DriverNodeParams {
   void visit(Visitor&& field) {
     driver.visit(field);
     input.visit(field);
+    map.visit(field);
     field("steers_leader", steers_leader, "watches the leader, not the robot, where there is one");
     field("seed", seed, Range{0, 2147483647}, "of the hand's and the eye's noise");
   }
 };
 
-/// odom, tf, leader_pose → joy: a simulated person with the dead-man button held. Lets go of the
-/// button when the end of the route is reached, or while nobody knows where the robot is.
+/// odom, tf, leader_pose, octomap_binary → joy: a simulated person, who holds the dead-man button
+/// but lets go of it when done, and while nobody knows where the robot is. Only an adversary looks
+/// at the map.
 class DriverNode {
  public:
   explicit DriverNode(rt::Node& node);
 
  private:
   void tick();
-  void publish(const Hand& hand, bool deadman);
+  void publish(const Hand& hand);
 
   rt::Node& node_;
   rt::Parameters<DriverNodeParams> params_;
   Driver driver_;
   RobotStateInput robot_;
+  std::optional<MapInput> map_;
   std::optional<Pose2> X_ML_;
   double leader_time_ = 0.0;
 

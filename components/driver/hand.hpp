@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: what a person means to do with the stick. Out: what their hand, or their device, makes of it.
+#pragma once
+
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "params.hpp"
+
+namespace tandem {
+
+/// What a hand does with a joystick: forward and left in [−1, 1]; whether it holds the dead-man.
+struct Hand {
+  double linear = 0.0, angular = 0.0;
+  bool holds = true;
+};
+
+/// How hands differ from their owner's will. Where a source is named it is named from memory; the
+/// other values are our choice.
+///
+///   tremor           a sine on both axes. Essential tremor lies in 4–12 Hz, Parkinson's at rest in
+///                    4–6 Hz (Deuschl, Bain, Brin 1998, consensus statement on tremor).
+///   over_correction  the turning hand as an underdamped spring and mass, which overshoots each
+///                    change by exp(−π ζ / √(1 − ζ²)), 37 % for ζ = 0.3 (1)
+///   one_sided        unilateral neglect: turns toward the neglected side come out weaker, and the
+///                    way drifts to the other (as the bisected line does; Heilman, Valenstein 1979)
+///   quantised        a four-way switch: the larger axis, all of it
+///   pulses           sip and puff: the four-way switch, pressed for a part of each period
+///   dropouts         the hand slips off, dead-man and all, some times a minute
+struct HandParams {
+  double tremor_frequency = 0.0;
+  double tremor_amplitude = 0.2;
+  double over_correction_frequency = 0.8;
+  double over_correction_damping = 0.3;
+  std::string neglected_side = "any";
+  double neglect = 0.6;
+  double neglect_drift = 0.1;
+  double switch_threshold = 0.25;
+  double pulse_period = 0.8;
+  double pulse_duration = 0.5;
+  double dropouts_per_minute = 6.0;
+  double dropout_time = 0.5;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("tremor_frequency", tremor_frequency, Range{0.0, 20.0},
+          "[Hz] 0: drawn from 4 to 12 by the seed");
+    field("tremor_amplitude", tremor_amplitude, Range{0.0, 1.0}, "[1] of the stick's way");
+    field("over_correction_frequency", over_correction_frequency, Range{0.1, 5.0},
+          "[Hz] undamped frequency of the hand");
+    field("over_correction_damping", over_correction_damping, Range{0.05, 1.0},
+          "[1] damping ratio of the hand");
+    field("neglected_side", neglected_side, OneOf{{"left", "right", "any"}},
+          "any: drawn by the seed");
+    field("neglect", neglect, Range{0.0, 1.0}, "[1] part of a turn to that side that is lost");
+    field("neglect_drift", neglect_drift, Range{0.0, 1.0},
+          "[1] of the stick's way to the other side, while driving");
+    field("switch_threshold", switch_threshold, Range{0.0, 1.0},
+          "[1] a wish below it does not press the switch");
+    field("pulse_period", pulse_period, Range{0.1, 10.0}, "[s] from one pulse to the next");
+    field("pulse_duration", pulse_duration, Range{0.05, 10.0}, "[s] of a pulse");
+    field("dropouts_per_minute", dropouts_per_minute, Range{0.0, 60.0}, "[1/min] on average");
+    field("dropout_time", dropout_time, Range{0.05, 10.0}, "[s] mean length");
+  }
+};
+
+/// Names of all modifiers, in the order in which they act.
+[[nodiscard]] const std::vector<std::string>& all_modifiers();
+
+/// Applies modifiers to what a person means. Deterministic for a seed.
+class HandModel {
+ public:
+  /// `rate`: samples per second [Hz]. Throws std::invalid_argument on parameters out of range and
+  /// on a modifier that is none.
+  HandModel(const HandParams& params, const std::set<std::string>& modifiers, double rate,
+            unsigned seed);
+
+  /// One sample at time t [s].
+  [[nodiscard]] Hand apply(Hand meant, double t);
+
+ private:
+  [[nodiscard]] bool has(const char* modifier) const { return modifiers_.contains(modifier); }
+  void tremble(Hand& hand, double t) const;
+  void over_correct(Hand& hand);
+  void neglect(Hand& hand) const;
+  [[nodiscard]] Hand switched(const Hand& hand) const;
+  void pulse(Hand& hand, double t);
+  void drop_out(Hand& hand, double t);
+
+  HandParams params_;
+  std::set<std::string> modifiers_;
+  double period_;  // [s] between two samples
+  std::mt19937 random_;
+  double tremor_frequency_ = 0.0, tremor_phase_ = 0.0;
+  double neglected_ = 1.0;                // sign of the side: left 1, right −1
+  double turn_ = 0.0, turn_speed_ = 0.0;  // of the hand that over-corrects
+  long pulse_ = -1;                       // index of the period
+  Hand pulsed_;
+  double dropped_until_ = -1.0;
+};
+
+}  // namespace tandem

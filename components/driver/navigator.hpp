@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a coarse route and where the steered robot is. Out: a stick, held as who knows the way holds
+// it.
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "driver/hand.hpp"
+#include "model/se2.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+struct NavigatorParams {
+  std::vector<double> route;
+  bool loop = false;
+  double rate = 20.0;
+  double reaction_delay = 0.25;
+  double preview = 0.9;
+  double speed = 1.0;
+  double turn_gain = 1.6;
+  double stick_noise = 0.12;
+  double aim_noise = 0.25;
+  double aim_time = 2.0;
+  double patience = 1.5;
+  double arrive_radius = 0.3;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("route", route, Range{-1e4, 1e4}, "[m] x1, y1, x2, y2, … as someone who knows the place");
+    field("loop", loop, "after the last point of the route comes the first");
+    field("rate", rate, Range{1.0, 200.0}, "[Hz] of the joystick");
+    field("reaction_delay", reaction_delay, Range{0.0, 2.0}, "[s] from seeing to steering");
+    field("preview", preview, Range{0.1, 10.0}, "[m] looks this far along the route; cuts corners");
+    field("speed", speed, Range{0.0, 1.0}, "[1] how far the stick is pushed on a free way");
+    field("turn_gain", turn_gain, Range{0.0, 10.0}, "[1/rad] stick per bearing error");
+    field("stick_noise", stick_noise, Range{0.0, 1.0}, "[1] standard deviation of the hand");
+    field("aim_noise", aim_noise, Range{0.0, 5.0},
+          "[m] standard deviation of the aim across the route");
+    field("aim_time", aim_time, Range{0.05, 60.0}, "[s] correlation time of the aim");
+    field("patience", patience, Range{0.1, 60.0}, "[s] pushed without moving before backing out");
+    field("arrive_radius", arrive_radius, Range{0.01, 10.0}, "[m] lets go this near to the end");
+  }
+};
+
+/// A person who follows a way they know, sees no obstacle, reacts late, aims imperfectly, cuts
+/// corners, and backs out when pushing does not help. With each failure at one place they come back
+/// from farther away, cut corners less and aim better. Deterministic for a seed.
+///
+/// Pure pursuit of a point `preview` ahead on the route, shifted sideways by a slow error (an
+/// Ornstein–Uhlenbeck process of deviation `aim_noise` and correlation time `aim_time`), seen
+/// `reaction_delay` late.
+class Navigator {
+ public:
+  /// Throws std::invalid_argument if the route has no point or an odd number of coordinates.
+  Navigator(const NavigatorParams& params, unsigned seed);
+
+  /// One sample, to be taken every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the stick
+  /// steers, the robot itself or its leader.
+  [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
+
+  /// As if the route had just begun.
+  void start_again();
+
+  /// Whether the end of the route was reached (never, if it loops).
+  [[nodiscard]] bool arrived() const { return arrived_; }
+
+ private:
+  struct Seen {
+    double t;
+    Pose2 X_MS;
+  };
+
+  void advance_along_route(const Eigen::Vector2d& p_MB);
+  [[nodiscard]] Eigen::Vector2d point_at(double s) const;
+  [[nodiscard]] Eigen::Vector2d aim();
+  [[nodiscard]] Hand pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const;
+  [[nodiscard]] Hand with_noise(Hand hand);
+  [[nodiscard]] Hand reverse(const Pose2& X_MS) const;
+  [[nodiscard]] double back_out_distance() const;
+  [[nodiscard]] bool backs_out(const Pose2& X_MB, double t);
+  void lose_patience(const Pose2& X_MB, bool wants_to_move, double t);
+  double wander(double value, double deviation, double time);
+
+  NavigatorParams params_;
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+  std::vector<Eigen::Vector2d> route_;
+  std::vector<double> length_;  // arc length at each point of the route
+  double progress_ = 0.0;
+  double sideways_ = 0.0, hand_linear_ = 0.0, hand_angular_ = 0.0;
+  bool arrived_ = false;
+  std::deque<Seen> seen_;
+
+  Pose2 moved_pose_;
+  double moved_time_ = 0.0;
+  bool backing_out_ = false;
+  Pose2 back_out_from_;
+  double back_out_start_ = 0.0, back_out_turn_ = 0.0;
+  int tries_ = 0;         // in vain at one place
+  double trouble_ = 0.0;  // that place, along the route [m]
+  double detour_until_ = -1.0, detour_ = 0.0;
+  bool started_ = false;
+};
+
+}  // namespace tandem

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: where the steered robot is, and what stands around it. Out: the stick of drivers who follow
+// no way: to the goal as the crow flies, anywhere, into the nearest obstacle, or as recorded.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "driver/navigator.hpp"
+#include "map/static_map.hpp"
+
+namespace tandem {
+
+/// Aims straight at the goal and sees no obstacle: a Navigator who knows of the route only its end,
+/// or, if it loops, its points in turn.
+class Pointer {
+ public:
+  Pointer(const NavigatorParams& params, unsigned seed);
+
+  [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
+  [[nodiscard]] bool arrived() const { return !loop_ && legs_.front().arrived(); }
+
+ private:
+  std::vector<Navigator> legs_;  // one per goal
+  std::size_t leg_ = 0;
+  bool loop_;
+};
+
+/// Full speed toward a bearing, drawn anew every few seconds, until `time` is over.
+class Reckless {
+ public:
+  Reckless(double time, unsigned seed) : time_{time}, random_{seed} {}
+
+  [[nodiscard]] Hand steer(const Pose2& X_MS, double t);
+  [[nodiscard]] bool arrived() const { return arrived_; }
+
+ private:
+  double time_;
+  std::mt19937 random_;
+  double start_ = 0.0, until_ = -1.0;  // [s] of the drive, of the bearing
+  double bearing_ = 0.0;               // in M [rad]
+  bool started_ = false, arrived_ = false;
+};
+
+/// Full speed at the nearest obstacle; when it stands before that, a run-up from somewhere else.
+class Adversary {
+ public:
+  explicit Adversary(unsigned seed) : random_{seed} {}
+
+  /// `map` may be null: then straight on.
+  [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, const StaticMap* map, double t);
+
+ private:
+  std::mt19937 random_;
+  Pose2 moved_pose_;
+  double moved_time_ = -1.0;    // [s] when the robot last got away from moved_pose_
+  double run_up_until_ = -1.0;  // [s]
+  double bearing_ = 0.0;        // of the run-up, in M [rad]
+};
+
+/// A recorded stick: what was held at each time, each sample until the next.
+struct Recording {
+  std::vector<double> t;  ///< [s], not decreasing
+  std::vector<double> linear, angular;
+};
+
+/// Plays a recording from the first call on; lets go at its end.
+class Replay {
+ public:
+  /// Throws std::invalid_argument if the three lists are empty, differ in length, or time goes
+  /// back.
+  explicit Replay(Recording recording);
+
+  [[nodiscard]] Hand steer(double t);
+  [[nodiscard]] bool arrived() const { return arrived_; }
+
+ private:
+  Recording recording_;
+  double start_ = 0.0;
+  bool started_ = false, arrived_ = false;
+};
+
+}  // namespace tandem
