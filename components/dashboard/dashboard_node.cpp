@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dashboard/dashboard_node.hpp"
+
+#include <iostream>
+#include <span>
+#include <variant>
+
+#include "dashboard/page_files.hpp"
+#include "dashboard/user_test.hpp"
+#include "runtime/component.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr std::uint32_t kSeatChannel = 1;
+
+template <class... Fs>
+struct Overloaded : Fs... {
+  using Fs::operator()...;
+};
+template <class... Fs>
+Overloaded(Fs...) -> Overloaded<Fs...>;
+
+foxglove::Channel seat_channel(const rt::Node& node) {
+  constexpr const char* kSchema =
+      R"({"type":"object","properties":{"driver":{"type":"string"},"clients":{"type":"integer"}}})";
+  return {kSeatChannel, node.fully_qualified_name() + "/seat", "json", "tandem.Seat", kSchema,
+          "jsonschema"};
+}
+
+// What strangers say, fit for one line of a terminal: no control characters, no half letters.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return text;
+}
+
+foxglove::Request parse(const WebEvent& event) {
+  if (event.kind == WebEvent::Kind::kText) return foxglove::parse_text(event.bytes);
+  return foxglove::parse_binary(
+      {reinterpret_cast<const std::uint8_t*>(event.bytes.data()), event.bytes.size()});
+}
+
+const char* text(PublishRelay::Outcome outcome) {
+  switch (outcome) {
+    case PublishRelay::Outcome::kPublished:
+      return "published";
+    case PublishRelay::Outcome::kNoChannel:
+      return "a message on a channel that was not advertised";
+    case PublishRelay::Outcome::kOtherDrives:
+      return "someone else is driving";
+    case PublishRelay::Outcome::kMalformed:
+      return "a message that is none of its type";
+    case PublishRelay::Outcome::kOld:
+      return "a stick from the past: the connection stalls, or the clocks differ";
+  }
+  return "?";
+}
+
+}  // namespace
+
+DashboardNode::DashboardNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<DashboardParams>()},
+      web_{params_->web, foxglove::kSubprotocol, page_files(),
+           [&node](const std::string& line) { node.log().warn_every(1.0, "{}", printable(line)); }},
+      topics_{node, web_, seat_channel(node)},
+      services_{node, web_, node.fully_qualified_name() + "/take_wheel",
+                [this](ClientId client) { return take_wheel(client); }},
+      parameters_{node, web_},
+      publish_{node, params_->max_age},
+      seat_{params_->seat_timeout} {
+  publish_.open_own(
+      node.fully_qualified_name() + "/user_test", "tandem.UserTest",
+      [this](ClientId client, const auto& bytes) { return save_user_test(client, bytes); });
+  ticks_ = node.create_wall_timer(kTick, [this] { tick(); });
+  looks_ = node.create_wall_timer(kLook, [this] { look(); });
+  time_ = node.create_wall_timer(kTimePeriod, [this] {
+    const auto stamp = node_.stamp();
+    const auto now = static_cast<std::uint64_t>(stamp.sec()) * 1'000'000'000 + stamp.nanosec();
+    for (const ClientId client : clients_) web_.send(client, {false, foxglove::time(now)});
+  });
+  node.log().info("the page is at {} ; Foxglove and Lichtblick connect there too (ws://)",
+                  web_.url());
+  if (const auto& token = params_->web.token; !token.empty())  // to the terminal, not to /rosout
+    std::cerr << "    its token: " << web_.url() << "?token=" << token << std::endl;
+}
+
+void DashboardNode::tick() {
+  for (const auto& event : web_.take()) on_event(event);
+  tell_seat();
+}
+
+void DashboardNode::look() {
+  topics_.look(clients_);
+  services_.look(clients_);
+  told_.clear();
+}
+
+void DashboardNode::on_event(const WebEvent& event) {
+  const ClientId client = event.client;
+  if (event.kind == WebEvent::Kind::kJoined) return on_join(client);
+  if (event.kind == WebEvent::Kind::kLeft) return on_leave(client);
+  std::visit(Overloaded{
+                 [&](const foxglove::Subscribe& r) { topics_.subscribe(client, r); },
+                 [&](const foxglove::Unsubscribe& r) { topics_.unsubscribe(client, r); },
+                 [&](const foxglove::Advertise& r) {
+                   for (const auto& complaint : publish_.advertise(client, r))
+                     complain(client, complaint);
+                 },
+                 [&](const foxglove::Unadvertise& r) { publish_.unadvertise(client, r); },
+                 [&](const foxglove::Message& r) { on_message(client, r); },
+                 [&](const foxglove::ServiceCall& r) { on_call(client, r); },
+                 [&](const foxglove::GetParameters& r) { parameters_.get(client, r); },
+                 [&](const foxglove::SetParameters& r) { on_set(client, r); },
+                 [&](const foxglove::SubscribeParameters& r) { parameters_.subscribe(client, r); },
+                 [&](const foxglove::Malformed& r) { complain(client, r.reason); },
+             },
+             parse(event));
+}
+
+void DashboardNode::on_join(ClientId client) {
+  clients_.insert(client);
+  const auto session = std::to_string(rt::system_nanoseconds());
+  web_.send(client,
+            {true, foxglove::server_info("Tandem" + node_.fully_qualified_name(), session)});
+  topics_.greet(client);
+  services_.greet(client);
+  told_.clear();
+  node_.log().info("web client {} is here ({} in all)", client, clients_.size());
+}
+
+void DashboardNode::on_leave(ClientId client) {
+  if (seat_.driver(node_.steady_now()) == client) publish_.release_stick();
+  seat_.leave(client);
+  clients_.erase(client);
+  topics_.forget(client);
+  services_.forget(client);
+  parameters_.forget(client);
+  refused_.erase(client);
+  publish_.forget(client);
+  told_.clear();
+  node_.log().info("web client {} is gone ({} left)", client, clients_.size());
+}
+
+void DashboardNode::on_message(ClientId client, const foxglove::Message& message) {
+  const double now = node_.steady_now();
+  const auto outcome = publish_.publish(client, message, [&] { return seat_.drive(client, now); });
+  if (outcome == PublishRelay::Outcome::kPublished) return;
+  constexpr double kPeriod = 0.5;  // [s] a refused stick comes 20 times a second
+  if (const auto last = refused_.find(client);
+      last != refused_.end() && now - last->second < kPeriod)
+    return;
+  refused_[client] = now;
+  complain(client, text(outcome));
+}
+
+void DashboardNode::on_call(ClientId client, const foxglove::ServiceCall& call) {
+  if (services_.only_reads(call.service) || seat_.may_write(client, node_.steady_now()))
+    services_.call(client, call);
+  else
+    web_.send(client, {true, foxglove::call_failure(call, "someone else is driving")});
+}
+
+void DashboardNode::on_set(ClientId client, const foxglove::SetParameters& request) {
+  if (seat_.may_write(client, node_.steady_now()))
+    parameters_.set(client, request);
+  else
+    complain(client, "someone else is driving");
+}
+
+std_srvs::srv::Trigger::Response DashboardNode::take_wheel(ClientId client) {
+  const double now = node_.steady_now();
+  const auto before = seat_.driver(now);
+  if (before && *before != client) {
+    publish_.release_stick();
+    complain(*before, "someone else has taken the wheel");
+  }
+  seat_.take(client, now);
+  std_srvs::srv::Trigger::Response response;
+  response.success(true);
+  response.message("you drive");
+  return response;
+}
+
+PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
+                                                    const std::vector<std::uint8_t>& bytes) {
+  try {
+    const auto test = parse_user_test({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const auto path = save(test, params_->user_tests);
+    node_.log().info("user test saved: {}", path.string());
+    web_.send(client, {true, foxglove::status(foxglove::Level::kInfo,
+                                              "user test saved: " + path.string())});
+    return PublishRelay::Outcome::kPublished;
+  } catch (const std::invalid_argument& error) {
+    complain(client, error.what());
+    return PublishRelay::Outcome::kMalformed;
+  } catch (const std::runtime_error& error) {
+    complain(client, error.what());
+    return PublishRelay::Outcome::kPublished;  // it was sound
+  }
+}
+
+// To each client what it means for them; at changes and with every look.
+void DashboardNode::tell_seat() {
+  const auto driver = seat_.driver(node_.steady_now());
+  const std::string state =
+      std::to_string(driver.value_or(0)) + "/" + std::to_string(clients_.size());
+  if (state == told_) return;
+  told_ = state;
+  for (const ClientId client : clients_) {
+    const char* who = !driver ? "nobody" : *driver == client ? "you" : "other";
+    topics_.tell(client, foxglove::json{{"driver", who}, {"clients", clients_.size()}}.dump());
+  }
+}
+
+void DashboardNode::complain(ClientId client, const std::string& what) {
+  node_.log().warn_every(1.0, "web client {}: {}", client, printable(what));
+  web_.send(client, {true, foxglove::status(foxglove::Level::kWarning, what)});
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::DashboardNode, "dashboard")

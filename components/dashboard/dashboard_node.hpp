@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "dashboard/foxglove.hpp"
+#include "dashboard/parameter_relay.hpp"
+#include "dashboard/publish_relay.hpp"
+#include "dashboard/seat.hpp"
+#include "dashboard/service_relay.hpp"
+#include "dashboard/topic_relay.hpp"
+#include "dashboard/web_server.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+struct DashboardParams {
+  WebServerParams web;
+  double seat_timeout = 5.0;
+  double max_age = 0.5;
+  std::string user_tests = "out/user_tests";
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    web.visit(field);
+    field("seat_timeout", seat_timeout, Range{0.2, 3600.0},
+          "[s] a driver that was silent for so long has left the seat");
+    field("max_age", max_age, Range{0.0, 60.0},
+          "[s] a client's joy with an older stamp is not carried out; 0: whatever its age");
+    field("user_tests", user_tests, "folder for what people do in the page's user test");
+  }
+};
+
+/// Every topic and service of the domain → web clients (Foxglove, Lichtblick, the page that it
+/// serves); joy, cmd_vel_user, goal_pose, initialpose, end_sim, e_stop ← web clients.
+///
+/// One client drives at a time; whoever wants to drive while another does must take the wheel.
+/// The emergency stop is everybody's.
+class DashboardNode {
+ public:
+  static constexpr double kTick = 0.005;       // [s] between looks at what clients say
+  static constexpr double kLook = 0.5;         // [s] between looks at the domain
+  static constexpr double kTimePeriod = 0.05;  // [s]
+
+  explicit DashboardNode(rt::Node& node);
+
+ private:
+  void tick();
+  void look();
+  void on_event(const WebEvent& event);
+  void on_join(ClientId client);
+  void on_leave(ClientId client);
+  void on_message(ClientId client, const foxglove::Message& message);
+  void on_call(ClientId client, const foxglove::ServiceCall& call);
+  void on_set(ClientId client, const foxglove::SetParameters& request);
+  [[nodiscard]] std_srvs::srv::Trigger::Response take_wheel(ClientId client);
+  void tell_seat();
+  [[nodiscard]] PublishRelay::Outcome save_user_test(ClientId client,
+                                                     const std::vector<std::uint8_t>& bytes);
+  void complain(ClientId client, const std::string& what);
+
+  rt::Node& node_;
+  rt::Parameters<DashboardParams> params_;
+  WebServer web_;
+  TopicRelay topics_;
+  ServiceRelay services_;
+  ParameterRelay parameters_;
+  PublishRelay publish_;
+  Seat seat_;
+  std::set<ClientId> clients_;
+  std::string told_;                    // who sat there when it was last told
+  std::map<ClientId, double> refused_;  // [s] when they were last told that a message was
+
+  rt::Timer ticks_, looks_, time_;
+};
+
+}  // namespace tandem

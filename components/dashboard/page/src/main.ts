@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+import { Connection, type Message } from "./connection";
+import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick } from "./driver";
+import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
+import { rectangle, Robot } from "./robot";
+import { UserTest } from "./user_test";
+import { drawPlot, View, type ViewMode } from "./view";
+
+const SEAT = "tandem.Seat";
+const SLOW = 200; // [ms] between two writings of the numbers
+
+const at = <T extends HTMLElement = HTMLElement>(id: string) => document.getElementById(id) as T;
+
+function serverUrl(): string {
+  const token = new URLSearchParams(location.search).get("token");
+  const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+  return `${scheme}//${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ""}`;
+}
+
+const connection = new Connection(serverUrl());
+const robot = new Robot(connection);
+const view = new View(at<HTMLCanvasElement>("view"), robot);
+const keyboard = new Keyboard();
+const driver = new Driver(connection, () => `${namespace}/joy`, [
+  screenStick(at("stick"), at("knob")),
+  keyboard.source,
+  gamepad((name) => say(name ? `Gamepad: ${name}` : "The gamepad is gone")),
+]);
+let namespace = "";
+let dashboard = "/dashboard"; // the node that serves this page
+let following = false;
+(window as any).tandem = { connection, robot, driver, view }; // for the browser's console
+
+// --- words to the person -----------------------------------------------------------------------
+let sayTimer = 0;
+function say(text: string): void {
+  at("toast").textContent = text;
+  at("toast").classList.add("shown");
+  clearTimeout(sayTimer);
+  sayTimer = window.setTimeout(() => at("toast").classList.remove("shown"), 4000);
+}
+
+function ask(service: string, request: Message = {}, node = namespace): Promise<Message> {
+  return connection.call(`${node}/${service}`, request).catch((error: Error) => {
+    say(error.message);
+    throw error;
+  });
+}
+
+// --- the robot behind the connection -----------------------------------------------------------
+// The seat's channel tells the namespace that the robot's topics live in: /a/dashboard/seat.
+function findRobot(): void {
+  const seat = connection.topicOf(SEAT);
+  if (seat === undefined || following) return;
+  following = true;
+  dashboard = seat.slice(0, -"/seat".length);
+  namespace = dashboard.slice(0, dashboard.lastIndexOf("/"));
+  connection.subscribe(seat, (m) => {
+    robot.seat = m;
+    showSeat();
+  });
+  robot.follow(namespace);
+}
+
+async function readOutline(): Promise<void> {
+  const names = ["length", "width", "center_x", "footprint"];
+  const { values } = await connection.call(`${namespace}/safety_filter/get_parameters`, { names });
+  const [length, width, centre, footprint] = values;
+  const points = [...footprint.double_array_value] as number[];
+  robot.outline =
+    points.length >= 6
+      ? points.flatMap((x, i) => (i % 2 === 0 ? [[x, points[i + 1]!] as [number, number]] : []))
+      : rectangle(length.double_value, width.double_value, centre.double_value);
+  view.change();
+}
+
+// The planner's methods, where it lets them be changed.
+async function readMethods(): Promise<void> {
+  const node = `${namespace}/local_planner`;
+  const { descriptors } = await connection.call(`${node}/describe_parameters`, { names: ["method"] });
+  at("methods").append(...choicesOf(descriptors[0]).map(methodButton));
+  at("methods").hidden = descriptors[0].read_only;
+}
+
+function methodButton(name: string): HTMLElement {
+  const label = document.createElement("label"), button = document.createElement("input");
+  const words = document.createElement("span");
+  words.textContent = name;
+  Object.assign(button, { type: "radio", name: "method", value: name });
+  button.onchange = () =>
+    setText(connection, `${namespace}/local_planner`, "method", name)
+      .then(() => say(name === "goal" ? POINT : `The planner's method is ${name}`))
+      .catch((error: Error) => say(error.message));
+  label.append(button, words);
+  return label;
+}
+const POINT = "Point at the map: press for the goal's place, drag for its heading. Mode Auto drives there.";
+
+let methodsKnown = false;
+let outlineKnown = false;
+connection.onServices = () => {
+  findRobot();
+  at("user-test").hidden = !connection.has(`${namespace}/diff_drive_sim/reset`);
+  at("reset").hidden = !connection.has(`${namespace}/diff_drive_sim/reset`);
+  if (!outlineKnown && connection.has(`${namespace}/safety_filter/get_parameters`)) {
+    outlineKnown = true;
+    readOutline().catch(() => (outlineKnown = false));
+  }
+  if (!methodsKnown && connection.has(`${namespace}/local_planner/describe_parameters`)) {
+    methodsKnown = true;
+    readMethods().catch(() => (methodsKnown = false));
+  }
+  const nodes = nodesWithParameters(connection);
+  const select = at<HTMLSelectElement>("node");
+  if (nodes.join() === [...select.options].map((o) => o.value).join()) return;
+  const chosen = select.value;
+  select.replaceChildren(...nodes.map((node) => new Option(node.slice(1), node)));
+  select.value = nodes.includes(chosen) ? chosen : (nodes.find((n) => n === `${namespace}/local_planner`) ?? nodes[0] ?? "");
+};
+connection.onState = (connected) => {
+  document.body.classList.toggle("lost", !connected);
+  if (!connected) driver.drop(); // the robot does not start off by itself when the network is back
+  at("connection").textContent = connected ? "connected" : "connection lost";
+  robot.seat = { driver: "nobody", clients: 1 };
+  showSeat();
+};
+connection.onStatus = say;
+robot.onChange = () => view.change();
+driver.onChange = () => 
+  showStick(at("stick"), at("knob"), driver.stick, robot.get("joy/set_feedback", 250));
+
+// --- who drives ----------------------------------------------------------------------------------
+function showSeat(): void {
+  const { driver: who, clients } = robot.seat;
+  document.body.classList.toggle("other-drives", who === "other");
+  at("seat").textContent = { you: "You drive", other: "Someone else drives", nobody: "Nobody drives" }[who];
+  at("clients").textContent = clients === 1 ? "" : `${clients} connected`;
+}
+
+at("take").onclick = () => ask("take_wheel", {}, dashboard).then((m) => say(m.message));
+
+// --- numbers ---------------------------------------------------------------------------------------
+function percent(value: number): string {
+  return `${Math.round(100 * value)} %`;
+}
+
+function write(id: string, text: string): void {
+  const element = at(id);
+  if (element.textContent !== text) element.textContent = text;
+}
+
+function showNumbers(): void {
+  const arbitration = robot.get("arbitration/status");
+  const planner = robot.get("planner/status");
+  const filter = robot.get("safety_filter/status");
+  const speed = robot.speed;
+  write("speed", speed ? `${(Math.round(100 * speed.v) / 100 || 0).toFixed(2)} m/s` : "–");
+  write("turn", speed ? `${Math.round((speed.w * 180) / Math.PI) || 0} °/s` : "–"); // and no -0
+  const clearance = filter?.clearance ?? planner?.clearance;
+  write("clearance", Number.isFinite(clearance) ? `${clearance.toFixed(2)} m` : "–");
+  at("clearance").classList.toggle("near", clearance < 0.15);
+  write("policy", arbitration?.policy ?? "–");
+  write("source", SOURCES[arbitration?.source] ?? arbitration?.source ?? "–");
+  write("reason", arbitration?.reason ?? "no word from arbitration");
+  write("alpha", arbitration ? percent(arbitration.alpha) : "–");
+  write("filter", filter ? `${filter.reason}${filter.scale < 0.995 ? ` (${percent(filter.scale)} passes)` : ""}` : "–");
+  write("planner", planner ? `${planner.method}: ${planner.status_text}` : "no word from the planner");
+  write("solve", planner ? `${(1000 * planner.solve_time).toFixed(1)} ms` : "–");
+  write("missed", planner ? String(planner.overruns) : "–");
+  write("collisions", String(robot.collisions));
+  at("leader").hidden = view.mode !== "leader";
+  write("leader", robot.leader());
+  at("collisions").classList.toggle("near", robot.inContact);
+  const stopped = arbitration?.emergency_stop ?? false;
+  document.body.classList.toggle("stopped", stopped);
+  showNotice(stopped);
+  at("release").hidden = !stopped;
+  for (const button of document.querySelectorAll<HTMLInputElement>("input[name=mode]"))
+    button.checked = button.value === arbitration?.policy;
+  for (const button of document.querySelectorAll<HTMLInputElement>("input[name=method]"))
+    button.checked = button.value === planner?.method;
+  drawPlot(at<HTMLCanvasElement>("plot"), robot);
+}
+// Why the stick in one's hand moves nothing.
+function showNotice(stopped: boolean): void {
+  let text = "";
+  if (!connection.connected) text = "No connection. The robot stops by itself.";
+  else if (stopped) text = "Emergency stop. The robot stands until the stop is released.";
+  write("notice", text);
+  at("notice").hidden = text === "";
+}
+const SOURCES: Record<string, string> = {
+  none: "nobody", user: "the person", shared: "the planner, for the person",
+  blend: "person and planner", nav: "autonomy",
+};
+setInterval(showNumbers, SLOW);
+
+// --- buttons ---------------------------------------------------------------------------------------
+function emergencyStop(): void {
+  const sent = connection.publish(`${namespace}/e_stop`, "std_msgs/msg/Bool", { data: true });
+  say(sent ? "Emergency stop" : "No connection: the stop was not sent");
+}
+at("stop").onclick = emergencyStop;
+window.addEventListener("keydown", (event) => {
+  if (event.key === "Escape" || (event.key === " " && !belongsToControl(event))) {
+    emergencyStop();
+    event.preventDefault();
+  }
+});
+
+// What was clicked does not keep the keys: the arrows drive, and the space bar stops.
+window.addEventListener("click", (event) => {
+  if (event.detail === 0) return; // by the keyboard
+  setTimeout(() => {
+    const chosen = document.activeElement;
+    if (chosen instanceof HTMLElement && chosen.matches(KEY_TAKERS)) chosen.blur();
+  });
+});
+const KEY_TAKERS = "button, summary, input[type=radio], input[type=checkbox]";
+
+at("release").onclick = async () => {
+  connection.publish(`${namespace}/e_stop`, "std_msgs/msg/Bool", { data: false });
+  for (let tries = 0; tries < 20; ++tries) {
+    const { success, message } = await ask("arbitration/release_emergency_stop");
+    say(success ? "Released" : message);
+    if (success) return;
+  }
+};
+at("reset").onclick = () => ask("diff_drive_sim/reset").then(() => say("Back at the start"));
+
+for (const button of document.querySelectorAll<HTMLInputElement>("input[name=mode]"))
+  button.onchange = () =>
+    ask("arbitration/set_policy", { policy: button.value }).then((m) => say(m.message));
+
+for (const button of document.querySelectorAll<HTMLInputElement>("input[name=frame]"))
+  button.onchange = () => {
+    view.mode = button.value as ViewMode;
+    view.change();
+  };
+
+view.onPoint((goal) => {
+  if (robot.get("planner/status")?.method !== "goal") return;
+  const header = { stamp: connection.stamp(), frame_id: robot.grid?.frame ?? "map" };
+  const position = { x: goal.x, y: goal.y, z: 0 };
+  const orientation = { x: 0, y: 0, z: Math.sin(goal.heading / 2), w: Math.cos(goal.heading / 2) };
+  const message = { header, pose: { position, orientation } };
+  if (connection.publish(`${namespace}/goal_pose`, "geometry_msgs/msg/PoseStamped", message)) robot.goal = goal;
+  view.change();
+});
+
+keyboard.onScale = () =>
+  say(`Keys: ${percent(keyboard.scale.linear)} forward, ${percent(keyboard.scale.angular)} turning`);
+
+new UserTest(
+  connection, robot, driver, view, () => ({ namespace, dashboard }), at("test"), at("banner"),
+);
+
+// --- parameters --------------------------------------------------------------------------------------
+const loadParameters = () => {
+  const node = at<HTMLSelectElement>("node").value;
+  if (node)
+    showParameters(connection, node, at("parameters"), say).catch((e: Error) => {
+      at("parameters").textContent = e.message;
+    });
+};
+at<HTMLSelectElement>("node").onchange = loadParameters;
+at<HTMLDetailsElement>("tuning").ontoggle = () => {
+  if (at<HTMLDetailsElement>("tuning").open) loadParameters();
+};

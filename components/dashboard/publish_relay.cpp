@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dashboard/publish_relay.hpp"
+
+#include <memory>
+
+#include "topics.hpp"
+
+namespace tandem {
+
+PublishRelay::PublishRelay(rt::Node& node, double max_age)
+    : node_{node}, max_age_{max_age}, joy_{node.create_publisher(topics::joy)} {
+  const auto& full = node.fully_qualified_name();
+  namespace_ = full.substr(0, full.rfind('/'));
+  inlets_[namespace_ + "/" + topics::joy.name] = {
+      rt::type_ref<sensor_msgs::msg::Joy>().name, true,
+      [this](ClientId, const auto& bytes) { return publish_joy(bytes); }};
+  open(topics::cmd_vel_user, true);
+  open(topics::goal_pose, true);
+  open(topics::initial_pose, true);
+  open(topics::end_sim, true);
+  open(topics::e_stop, false);  // whoever sees danger may stop the robot
+}
+
+template <class M>
+void PublishRelay::open(const rt::Topic<M>& topic, bool drives) {
+  // Made when it is first needed, so that the graph shows no sender that never sends.
+  auto publisher = std::make_shared<std::unique_ptr<rt::Publisher<M>>>();
+  auto publish = [this, topic, publisher](ClientId, const std::vector<std::uint8_t>& bytes) {
+    const auto message = rt::decode<M>(bytes);
+    if (!message) return Outcome::kMalformed;
+    if (!*publisher) *publisher = std::make_unique<rt::Publisher<M>>(node_.create_publisher(topic));
+    (*publisher)->publish(*message);
+    return Outcome::kPublished;
+  };
+  inlets_[namespace_ + "/" + topic.name] = {rt::type_ref<M>().name, drives, std::move(publish)};
+}
+
+void PublishRelay::open_own(
+    const std::string& topic, const std::string& type,
+    std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> take) {
+  inlets_[topic] = {type, false, std::move(take), "json"};
+}
+
+std::vector<std::string> PublishRelay::advertise(ClientId client,
+                                                 const foxglove::Advertise& request) {
+  std::vector<std::string> complaints;
+  auto& channels = channels_[client];
+  for (const auto& [channel, topic, encoding, type] : request.all) {
+    const auto inlet = inlets_.find(topic.starts_with("/") ? topic : namespace_ + "/" + topic);
+    if (inlet == inlets_.end())
+      complaints.push_back("web clients may not publish " + topic.substr(0, 100));
+    else if (encoding != inlet->second.encoding || type != inlet->second.type)
+      complaints.push_back(topic + " takes " + inlet->second.type + " in " +
+                           inlet->second.encoding);
+    else if (channels.size() >= kMaxChannels)
+      complaints.push_back("no more than " + std::to_string(kMaxChannels) + " channels");
+    else
+      channels[channel] = &inlet->second;
+  }
+  return complaints;
+}
+
+void PublishRelay::unadvertise(ClientId client, const foxglove::Unadvertise& request) {
+  for (const auto channel : request.channels) channels_[client].erase(channel);
+}
+
+PublishRelay::Outcome PublishRelay::publish(ClientId client, const foxglove::Message& message,
+                                            const std::function<bool()>& may_drive) {
+  const auto& channels = channels_[client];
+  const auto channel = channels.find(message.channel);
+  if (channel == channels.end()) return Outcome::kNoChannel;
+  if (channel->second->drives && !may_drive()) return Outcome::kOtherDrives;
+  return channel->second->publish(client, message.payload);
+}
+
+// A client stamps its stick with the newest time that it has heard from here: what a stalled
+// connection delivers late is not carried out, nor is what was steered by a frozen picture.
+PublishRelay::Outcome PublishRelay::publish_joy(const std::vector<std::uint8_t>& bytes) {
+  auto joy = rt::decode<sensor_msgs::msg::Joy>(bytes);
+  if (!joy) return Outcome::kMalformed;
+  const double stamp = rt::to_seconds(joy->header().stamp());
+  const double age = 1e-9 * static_cast<double>(rt::system_nanoseconds()) - stamp;
+  if (max_age_ > 0.0 && stamp > 0.0 && age > max_age_) return Outcome::kOld;
+  joy->header().stamp(node_.stamp());
+  joy_.publish(*joy);
+  return Outcome::kPublished;
+}
+
+void PublishRelay::release_stick() { joy_.publish({}); }
+
+}  // namespace tandem

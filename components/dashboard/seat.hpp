@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: who wants to drive. Out: who may.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace tandem {
+
+using ClientId = std::uint64_t;
+
+/// The driver's seat: one at a time. A free seat belongs to the first who drives; a driver who has
+/// been silent for `timeout` [s] has left it. Times are seconds on one monotonic clock.
+class Seat {
+ public:
+  explicit Seat(double timeout) : timeout_{timeout} {}
+
+  /// Whether the client may drive now; then the seat is theirs.
+  [[nodiscard]] bool drive(ClientId client, double now) {
+    if (!may_write(client, now)) return false;
+    take(client, now);
+    return true;
+  }
+  /// Takes the seat, also from another.
+  void take(ClientId client, double now) {
+    driver_ = client;
+    last_ = now;
+  }
+  /// Whether the client may change anything: nobody else sits there.
+  [[nodiscard]] bool may_write(ClientId client, double now) const {
+    const auto other = driver(now);
+    return !other || *other == client;
+  }
+  void leave(ClientId client) {
+    if (driver_ == client) driver_.reset();
+  }
+  [[nodiscard]] std::optional<ClientId> driver(double now) const {
+    return now - last_ <= timeout_ ? driver_ : std::nullopt;
+  }
+
+ private:
+  double timeout_, last_ = 0.0;
+  std::optional<ClientId> driver_;
+};
+
+}  // namespace tandem

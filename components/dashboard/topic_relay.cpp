@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dashboard/topic_relay.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "dashboard/ros2msg.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr int kDepth = 10;  // messages of one topic that wait for the loop
+
+// A name with a part that starts with '_' is hidden.
+bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
+
+}  // namespace
+
+TopicRelay::TopicRelay(rt::Node& node, WebServer& web, foxglove::Channel own)
+    : node_{node}, web_{web}, last_id_{own.id} {
+  auto& relayed = relayed_[{own.topic, own.schema_name}];
+  relayed.channel = std::move(own);
+  relayed.listening = true;
+}
+
+void TopicRelay::look(const std::set<ClientId>& clients) {
+  std::set<std::pair<std::string, std::string>> here;
+  std::vector<foxglove::Channel> come;
+  for (const auto& topic : node_.topics()) {
+    if (topic.publishers.empty() || is_hidden(topic.name)) continue;
+    const auto key = here.emplace(topic.name, topic.type).first;
+    if (const auto known = relayed_.find(*key); known != relayed_.end()) {
+      known->second.publishers = topic.publishers;
+      continue;
+    }
+    const auto schema = ros2msg(topic.type);
+    if (!schema) continue;
+    auto& relayed = relayed_[*key];
+    relayed.channel = {++last_id_, topic.name, "cdr", topic.type, *schema, "ros2msg"};
+    relayed.publishers = topic.publishers;
+    come.push_back(relayed.channel);
+  }
+  std::vector<std::uint32_t> gone;
+  std::erase_if(relayed_, [&](const auto& entry) {
+    const bool is_gone = !entry.second.publishers.empty() && !here.contains(entry.first);
+    if (is_gone) gone.push_back(entry.second.channel.id);
+    return is_gone;
+  });
+  for (const ClientId client : clients) {
+    if (!come.empty()) web_.send(client, {true, foxglove::advertise(come)});
+    if (!gone.empty()) web_.send(client, {true, foxglove::unadvertise(gone)});
+  }
+}
+
+void TopicRelay::greet(ClientId client) {
+  std::vector<foxglove::Channel> all;
+  for (const auto& [key, relayed] : relayed_) all.push_back(relayed.channel);
+  web_.send(client, {true, foxglove::advertise(all)});
+}
+
+void TopicRelay::forget(ClientId client) {
+  for (auto& [key, relayed] : relayed_) {
+    std::erase_if(relayed.listeners, [&](const auto& l) { return l.client == client; });
+    rest(relayed);
+  }
+}
+
+TopicRelay::Relayed* TopicRelay::find(std::uint32_t channel) {
+  const auto found = std::find_if(relayed_.begin(), relayed_.end(), [&](const auto& entry) {
+    return entry.second.channel.id == channel;
+  });
+  return found == relayed_.end() ? nullptr : &found->second;
+}
+
+bool TopicRelay::is_subscribed(ClientId client, std::uint32_t subscription) const {
+  return std::any_of(relayed_.begin(), relayed_.end(), [&](const auto& entry) {
+    const auto& all = entry.second.listeners;
+    return std::any_of(all.begin(), all.end(), [&](const Listener& l) {
+      return l.client == client && l.subscription == subscription;
+    });
+  });
+}
+
+std::size_t TopicRelay::subscriptions_of(ClientId client) const {
+  std::size_t count = 0;
+  for (const auto& [key, relayed] : relayed_)
+    for (const auto& listener : relayed.listeners) count += listener.client == client ? 1 : 0;
+  return count;
+}
+
+void TopicRelay::subscribe(ClientId client, const foxglove::Subscribe& request) {
+  for (const auto& [subscription, channel] : request.all) {
+    Relayed* relayed = find(channel);
+    std::string complaint;
+    if (relayed == nullptr)
+      complaint = "there is no channel " + std::to_string(channel);
+    else if (is_subscribed(client, subscription))
+      complaint = "subscription " + std::to_string(subscription) + " is in use";
+    else if (subscriptions_of(client) >= kMaxSubscriptions)
+      complaint = "no more than " + std::to_string(kMaxSubscriptions) + " subscriptions";
+    if (!complaint.empty()) {
+      web_.send(client, {true, foxglove::status(foxglove::Level::kWarning, complaint)});
+      continue;
+    }
+    relayed->listeners.push_back({client, subscription});
+    if (relayed->last) send(relayed->listeners.back(), relayed->last);
+    if (!relayed->listening) listen(*relayed);
+  }
+}
+
+void TopicRelay::unsubscribe(ClientId client, const foxglove::Unsubscribe& request) {
+  for (auto& [key, relayed] : relayed_) {
+    std::erase_if(relayed.listeners, [&](const Listener& l) {
+      return l.client == client &&
+             std::find(request.subscriptions.begin(), request.subscriptions.end(),
+                       l.subscription) != request.subscriptions.end();
+    });
+    rest(relayed);
+  }
+}
+
+void TopicRelay::listen(Relayed& relayed) {
+  const rt::QoS qos = rt::request_for(relayed.publishers, kDepth);
+  relayed.latched = qos.durability == rt::Durability::kTransientLocal;
+  relayed.listening = true;
+  relayed.subscription =
+      node_.create_generic_subscription(relayed.channel.topic, relayed.channel.schema_name, qos,
+                                        [this, id = relayed.channel.id](const auto& bytes) {
+                                          if (Relayed* to = find(id)) relay(*to, bytes);
+                                        });
+}
+
+void TopicRelay::relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes) {
+  const auto body = std::make_shared<const std::vector<std::uint8_t>>(bytes);
+  if (relayed.latched) relayed.last = body;
+  for (const auto& listener : relayed.listeners) send(listener, body);
+}
+
+void TopicRelay::send(const Listener& to, const Body& body) {
+  const auto now = static_cast<std::uint64_t>(rt::system_nanoseconds());
+  web_.send(to.client, {false, foxglove::message_head(to.subscription, now), body});
+}
+
+// Nobody wants it any more.
+void TopicRelay::rest(Relayed& relayed) {
+  if (!relayed.listeners.empty() || relayed.publishers.empty() || !relayed.listening) return;
+  relayed.subscription = {};
+  relayed.listening = false;
+  relayed.last.reset();
+}
+
+void TopicRelay::tell(ClientId client, const std::string& payload) {
+  const auto body =
+      std::make_shared<const std::vector<std::uint8_t>>(payload.begin(), payload.end());
+  for (const auto& [key, relayed] : relayed_) {
+    if (!relayed.publishers.empty()) continue;
+    for (const auto& listener : relayed.listeners)
+      if (listener.client == client) send(listener, body);
+  }
+}
+
+}  // namespace tandem

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the domain's topics. Out: channels for web clients, CDR passed through untouched.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dashboard/foxglove.hpp"
+#include "dashboard/web_server.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+/// Offers each topic whose type the IDL knows as a channel, and listens to those that somebody
+/// wants.
+class TopicRelay {
+ public:
+  static constexpr std::size_t kMaxSubscriptions = 500;  // of one client
+
+  /// `own`: a channel that is no topic and that tell() fills.
+  TopicRelay(rt::Node& node, WebServer& web, foxglove::Channel own);
+
+  /// Tells the clients which topics have come and gone.
+  void look(const std::set<ClientId>& clients);
+  void greet(ClientId client);
+  void forget(ClientId client);
+  void subscribe(ClientId client, const foxglove::Subscribe& request);
+  void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
+
+  /// Sends a message of the own channel.
+  void tell(ClientId client, const std::string& payload);
+
+ private:
+  using Body = std::shared_ptr<const std::vector<std::uint8_t>>;
+  struct Listener {
+    ClientId client;
+    std::uint32_t subscription;
+  };
+  struct Relayed {
+    foxglove::Channel channel;
+    std::vector<rt::Policies> publishers;
+    std::vector<Listener> listeners;
+    rt::Subscription subscription;
+    bool listening = false, latched = false;
+    Body last;  // of a latched topic, for who comes later
+  };
+
+  [[nodiscard]] Relayed* find(std::uint32_t channel);
+  void listen(Relayed& relayed);
+  void relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes);
+  void send(const Listener& to, const Body& body);
+  void rest(Relayed& relayed);
+  [[nodiscard]] bool is_subscribed(ClientId client, std::uint32_t subscription) const;
+  [[nodiscard]] std::size_t subscriptions_of(ClientId client) const;
+
+  rt::Node& node_;
+  WebServer& web_;
+  std::map<std::pair<std::string, std::string>, Relayed> relayed_;  // by topic and type
+  std::uint32_t last_id_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: TCP connections. Out: what web clients say, one event after another; files for browsers.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dashboard/seat.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+struct WebServerParams {
+  std::string address = "127.0.0.1";
+  int port = 8765;
+  std::string token{};
+  std::string allowed_origins{};
+  int max_clients = 16;
+  int max_message = 65536;
+  double max_rate = 300.0;
+  double max_backlog = 16.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("address", address, "where to listen; one that is not loopback wants a token");
+    field("port", port, Range{0, 65500},
+          "TCP port, or the next free one of ten; 0: any; the log names it");
+    field("token", token, "clients say ?token=… ; empty: none needed");
+    field("allowed_origins", allowed_origins,
+          "other sites whose pages may connect, \"https://a.b https://c.d\"; native programs "
+          "always may");
+    field("max_clients", max_clients, Range{1, 1000}, "connections at a time");
+    field("max_message", max_message, Range{1024, 16777216}, "[B] of one frame of a client");
+    field("max_rate", max_rate, Range{1.0, 1e5}, "[Hz] frames of one client; more: it is dropped");
+    field("max_backlog", max_backlog, Range{1.0, 1000.0},
+          "[MB] that a client may lag behind; more: it is dropped");
+  }
+};
+
+/// A file of the page, and where it lies in memory.
+struct WebFile {
+  std::string_view content_type, bytes;
+};
+
+/// What a WebSocket client did.
+struct WebEvent {
+  enum class Kind { kJoined, kText, kBinary, kLeft };
+  ClientId client;
+  Kind kind;
+  std::string bytes;
+};
+
+/// A frame to a client: a head of its own and, shared among clients, a body.
+struct WebFrame {
+  bool text = false;
+  std::string head;
+  std::shared_ptr<const std::vector<std::uint8_t>> body{};
+};
+
+/// Serves files over HTTP and speaks WebSocket, on a thread of its own: nothing here ever waits
+/// for the network, and a client that misbehaves (too much, too fast, too slow, from a strange
+/// site, without the token) loses its connection.
+class WebServer {
+ public:
+  using Log = std::function<void(const std::string&)>;  ///< called on the server's thread
+
+  /// Listens at once. Throws std::invalid_argument in one line if it cannot, or if others could
+  /// reach it without a token.
+  WebServer(const WebServerParams& params, std::string subprotocol,
+            std::map<std::string, WebFile> files, Log log);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  /// What happened since the last call; in order for each client.
+  [[nodiscard]] std::vector<WebEvent> take();
+  /// Does not wait; a client that is gone gets nothing.
+  void send(ClientId client, WebFrame frame);
+
+  [[nodiscard]] int port() const;
+  /// Where a browser finds the page; the token is not told.
+  [[nodiscard]] std::string url() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tandem

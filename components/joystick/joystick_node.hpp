@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "joystick/joystick.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+struct JoystickNodeParams {
+  JoystickParams joystick;
+  int device_id = 0;
+  std::string device_name;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    joystick.visit(field);
+    field("device_id", device_id, Range{0, 63},
+          "which of the devices, unless device_name is given");
+    field("device_name", device_name, "part of the device's name; empty: device_id counts");
+  }
+};
+
+/// A joystick or gamepad (SDL 2) → joy, and joy/set_feedback → its rumble. Devices may come and go.
+class JoystickNode {
+ public:
+  static constexpr double kPoll = 0.005;  // [s]
+  static constexpr double kLook = 0.5;    // [s] between looks for a device
+  static constexpr int kRumble = 300;     // [ms] that it shakes unless it is told again
+
+  explicit JoystickNode(rt::Node& node);
+
+ private:
+  class Device;
+
+  void poll();
+  void look();
+
+  rt::Node& node_;
+  rt::Parameters<JoystickNodeParams> params_;
+  Joystick joystick_;
+  std::shared_ptr<void> sdl_;
+  std::shared_ptr<Device> device_;
+  double looked_ = 0.0;
+
+  rt::Publisher<sensor_msgs::msg::Joy> joy_;
+  rt::Subscription feedback_;
+  rt::Timer timer_;
+};
+
+}  // namespace tandem
