@@ -23,6 +23,8 @@ const char* name(Policy policy) {
       return "shared";
     case Policy::kBlend:
       return "blend";
+    case Policy::kAdaptive:
+      return "adaptive";
     case Policy::kAutonomous:
       return "autonomous";
   }
@@ -67,10 +69,10 @@ const char* name(ArbitrationReason reason) {
 
 Policy policy_from(const std::string& text) {
   for (const Policy policy :
-       {Policy::kManual, Policy::kShared, Policy::kBlend, Policy::kAutonomous})
+       {Policy::kManual, Policy::kShared, Policy::kBlend, Policy::kAdaptive, Policy::kAutonomous})
     if (text == name(policy)) return policy;
   throw std::invalid_argument("policy '" + text +
-                              "' is none of {manual, shared, blend, autonomous}");
+                              "' is none of {manual, shared, blend, adaptive, autonomous}");
 }
 
 void Arbiter::Input::receive(const Twist2& value, double time) {
@@ -85,7 +87,15 @@ Arbiter::Arbiter(const ArbiterParams& params)
   check(params_);
 }
 
-void Arbiter::on_user(const Twist2& twist, double t) { user_.receive(twist, t); }
+void Arbiter::set_blend(const BlendParams& blend) {
+  check(blend);
+  params_.blend = blend;
+}
+
+void Arbiter::on_user(const Twist2& twist, double t) {
+  user_.receive(twist, t);
+  if (is_finite(twist)) performance_.on_user(twist, t, params_.adaptive);
+}
 void Arbiter::on_shared(const Twist2& twist, double t) { shared_.receive(twist, t); }
 void Arbiter::on_nav(const Twist2& twist, double t) { nav_.receive(twist, t); }
 
@@ -109,6 +119,7 @@ bool Arbiter::release_emergency_stop() {
 Decision Arbiter::decide(double now) {
   Decision decision = stop_latched_ ? stop(ArbitrationReason::kEmergencyStop) : choose(now);
   decision = ramp(decision, now);
+  decision.performance = performance_.performance();
   last_ = decision;
   last_time_ = now;
   return decision;
@@ -122,7 +133,17 @@ Decision Arbiter::choose(double now) {
   if (!shared_.fresh(now, params_.shared_timeout)) return stop(ArbitrationReason::kSharedSilent);
   if (policy_ == Policy::kShared)
     return {shared_.twist, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
-  return blend(now);
+  if (policy_ == Policy::kAdaptive) return adapt(now);
+  const double disagreement =
+      std::hypot(user_.twist.v - shared_.twist.v, user_.twist.w - shared_.twist.w) /
+      params_.blend.disagreement;
+  return blend(now, params_.blend.min, disagreement);
+}
+
+// Danger still gives the planner all of it; a person's errors only over time.
+Decision Arbiter::adapt(double now) {
+  performance_.update(shared_.twist, params_.blend.disagreement, now, params_.adaptive);
+  return blend(now, performance_.share(params_.adaptive), 0.0);
 }
 
 Decision Arbiter::choose_autonomous(double now) const {
@@ -139,14 +160,11 @@ Decision Arbiter::choose_autonomous(double now) const {
 
 // The planner's share grows with danger (little clearance) and with disagreement: where the planner
 // departs from the person it has seen what the person has not.
-Decision Arbiter::blend(double now) {
+Decision Arbiter::blend(double now, double least, double disagreement) {
   const bool known = clearance_heard_ && now - clearance_time_ <= params_.shared_timeout;
-  const double danger = known ? 1.0 - clearance_ / params_.blend_clearance : 1.0;
-  const double disagreement =
-      std::hypot(user_.twist.v - shared_.twist.v, user_.twist.w - shared_.twist.w) /
-      params_.blend_disagreement;
-  const double target = std::clamp(std::max(danger, disagreement), params_.blend_min, 1.0);
-  const double step = params_.blend_rate * std::max(0.0, now - last_time_);
+  const double danger = known ? 1.0 - clearance_ / params_.blend.clearance : 1.0;
+  const double target = std::clamp(std::max(danger, disagreement), least, 1.0);
+  const double step = params_.blend.rate * std::max(0.0, now - last_time_);
   alpha_ = std::clamp(target, alpha_ - step, alpha_ + step);
   return {mix(user_.twist, shared_.twist, alpha_), Source::kBlend,
           ArbitrationReason::kFollowsSource, alpha_};

@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "arbitration/performance.hpp"
 #include "model/se2.hpp"
 #include "params.hpp"
 
 namespace tandem {
 
-/// Who may drive. kShared: the planner for the person. kBlend: a mixture of both. kAutonomous: the
-/// outside autonomy, else the planner's own goal; the person takes over by steering.
-enum class Policy { kManual, kShared, kBlend, kAutonomous };
+/// Who may drive. kShared: the planner for the person. kBlend: a mixture of both. kAdaptive: a
+/// mixture in which the planner's part follows how well the person drives. kAutonomous: the outside
+/// autonomy, else the planner's own goal; the person takes over by steering.
+enum class Policy { kManual, kShared, kBlend, kAdaptive, kAutonomous };
 
 /// Whose command goes on.
 enum class Source { kNone, kUser, kShared, kBlend, kNav };
@@ -36,6 +38,24 @@ enum class ArbitrationReason {
 /// Throws std::invalid_argument that lists the policies if `text` is none of them.
 [[nodiscard]] Policy policy_from(const std::string& text);
 
+/// How policy `blend` mixes: may change while it drives.
+struct BlendParams {
+  double clearance = 0.8;
+  double disagreement = 0.5;
+  double min = 0.1;
+  double rate = 4.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("blend_clearance", clearance, Range{0.01, 10.0},
+          "[m] clearance below which danger begins to shift authority to the planner");
+    field("blend_disagreement", disagreement, Range{0.01, 10.0},
+          "[m/s, rad/s] difference of the two commands that gives the planner full authority");
+    field("blend_min", min, Range{0.0, 1.0}, "[1] authority the planner always has");
+    field("blend_rate", rate, Range{0.1, 100.0}, "[1/s] fastest change of authority");
+  }
+};
+
 struct ArbiterParams {
   std::string policy = "shared";
   double user_timeout = 0.11;
@@ -43,14 +63,12 @@ struct ArbiterParams {
   double nav_timeout = 0.5;
   double handover_time = 0.3;
   double takeover_threshold = 0.05;
-  double blend_clearance = 0.8;
-  double blend_disagreement = 0.5;
-  double blend_min = 0.1;
-  double blend_rate = 4.0;
+  BlendParams blend{};
+  AdaptiveParams adaptive{};
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("policy", policy, OneOf{{"manual", "shared", "blend", "autonomous"}},
+    field("policy", policy, OneOf{{"manual", "shared", "blend", "adaptive", "autonomous"}},
           "who may drive at start; the service ~/set_policy changes it");
     field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence that stops the person");
     field("shared_timeout", shared_timeout, Range{0.02, 5.0}, "[s] silence that stops the planner");
@@ -58,12 +76,8 @@ struct ArbiterParams {
     field("handover_time", handover_time, Range{0.0, 5.0}, "[s] ramp when authority changes");
     field("takeover_threshold", takeover_threshold, Range{0.0, 1.0},
           "[m/s, rad/s] a person's command above it takes over from autonomy");
-    field("blend_clearance", blend_clearance, Range{0.01, 10.0},
-          "[m] clearance below which danger begins to shift authority to the planner");
-    field("blend_disagreement", blend_disagreement, Range{0.01, 10.0},
-          "[m/s, rad/s] difference of the two commands that gives the planner full authority");
-    field("blend_min", blend_min, Range{0.0, 1.0}, "[1] authority the planner always has");
-    field("blend_rate", blend_rate, Range{0.1, 100.0}, "[1/s] fastest change of authority");
+    blend.visit(field);
+    adaptive.visit(field);
   }
 };
 
@@ -71,7 +85,8 @@ struct Decision {
   Twist2 command;
   Source source = Source::kNone;
   ArbitrationReason reason = ArbitrationReason::kAllSilent;
-  double alpha = 0.0;  ///< the planner's share of the command, 0 … 1
+  double alpha = 0.0;        ///< the planner's share of the command, 0 … 1
+  double performance = 1.0;  ///< of the person, 0 … 1, as policy adaptive measures it
 };
 
 /// Decides whose command goes on. Times are seconds on one monotonic clock; a command counts from
@@ -80,6 +95,9 @@ class Arbiter {
  public:
   /// Throws std::invalid_argument on parameters out of range.
   explicit Arbiter(const ArbiterParams& params);
+
+  /// Throws std::invalid_argument, having changed nothing, on parameters out of range.
+  void set_blend(const BlendParams& blend);
 
   void on_user(const Twist2& twist, double t);
   void on_shared(const Twist2& twist, double t);
@@ -114,7 +132,8 @@ class Arbiter {
 
   [[nodiscard]] Decision choose(double now);
   [[nodiscard]] Decision choose_autonomous(double now) const;
-  [[nodiscard]] Decision blend(double now);
+  [[nodiscard]] Decision blend(double now, double least, double disagreement);
+  [[nodiscard]] Decision adapt(double now);
   [[nodiscard]] Decision ramp(Decision decision, double now);
 
   ArbiterParams params_;
@@ -122,6 +141,7 @@ class Arbiter {
   Input user_, shared_, nav_;
   double clearance_ = 0.0, clearance_time_ = 0.0;
   bool clearance_heard_ = false;
+  Performance performance_;
   bool stop_pressed_ = false, stop_latched_ = false;
 
   Decision last_;

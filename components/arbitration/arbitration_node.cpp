@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arbitration/arbitration_node.hpp"
 
+#include <cmath>
+
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -8,40 +10,38 @@ namespace tandem {
 
 ArbitrationNode::ArbitrationNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<ArbiterParams>()},
-      arbiter_{*params_},
+      params_{node.declare_parameters<ArbitrationNodeParams>(
+          {}, [](auto& all) -> auto& { return all.arbiter.blend; },
+          [this](const auto& wanted) { arbiter_.set_blend(wanted.arbiter.blend); })},
+      arbiter_{params_->arbiter},
       cmd_vel_arbitrated_{node.create_publisher(topics::cmd_vel_arbitrated)},
-      status_{node.create_publisher(topics::arbitration_status)} {
-  subscribe_commands();
+      status_{node.create_publisher(topics::arbitration_status)},
+      user_{node, topics::cmd_vel_user, topics::kUserInput, params_->input,
+            [this](const auto& msg) { on_command(msg, Source::kUser); }},
+      shared_{node, topics::cmd_vel_shared, params_->input,
+              [this](const auto& msg) { on_command(msg, Source::kShared); }},
+      nav_{node, topics::cmd_vel_nav, params_->input,
+           [this](const auto& msg) { on_command(msg, Source::kNav); }},
+      planner_{node.create_subscription(topics::planner_status, [this](const auto& msg) {
+        arbiter_.on_clearance(msg.clearance(), node_.now());
+      })} {
   subscribe_emergency_stop();
   offer_services();
   watchdog_ = node.create_wall_timer(kWatchdog, [this] { watch(); });
   status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
 }
 
-void ArbitrationNode::subscribe_commands() {
-  const auto accept = [this](const geometry_msgs::msg::Twist& msg, const char* topic,
-                             void (Arbiter::*receive)(const Twist2&, double), Source source) {
-    const auto twist = from_msg(msg);
-    if (!twist) {
-      node_.log().warn_every(1.0, "{} is not finite: dropped", topic);
-      return;
-    }
-    (arbiter_.*receive)(*twist, node_.now());
-    decide(source);
-  };
-  user_ = node_.create_subscription(
-      topics::cmd_vel_user, topics::kUserInput,
-      [accept](const auto& msg) { accept(msg, "cmd_vel_user", &Arbiter::on_user, Source::kUser); });
-  shared_ = node_.create_subscription(topics::cmd_vel_shared, [accept](const auto& msg) {
-    accept(msg, "cmd_vel_shared", &Arbiter::on_shared, Source::kShared);
-  });
-  nav_ = node_.create_subscription(topics::cmd_vel_nav, [accept](const auto& msg) {
-    accept(msg, "cmd_vel_nav", &Arbiter::on_nav, Source::kNav);
-  });
-  planner_ = node_.create_subscription(topics::planner_status, [this](const auto& msg) {
-    arbiter_.on_clearance(msg.clearance(), node_.now());
-  });
+void ArbitrationNode::on_command(const geometry_msgs::msg::Twist& msg, Source source) {
+  const auto twist = from_msg(msg);
+  if (!twist) {
+    node_.log().warn_every(1.0, "cmd_vel_{} is not finite: dropped", name(source));
+    return;
+  }
+  const double now = node_.now();
+  if (source == Source::kUser) arbiter_.on_user(*twist, now);
+  if (source == Source::kShared) arbiter_.on_shared(*twist, now);
+  if (source == Source::kNav) arbiter_.on_nav(*twist, now);
+  decide(source);
 }
 
 // Read twice: a latched reader never matches a volatile writer, and a stop must be heard from both.
@@ -84,6 +84,11 @@ void ArbitrationNode::decide(Source arrived) {
   if (decision.reason != decision_.reason)
     node_.log().info("{}: {}", name(decision.source), name(decision.reason));
   decision_ = decision;
+  if (std::abs(decision.performance - performance_) > kTellPerformance) {
+    performance_ = decision.performance;
+    node_.log().info("performance {:.2f}, the planner's share {:.2f}", performance_,
+                     decision.alpha);
+  }
   if (!in_charge) return;
   cmd_vel_arbitrated_.publish(to_msg(decision.command));
   published_ = node_.steady_now();

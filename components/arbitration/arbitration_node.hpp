@@ -4,8 +4,20 @@
 #include "arbitration/arbiter.hpp"
 #include "convert.hpp"
 #include "runtime/node.hpp"
+#include "twist_input.hpp"
 
 namespace tandem {
+
+struct ArbitrationNodeParams {
+  ArbiterParams arbiter;
+  TwistInputParams input;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    arbiter.visit(field);
+    input.visit(field);
+  }
+};
 
 /// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop → cmd_vel_arbitrated, arbitration/status.
 ///
@@ -18,10 +30,12 @@ class ArbitrationNode {
   static constexpr double kStatusPeriod = 0.05;  // [s]
   static constexpr double kClockSilence = 0.5;   // [s] of steady time
 
+  static constexpr double kTellPerformance = 0.1;  // change that is logged
+
   explicit ArbitrationNode(rt::Node& node);
 
  private:
-  void subscribe_commands();
+  void on_command(const geometry_msgs::msg::Twist& msg, Source source);
   void subscribe_emergency_stop();
   void offer_services();
   void decide(Source arrived);
@@ -29,14 +43,16 @@ class ArbitrationNode {
   void publish_status();
 
   rt::Node& node_;
-  rt::Parameters<ArbiterParams> params_;
+  rt::Parameters<ArbitrationNodeParams> params_;
   Arbiter arbiter_;
   Decision decision_;
-  double published_ = -1.0;  ///< steady time of the last command [s]
+  double performance_ = 1.0;  ///< as last logged
+  double published_ = -1.0;   ///< steady time of the last command [s]
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;
-  rt::Subscription user_, shared_, nav_, planner_, stop_latched_, stop_any_;
+  TwistInput user_, shared_, nav_;
+  rt::Subscription planner_, stop_latched_, stop_any_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
 };

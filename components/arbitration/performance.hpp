@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the person's and the planner's commands in time. Out: how well the person drives, and the
+// planner's authority that follows from it.
+#pragma once
+
+#include "model/se2.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+/// How policy `adaptive` gives authority: may change while it drives.
+struct AdaptiveParams {
+  double base = 0.3;
+  double range = 0.7;
+  double time = 3.0;
+  double unsteady = 4.0;
+  double hysteresis = 0.1;
+  bool frozen = false;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("adaptive_base", base, Range{0.0, 1.0}, "[1] planner's share beside a perfect driver");
+    field("adaptive_range", range, Range{0.0, 1.0},
+          "[1] share that is added as performance falls to 0; at most 1 in all");
+    field("adaptive_time", time, Range{0.1, 300.0}, "[s] over which performance is averaged");
+    field("adaptive_unsteady", unsteady, Range{0.1, 1000.0},
+          "[m/s², rad/s²] mean change of the person's command that counts as no control at all");
+    field("adaptive_hysteresis", hysteresis, Range{0.0, 1.0},
+          "[1] the share stays until it would change by more than this");
+    field("adaptive_frozen", frozen, "the share stays as it is: for studies");
+  }
+};
+
+/// Performance P of the person, 0 … 1, and the planner's share K:
+///
+///   p = (1 − min(1, |u_user − u_planner| / disagreement)) (1 − min(1, |u̇_user| / unsteady)) (1) P
+///   = p averaged over `time`, while the person steers                                         (2)
+///   K = base + range (1 − P), at most 1, moved only by more than `hysteresis` (3)
+///
+/// (3) is the wheelchair's rule K = K0 + Kr (1 − performance); (1) is our measure: whom the planner
+/// need not correct, and whose hand is steady, drives well.
+class Performance {
+ public:
+  /// A person's command at time t [s].
+  void on_user(const Twist2& user, double t, const AdaptiveParams& params);
+  /// Takes in how far both agree now. `disagreement`: the difference that counts as all [m/s].
+  void update(const Twist2& shared, double disagreement, double t, const AdaptiveParams& params);
+
+  [[nodiscard]] double performance() const { return performance_; }
+  /// The planner's share, (3).
+  [[nodiscard]] double share(const AdaptiveParams& params) const;
+
+ private:
+  Twist2 user_;
+  double user_time_ = -1.0, time_ = -1.0;
+  double change_ = 0.0;  // mean of |u̇_user|
+  double performance_ = 1.0;
+  double held_ = 1.0;  // the performance that the share follows
+};
+
+}  // namespace tandem

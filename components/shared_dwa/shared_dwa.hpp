@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: the person's command, the robot's state, the map. Out: the nearest command whose arc is free.
+#pragma once
+
+#include "map/static_map.hpp"
+#include "model/robot.hpp"
+#include "params.hpp"
+
+namespace tandem {
+
+struct SharedDwaParams {
+  double control_period = 0.05;
+  double window = 0.25;
+  int v_samples = 11;
+  int w_samples = 21;
+  double horizon = 2.0;
+  double margin = 0.06;
+  double comfort = 0.25;
+  double weight_v = 1.0;
+  double weight_w = 0.4;
+  double weight_way = 3.0;
+  double weight_clearance = 0.3;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("control_period", control_period, Range{0.01, 1.0}, "[s] from one choice to the next");
+    field("window", window, Range{0.01, 2.0},
+          "[s] speeds are sampled that braking or driving off reaches in this time");
+    field("v_samples", v_samples, Range{2, 101}, "forward speeds across the window");
+    field("w_samples", w_samples, Range{2, 101}, "turn rates across the window");
+    field("horizon", horizon, Range{0.1, 10.0}, "[s] how far along an arc is looked");
+    field("margin", margin, Range{0.0, 0.5}, "[m] kept to obstacles until the robot stands");
+    field("comfort", comfort, Range{0.01, 2.0}, "[m] clearance below which nearness costs");
+    field("weight_v", weight_v, Range{0.0, 100.0}, "[1] of disagreement in forward speed");
+    field("weight_w", weight_w, Range{0.0, 100.0}, "[1] of disagreement in turn rate");
+    field("weight_way", weight_way, Range{0.0, 100.0}, "[1] of contact within the horizon");
+    field("weight_clearance", weight_clearance, Range{0.0, 100.0}, "[1] of nearness");
+  }
+};
+
+/// What was chosen, and from how much.
+struct DwaChoice {
+  Twist2 command;          ///< zero if no sample is admissible
+  bool admissible = true;  ///< false: nothing was, and the command is to brake
+  double cost = 0.0;
+  double clearance = 0.0;  ///< of the outline now [m], at most 1
+  int looked_at = 0;       ///< arcs followed through the map
+};
+
+/// Shared Dynamic Window Approach: the Dynamic Window Approach (Fox, Burgard, Thrun 1997) with the
+/// person's command in the place of a goal. Of the twists within the window about the present one
+/// it takes the one of least cost
+///
+///   C_v ((v − v_user) / v_max)² + C_w ((ω − ω_user) / ω_max)²
+///     + C_way (1 − t_free / horizon)² + C_c max(0, 1 − c / comfort)²                          (1)
+///
+/// t_free: time along the arc until contact; c: least clearance on the way to rest. Admissible is
+/// only what, acting for one control period and then braked along its arc, keeps the margin (or,
+/// inside of it, the present clearance). The outline is the exact polygon, the world the map's
+/// cells.
+class SharedDwa {
+ public:
+  /// Throws std::invalid_argument on parameters out of range.
+  SharedDwa(const SharedDwaParams& params, const RobotParams& robot);
+
+  /// `measured`: the body twist at X_MB.
+  [[nodiscard]] DwaChoice choose(const Pose2& X_MB, const Twist2& measured, const Twist2& user,
+                                 const StaticMap& map) const;
+
+ private:
+  struct Arc {
+    double t_free = 0.0;     // [s] along it until contact, at most the horizon
+    double clearance = 0.0;  // [m] the least until rest
+    bool admissible = false;
+  };
+  struct Sample {
+    Twist2 twist;
+    double disagreement;  // the first two terms of (1)
+  };
+
+  [[nodiscard]] std::vector<Sample> samples(const Twist2& measured, const Twist2& user) const;
+  [[nodiscard]] Arc follow(const Pose2& X_MB, const Twist2& twist, double margin,
+                           const StaticMap& map) const;
+
+  SharedDwaParams params_;
+  RobotParams robot_;
+  Footprint footprint_;
+  double radius_;
+};
+
+}  // namespace tandem

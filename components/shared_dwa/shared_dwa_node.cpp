@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared_dwa/shared_dwa_node.hpp"
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+
+SharedDwaNode::SharedDwaNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<SharedDwaNodeParams>()},
+      dwa_{params_->dwa, params_->robot},
+      map_{node, params_->map},
+      robot_{node, params_->input},
+      cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
+      status_out_{node.create_publisher(topics::planner_status)},
+      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->twist_input,
+               [this](const auto& msg) {
+                 const auto twist = from_msg(msg);
+                 if (!twist) return;
+                 user_ = *twist;
+                 user_time_ = node_.now();
+               }} {
+  status_.method("dwa");
+  status_.solver("dwa");
+  timer_ = node.create_timer(params_->dwa.control_period, [this] { choose(); });
+}
+
+void SharedDwaNode::choose() {
+  const auto robot = robot_.state();
+  const auto map = map_.map(robot);
+  if (!robot) return stop("not localised: odom or map → odom is missing or too old");
+  if (!map) return stop("no map");
+  if (node_.now() - user_time_ > params_->user_timeout) return stop("cmd_vel_user is silent");
+  const double start = node_.steady_now();
+  const DwaChoice choice = dwa_.choose(robot->X_MB, robot->twist, user_, *map);
+  publish(choice, node_.steady_now() - start);
+}
+
+void SharedDwaNode::publish(const DwaChoice& choice, double time) {
+  cmd_vel_shared_.publish(to_msg(choice.command));
+  status_.header(header(node_.stamp(), params_->input.frames.map));
+  status_.status(choice.admissible ? 0 : -1);
+  status_.status_text(choice.admissible ? "chosen" : "nothing is admissible: braking");
+  status_.source(choice.admissible ? "solution" : "braking");
+  status_.solve_time(time);
+  status_.guesses(choice.looked_at);
+  status_.cost(choice.cost);
+  status_.clearance(choice.clearance);
+  status_.cycles(status_.cycles() + 1);
+  if (!choice.admissible) status_.fallbacks(status_.fallbacks() + 1);
+  status_out_.publish(status_);
+}
+
+void SharedDwaNode::stop(const char* reason) {
+  node_.log().warn_every(1.0, "standing: {}", reason);
+  cmd_vel_shared_.publish(to_msg(Twist2{}));
+  status_.header(header(node_.stamp(), params_->input.frames.map));
+  status_.status(-1);
+  status_.status_text(reason);
+  status_out_.publish(status_);
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::SharedDwaNode, "shared_dwa")

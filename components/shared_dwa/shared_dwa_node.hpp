@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "map_input.hpp"
+#include "robot_state_input.hpp"
+#include "runtime/node.hpp"
+#include "shared_dwa/shared_dwa.hpp"
+#include "twist_input.hpp"
+
+namespace tandem {
+
+struct SharedDwaNodeParams {
+  RobotParams robot;
+  SharedDwaParams dwa;
+  MapInputParams map;
+  RobotStateParams input;
+  TwistInputParams twist_input;
+  double user_timeout = 0.12;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    robot.visit(field);
+    dwa.visit(field);
+    map.visit(field);
+    input.visit(field);
+    twist_input.visit(field);
+    field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence of cmd_vel_user that stops");
+  }
+};
+
+/// cmd_vel_user, octomap_binary, octomap_local, odom, tf → cmd_vel_shared, planner/status.
+///
+/// In the place of local_planner. Chooses every control period; while an input that it needs is
+/// silent it says zero, and why.
+class SharedDwaNode {
+ public:
+  explicit SharedDwaNode(rt::Node& node);
+
+ private:
+  void choose();
+  void publish(const DwaChoice& choice, double time);
+  void stop(const char* reason);
+
+  rt::Node& node_;
+  rt::Parameters<SharedDwaNodeParams> params_;
+  SharedDwa dwa_;
+  MapInput map_;
+  RobotStateInput robot_;
+  Twist2 user_;
+  double user_time_ = -1e9;
+  tandem_msgs::msg::PlannerStatus status_;
+
+  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
+  rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
+  TwistInput on_user_;
+  rt::Timer timer_;
+};
+
+}  // namespace tandem
