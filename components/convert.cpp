@@ -176,6 +176,23 @@ tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
   return msg;
 }
 
+Echoes from_msg(const sensor_msgs::msg::LaserScan& msg) {
+  return echoes_of(RangeScan{msg.angle_min(), msg.angle_increment(), msg.range_min(),
+                             msg.range_max(), msg.ranges()});
+}
+
+Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg) {
+  CloudLayout layout{.height = msg.height(),
+                     .width = msg.width(),
+                     .fields = {},
+                     .is_bigendian = msg.is_bigendian(),
+                     .point_step = msg.point_step(),
+                     .row_step = msg.row_step()};
+  for (const auto& field : msg.fields())
+    layout.fields.push_back({field.name(), field.offset(), field.datatype()});
+  return echoes_of(layout, msg.data());
+}
+
 nav_msgs::msg::Path to_path(std::span<const Pose2> X, const std_msgs::msg::Header& header) {
   nav_msgs::msg::Path msg;
   msg.header(header);

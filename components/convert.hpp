@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "map/echoes.hpp"
 #include "map/fixtures.hpp"
 #include "map/grid.hpp"
 #include "model/obstacle.hpp"
@@ -70,6 +71,10 @@ struct Obstacles {
 [[nodiscard]] Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg);
 [[nodiscard]] tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
                                                      const std_msgs::msg::Header& header);
+
+/// What a sensor measured; malformed messages give an error in it. Intensities are not read.
+[[nodiscard]] Echoes from_msg(const sensor_msgs::msg::LaserScan& msg);
+[[nodiscard]] Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg);
 
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
                                           const std_msgs::msg::Header& header);

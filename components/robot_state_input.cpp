@@ -6,7 +6,7 @@
 namespace tandem {
 
 RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
-                                 std::function<void()> on_odom)
+                                 std::function<void(double)> on_odom)
     : node_{node},
       params_{params},
       localization_{params.localization},
@@ -18,7 +18,7 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
       return;
     }
     localization_.on_odom(odometry->X, odometry->twist, node_.now());
-    if (on_odom_) on_odom_();
+    if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
   });
   tf_ = node.create_subscription(topics::tf, [this](const tf2_msgs::msg::TFMessage& msg) {
     const auto& frames = params_.frames;

@@ -22,11 +22,12 @@ struct RobotStateParams {
   }
 };
 
-/// Subscribes `odom` and `/tf` for a node and composes them. Calls `on_odom` after each odometry.
+/// Subscribes `odom` and `/tf` for a node and composes them. Calls `on_odom` after each odometry,
+/// with the message's stamp [s].
 class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
-                  std::function<void()> on_odom = {});
+                  std::function<void(double)> on_odom = {});
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
@@ -37,7 +38,7 @@ class RobotStateInput {
   rt::Node& node_;
   RobotStateParams params_;
   Localization localization_;
-  std::function<void()> on_odom_;
+  std::function<void(double)> on_odom_;
   rt::Subscription odom_, tf_;
 };
 

@@ -24,13 +24,18 @@ bool pressed(std::span<const int> buttons, int index) {
 
 Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
                  const TeleopParams& params) {
-  return {axis(axes, params.axis_linear, params.deadzone),
-          axis(axes, params.axis_angular, params.deadzone),
+  return {axis(axes, params.axis_linear, params.gains.deadzone),
+          axis(axes, params.axis_angular, params.gains.deadzone),
           params.deadman_button < 0 || pressed(buttons, params.deadman_button),
           pressed(buttons, params.end_button)};
 }
 
 Teleop::Teleop(const TeleopParams& params) : params_{params} { check(params_); }
+
+void Teleop::set_gains(const StickGains& gains) {
+  check(gains);
+  params_.gains = gains;
+}
 
 std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                        double t) {
@@ -46,8 +51,9 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
     drive_leader(stick, *X_MB, dt);
   else
     X_ML_.reset();
-  return Intent{{params_.scale_linear * stick.linear, params_.scale_angular * stick.angular},
-                X_ML_};
+  return Intent{
+      {params_.gains.scale_linear * stick.linear, params_.gains.scale_angular * stick.angular},
+      X_ML_};
 }
 
 std::optional<Intent> Teleop::update(double now) {
@@ -59,13 +65,13 @@ std::optional<Intent> Teleop::update(double now) {
 
 void Teleop::drive_leader(const Stick& stick, const Pose2& X_MB, double dt) {
   if (!X_ML_) X_ML_ = X_MB;
-  const Twist2 twist{params_.leader_scale_linear * stick.linear,
-                     params_.leader_scale_angular * stick.angular};
+  const Twist2 twist{params_.gains.leader_scale_linear * stick.linear,
+                     params_.gains.leader_scale_angular * stick.angular};
   *X_ML_ = integrate(*X_ML_, twist, dt);
   X_ML_->theta = wrap_angle(X_ML_->theta);
   const Eigen::Vector2d p_BL_M = X_ML_->position() - X_MB.position();
-  if (p_BL_M.norm() <= params_.leash) return;
-  const Eigen::Vector2d p_ML = X_MB.position() + params_.leash * p_BL_M.normalized();
+  if (p_BL_M.norm() <= params_.gains.leash) return;
+  const Eigen::Vector2d p_ML = X_MB.position() + params_.gains.leash * p_BL_M.normalized();
   X_ML_->x = p_ML.x();
   X_ML_->y = p_ML.y();
 }

@@ -10,18 +10,35 @@
 
 namespace tandem {
 
-/// Defaults: Devalla 2020, appendix B (axes, buttons, gains); its leash d_PR has no number there.
-struct TeleopParams {
-  int axis_linear = 1;
-  int axis_angular = 0;
-  int deadman_button = 0;
-  int end_button = 1;
+/// How the stick feels: may change while someone drives. Defaults: Devalla 2020, appendix B; its
+/// leash d_PR has no number there.
+struct StickGains {
   double scale_linear = 0.8;
   double scale_angular = 0.8;
   double leader_scale_linear = 0.9;
   double leader_scale_angular = 0.9;
   double deadzone = 0.05;
   double leash = 1.2;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("scale_linear", scale_linear, Range{-5.0, 5.0}, "[m/s] at full stick");
+    field("scale_angular", scale_angular, Range{-10.0, 10.0}, "[rad/s] at full stick");
+    field("leader_scale_linear", leader_scale_linear, Range{-5.0, 5.0}, "[m/s] leader, full stick");
+    field("leader_scale_angular", leader_scale_angular, Range{-10.0, 10.0},
+          "[rad/s] leader, full stick");
+    field("deadzone", deadzone, Range{0.0, 0.9}, "[1] part of the stick's way that is rest");
+    field("leash", leash, Range{0.1, 10.0}, "[m] farthest that the leader gets from the robot");
+  }
+};
+
+/// Defaults: Devalla 2020, appendix B.
+struct TeleopParams {
+  int axis_linear = 1;
+  int axis_angular = 0;
+  int deadman_button = 0;
+  int end_button = 1;
+  StickGains gains{};
   double joy_timeout = 0.12;
 
   template <class Visitor>
@@ -30,13 +47,7 @@ struct TeleopParams {
     field("axis_angular", axis_angular, Range{0, 31}, "index in Joy.axes that means left");
     field("deadman_button", deadman_button, Range{-1, 63}, "held to drive; -1: none");
     field("end_button", end_button, Range{-1, 63}, "ends the drive; -1: none");
-    field("scale_linear", scale_linear, Range{-5.0, 5.0}, "[m/s] at full stick");
-    field("scale_angular", scale_angular, Range{-10.0, 10.0}, "[rad/s] at full stick");
-    field("leader_scale_linear", leader_scale_linear, Range{-5.0, 5.0}, "[m/s] leader, full stick");
-    field("leader_scale_angular", leader_scale_angular, Range{-10.0, 10.0},
-          "[rad/s] leader, full stick");
-    field("deadzone", deadzone, Range{0.0, 0.9}, "[1] part of the stick's way that is rest");
-    field("leash", leash, Range{0.1, 10.0}, "[m] farthest that the leader gets from the robot");
+    gains.visit(field);
     field("joy_timeout", joy_timeout, Range{0.02, 5.0}, "[s] silence of joy that is a release");
   }
 };
@@ -63,6 +74,9 @@ struct Intent {
 class Teleop {
  public:
   explicit Teleop(const TeleopParams& params);
+
+  /// Throws std::invalid_argument, having changed nothing, on gains out of range.
+  void set_gains(const StickGains& gains);
 
   /// `X_MB`: where the robot is, if anyone knows. No intent while the dead-man is released, but for
   /// one zero at the moment of release; the leader then returns to the robot.

@@ -8,7 +8,9 @@ namespace tandem {
 
 TeleopNode::TeleopNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<TeleopNodeParams>()},
+      params_{node.declare_parameters<TeleopNodeParams>(
+          {}, [](auto& all) -> auto& { return all.teleop.gains; },
+          [this](const auto& wanted) { teleop_.set_gains(wanted.teleop.gains); })},
       teleop_{params_->teleop},
       robot_{node, params_->input},
       cmd_vel_user_{node.create_publisher(topics::cmd_vel_user)},
