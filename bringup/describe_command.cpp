@@ -10,12 +10,17 @@
 #include <string>
 
 #include "arbitration/arbiter.hpp"
+#include "dashboard/dashboard_node.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "driver/driver_node.hpp"
+#include "haptics/haptics_node.hpp"
+#include "joystick/joystick_node.hpp"
 #include "local_planner/local_planner_node.hpp"
 #include "map_server/map_server_node.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
+#include "octomap_builder/octomap_builder_node.hpp"
 #include "safety_filter/safety_filter_node.hpp"
+#include "shared_dwa/shared_dwa_node.hpp"
 #include "teleop/teleop_node.hpp"
 
 namespace tandem {
@@ -60,7 +65,10 @@ struct Description {
 
 template <class Params>
 Description describe(const char* topics) {
-  return {topics, [] { Params{}.visit(Printer{}); }};
+  return {topics, [] {
+            Params params;
+            params.visit(Printer{});
+          }};
 }
 
 // The topics stand in each node's header too; here for those who have only the program.
@@ -68,10 +76,20 @@ const std::map<std::string, Description>& descriptions() {
   static const std::map<std::string, Description> all{
       {"map_server", describe<MapServerParams>("(a map file) -> octomap_binary, map")},
       {"driver", describe<DriverNodeParams>("odom, tf, leader_pose -> joy")},
+      {"haptics",
+       describe<HapticsParams>("cmd_vel_user, safety_filter/status -> joy/set_feedback")},
+      {"joystick", describe<JoystickNodeParams>(
+                       "(a joystick or gamepad) -> joy; joy/set_feedback -> (its rumble)")},
       {"teleop", describe<TeleopNodeParams>(
                      "joy, odom, tf -> cmd_vel_user, leader_pose, leader/markers, end_sim")},
-      {"obstacle_extractor", describe<ObstacleExtractorNodeParams>(
-                                 "octomap_binary, odom, tf -> obstacles, obstacles/markers")},
+      {"octomap_builder", describe<OctomapBuilderNodeParams>(
+                              "scan, cloud_in, odom, tf -> octomap_local; service ~/reset")},
+      {"obstacle_extractor",
+       describe<ObstacleExtractorNodeParams>(
+           "octomap_binary, octomap_local, odom, tf -> obstacles, obstacles/markers")},
+      {"shared_dwa",
+       describe<SharedDwaNodeParams>("cmd_vel_user, octomap_binary, octomap_local, odom, "
+                                     "tf -> cmd_vel_shared, planner/status")},
       {"local_planner",
        describe<LocalPlannerNodeParams>(
            "odom, tf, obstacles, cmd_vel, leader_pose | cmd_vel_user | goal_pose -> "
@@ -80,9 +98,12 @@ const std::map<std::string, Description>& descriptions() {
        describe<ArbiterParams>("cmd_vel_user, cmd_vel_shared, cmd_vel_nav, planner/status, e_stop "
                                "-> cmd_vel_arbitrated, arbitration/status; services "
                                "~/set_policy, ~/release_emergency_stop")},
-      {"safety_filter",
-       describe<SafetyFilterNodeParams>("cmd_vel_arbitrated, octomap_binary, odom, tf -> cmd_vel, "
-                                        "safety_filter/status, /diagnostics")},
+      {"safety_filter", describe<SafetyFilterNodeParams>(
+                            "cmd_vel_arbitrated, octomap_binary, octomap_local, odom, tf "
+                            "-> cmd_vel, safety_filter/status, /diagnostics")},
+      {"dashboard", describe<DashboardParams>(
+                        "every topic and service -> web clients; web clients -> joy, cmd_vel_user, "
+                        "goal_pose, initialpose, end_sim, e_stop; own service ~/take_wheel")},
       {"diff_drive_sim",
        describe<DiffDriveSimNodeParams>("cmd_vel, initialpose -> odom, tf, ground_truth/odom, "
                                         "scan, collision, /clock; service ~/reset")}};

@@ -31,7 +31,7 @@ struct Progress {
 void draw_drive(const Scenario& scenario, const System& system, const DriveLog& log,
                 const std::string& png);
 
-/// Keeps shapes by their id, so that the picture shows each once.
+/// Keeps shapes that stand by their id, so that the picture shows each once.
 void remember(std::vector<Obstacle>& known, const std::vector<Obstacle>& seen);
 
 }  // namespace tandem

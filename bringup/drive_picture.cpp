@@ -70,7 +70,8 @@ std::string title_of(const DriveResult& r) {
 
 void remember(std::vector<Obstacle>& known, const std::vector<Obstacle>& seen) {
   for (const Obstacle& o : seen)
-    if (std::none_of(known.begin(), known.end(), [&](const auto& k) { return k.id == o.id; }))
+    if (o.v_MO == Eigen::Vector2d::Zero() &&
+        std::none_of(known.begin(), known.end(), [&](const auto& k) { return k.id == o.id; }))
       known.push_back(o);
 }
 

@@ -1,21 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/lockstep.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "arbitration/arbiter.hpp"
+#include "bringup/drive_world.hpp"
+#include "bringup/shortest_way.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "driver/driver_node.hpp"
 #include "local_planner/local_planner_node.hpp"
-#include "map/octomap_file.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
+#include "octomap_builder/octomap_builder_node.hpp"
 #include "safety_filter/safety_filter_node.hpp"
+#include "shared_dwa/shared_dwa_node.hpp"
 #include "teleop/teleop_node.hpp"
 
 namespace tandem {
@@ -23,6 +30,16 @@ namespace {
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Of this process so far.
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
 bool has(const System& system, const std::string& component) {
@@ -41,40 +58,45 @@ class TickTimer {
   long ticks_;
 };
 
-// What really stands there; the components add what they were told to keep away from.
-std::shared_ptr<const StaticMap> world_of(const DiffDriveSimNodeParams& sim) {
-  return std::make_shared<const StaticMap>(slice(*load_octomap(sim.map), sim.slice),
-                                           sim.unknown_is_obstacle);
-}
-
-std::shared_ptr<const StaticMap> map_of(const DiffDriveSimNodeParams& sim,
-                                        const MapInputParams& params) {
-  return static_map(*load_octomap(sim.map), params, fixtures_of(params));
-}
-
 // The components' cores, wired as the nodes are wired by topics.
 class Loop {
  public:
-  Loop(const Scenario& scenario, const System& system)
+  Loop(const Scenario& scenario, const System& system, const DriveOptions& options, Worlds& worlds)
       : scenario_{scenario},
         sim_params_{parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim")},
         planner_params_{parameters_of<LocalPlannerNodeParams>(system, "local_planner")},
         driver_params_{parameters_of<DriverNodeParams>(system, "driver")},
         filter_params_{parameters_of<SafetyFilterNodeParams>(system, "safety_filter")},
         extractor_params_{parameters_of<ObstacleExtractorNodeParams>(system, "obstacle_extractor")},
-        map_{world_of(sim_params_)},
+        world_{worlds.of(scenario, system, options)},
+        map_{world_.truth},
         sim_{sim_params_.sim, sim_params_.robot, map_, scenario.seed},
         localization_{filter_params_.input.localization},
         teleop_{parameters_of<TeleopNodeParams>(system, "teleop").teleop},
-        extractor_{map_of(sim_params_, extractor_params_.map), extractor_params_.extractor},
+        extractor_{world_.extractor},
         guidance_{guidance_of(planner_params_)},
         arbiter_{parameters_of<ArbiterParams>(system, "arbitration")},
         filter_{filter_params_.filter, filter_params_.robot},
-        metrics_{scenario.goal, sim_params_.robot.v_max, sim_params_.robot.w_max} {
-    if (has(system, "driver")) driver_.emplace(driver_params_.driver, scenario.seed);
-    if (has(system, "local_planner")) nmpc_.emplace(planner_params_.nmpc, planner_params_.robot);
+        metrics_{metrics_setting(scenario, system, world_.shortest_way)} {
+    if (has(system, "driver"))
+      driver_.emplace(driver_params_.driver, scenario.seed), driver_->on_map(map_);
+    if (has(system, "local_planner"))
+      nmpc_.emplace(planner_params_.live.nmpc, planner_params_.robot);
+    if (has(system, "shared_dwa")) {
+      const auto dwa = parameters_of<SharedDwaNodeParams>(system, "shared_dwa");
+      dwa_.emplace(dwa.dwa, dwa.robot);
+      planning_period_ = dwa.dwa.control_period;
+    }
+    if (options.obstacles) sim_.put(people_of(sim_params_));
     sim_.reset(scenario.start, scenario.seed);
-    filter_.on_map(map_of(sim_params_, filter_params_.map));
+    extractor_.put_down();
+    if (!is_live()) {
+      known_ = world_.filter_map;
+      filter_.on_map(known_);
+      return;
+    }
+    base_ = base_of(sim_params_, filter_params_.map);
+    live_.emplace(sim_params_, parameters_of<OctomapBuilderNodeParams>(system, "octomap_builder"));
   }
 
   // Throws std::invalid_argument if the drive would begin in an obstacle, or there is none at all.
@@ -96,37 +118,66 @@ class Loop {
     const double start = steady_seconds();
     const double tick = sim_params_.step;
     const TickTimer odometry{1.0 / sim_params_.odom_rate, tick};
-    const TickTimer joystick{1.0 / driver_params_.driver.rate, tick};
+    const TickTimer scanner{1.0 / sim_params_.scan_rate, tick};
+    const TickTimer joystick{1.0 / driver_params_.driver.navigator.rate, tick};
     const TickTimer extraction{extractor_params_.period, tick};
-    const TickTimer planning{planner_params_.nmpc.control_period, tick};
+    const TickTimer planning{planning_period_, tick};
     const TickTimer watchdog{0.4 * filter_params_.filter.control_period, tick};
     const TickTimer track{0.05, tick};
+    PartTimes& spent = log_.result.part_s;
     for (long n = 1; !metrics_.finished() && !over(); ++n) {
       t_ = static_cast<double>(n) * tick;
-      sim_.advance_to(t_);
+      timed(spent.simulator, [&] { sim_.advance_to(t_); });
       if (odometry.due(n)) sense();
-      if (joystick.due(n)) person();
-      if (extraction.due(n)) extract();
-      if (nmpc_ && planning.due(n)) plan();
-      if (joystick.due(n) || (nmpc_ && planning.due(n)))
-        pass_on();
+      if (live_ && scanner.due(n)) timed(spent.extractor, [&] { look(); });
+      if (joystick.due(n)) timed(spent.person, [&] { person(); });
+      if (extraction.due(n)) timed(spent.extractor, [&] { extract(); });
+      if (plans() && planning.due(n)) timed(spent.planner, [&] { plan(); });
+      if (joystick.due(n) || (plans() && planning.due(n)))
+        timed(spent.filter, [&] { pass_on(); });
       else if (watchdog.due(n))
-        send(filter_.update(localization_.state(t_), t_));
-      measure(track.due(n));
+        timed(spent.filter, [&] { send(filter_.update(localization_.state(t_), t_)); });
+      timed(spent.measures, [&] { measure(track.due(n)); });
       if (progress && n % 100 == 0) progress(progress_);
     }
     metrics_.write(log_.result);
+    log_.result.walked_into = static_cast<int>(sim_.contacts().walked_into);
     log_.result.wall_s = steady_seconds() - start;
     return std::move(log_);
   }
 
  private:
+  [[nodiscard]] bool is_live() const { return is_seen_live(filter_params_.map); }
+
+  template <class Work>
+  static void timed(double& spent, Work work) {
+    const double start = steady_seconds();
+    work();
+    spent += steady_seconds() - start;
+  }
+
   [[nodiscard]] bool over() const { return t_ >= scenario_.duration; }
+
+  [[nodiscard]] bool plans() const { return nmpc_ || dwa_; }
 
   void sense() {
     const OdometryReport report = sim_.odometry();
     localization_.on_odom(report.X_WB, report.twist, t_);
     localization_.on_transform(report.X_MW, t_);
+    filter_.on_people(sim_.people().all(), t_);
+    if (const auto robot = localization_.state(t_); live_ && robot)
+      live_->on_odometry(*robot, report.t);
+  }
+
+  void look() {
+    const auto seen = live_->look(sim_, filter_params_.map.slice, t_);
+    const auto robot = localization_.state(t_);
+    if (!seen || !robot) return;
+    const auto map = local_map_over(base_, *seen, robot->X_MB.position(), filter_params_.map);
+    filter_.on_map(map);
+    known_ = map;
+    extractor_.update(map);
+    (void)extractor_.refresh_near(robot->X_MB.position(), extractor_params_.extractor.range, 5);
   }
 
   void person() {
@@ -135,7 +186,7 @@ class Loop {
     const bool leads = driver_params_.steers_leader && leader_;
     const Hand hand = driver_->steer(robot->X_MB, leads ? *leader_ : robot->X_MB, t_);
     const auto intent =
-        teleop_.on_stick({hand.linear, hand.angular, !driver_->arrived(), false}, robot->X_MB, t_);
+        teleop_.on_stick({hand.linear, hand.angular, hand.holds, false}, robot->X_MB, t_);
     if (!intent) return;
     user_ = intent->twist;
     leader_ = intent->X_ML;
@@ -146,13 +197,17 @@ class Loop {
     if (const auto robot = localization_.state(t_))
       obstacles_ = extractor_.near(robot->X_MB.position());
     remember(log_.obstacles, obstacles_);
+    if (!extractor_params_.people) return;
+    const auto& people = sim_.people().all();
+    obstacles_.insert(obstacles_.end(), people.begin(), people.end());
   }
 
   void plan() {
     const auto robot = localization_.state(t_);
     if (!robot) return;
+    if (dwa_) return known_ ? choose(*robot) : void();
     PlanRequest request;
-    request.method = method_named(planner_params_.method);
+    request.method = method_named(planner_params_.live.method);
     request.t = t_;
     request.X_MB = robot->X_MB;
     request.command = sent_;
@@ -168,6 +223,17 @@ class Loop {
     count(nmpc_->solve(request));
   }
 
+  void choose(const RobotState& robot) {
+    const double start = steady_seconds();
+    const DwaChoice choice = dwa_->choose(robot.X_MB, robot.twist, user_, *known_);
+    Plan plan;
+    plan.command = choice.command;
+    plan.clearance = choice.clearance;
+    plan.source = choice.admissible ? PlanSource::kSolution : PlanSource::kBraking;
+    plan.solve_time = steady_seconds() - start;
+    count(plan);
+  }
+
   void count(const Plan& plan) {
     DriveCounts& counts = log_.result.counts;
     ++counts.plans;
@@ -181,11 +247,8 @@ class Loop {
   void pass_on() {
     filter_.on_command(arbiter_.decide(t_).command, t_);
     const Filtered out = filter_.update(localization_.state(t_), t_);
-    DriveCounts& counts = log_.result.counts;
-    ++counts.filter_commands;
-    if (std::abs(out.requested.v - out.safe.v) > 1e-3 ||
-        std::abs(out.requested.w - out.safe.w) > 1e-3)
-      ++counts.filter_interventions;
+    log_.result.counts.on_filtered(std::abs(out.requested.v - out.safe.v) > 1e-3 ||
+                                   std::abs(out.requested.w - out.safe.w) > 1e-3);
     send(out);
   }
 
@@ -198,7 +261,7 @@ class Loop {
     const SimState& truth = sim_.state();
     DriveSample sample{
         t_, truth.X_MB, truth.twist, user_, 0.0, static_cast<int>(sim_.contacts().count), leader_};
-    sample.clearance = map_->clearance(sim_.footprint(), truth.X_MB, 1.0);
+    sample.clearance = map_->clearance(sim_.footprint(), truth.X_MB, kFarClearance);
     metrics_.add(sample);
     if (keep) log_.track.push_back(sample);
     progress_ = {t_, truth.twist, sample.clearance, progress_.plan_ms, sample.collisions};
@@ -210,15 +273,21 @@ class Loop {
   DriverNodeParams driver_params_;
   SafetyFilterNodeParams filter_params_;
   ObstacleExtractorNodeParams extractor_params_;
+  World& world_;
   std::shared_ptr<const StaticMap> map_;
 
   DiffDriveSim sim_;
   Localization localization_;
   std::optional<Driver> driver_;
   Teleop teleop_;
-  Extractor extractor_;
+  Extractor& extractor_;
+  Grid base_;
+  std::optional<LiveSensing> live_;
   std::vector<GuidanceLine> guidance_;
   std::optional<Nmpc> nmpc_;
+  std::optional<SharedDwa> dwa_;
+  double planning_period_ = planner_params_.live.nmpc.control_period;
+  std::shared_ptr<const StaticMap> known_;  // the map that the filter goes by
   Arbiter arbiter_;
   SafetyFilter filter_;
 
@@ -234,9 +303,13 @@ class Loop {
 }  // namespace
 
 void check_drive(const Scenario& scenario, const DriveOptions& options) {
+  Lockstep{}.check(scenario, options);
+}
+
+void Lockstep::check(const Scenario& scenario, const DriveOptions& options) {
   const Scenario drive = with_options(scenario, options);
   try {
-    Loop{drive, system_of(drive, options)}.check_start();
+    Loop{drive, system_of(drive, options), options, *worlds_}.check_start();
   } catch (const std::exception& error) {
     const std::string what = error.what();
     if (what.starts_with(drive.path)) throw;
@@ -244,14 +317,27 @@ void check_drive(const Scenario& scenario, const DriveOptions& options) {
   }
 }
 
+Lockstep::Lockstep() : worlds_{std::make_unique<Worlds>()} {}
+Lockstep::~Lockstep() = default;
+
 DriveLog drive_in_lockstep(const Scenario& scenario, const DriveOptions& options,
                            const std::function<void(const Progress&)>& progress) {
+  return Lockstep{}.drive(scenario, options, progress);
+}
+
+DriveLog Lockstep::drive(const Scenario& scenario, const DriveOptions& options,
+                         const std::function<void(const Progress&)>& progress) {
+  const double start = steady_seconds(), cpu_start = cpu_seconds();
   const Scenario drive = with_options(scenario, options);
-  DriveLog log = Loop{drive, system_of(drive, options)}.run(progress);
+  Loop loop{drive, system_of(drive, options), options, *worlds_};
+  const double ready = steady_seconds();
+  DriveLog log = loop.run(progress);
+  log.result.part_s.setup = ready - start;
+  log.result.cpu_s = cpu_seconds() - cpu_start;
   log.result.scenario = drive.name;
   log.result.map = drive.map;
   log.result.method = drive.method;
-  log.result.driver = drive.method == "goal" ? "none" : "route";
+  log.result.driver = driver_of(drive);
   log.result.seed = drive.seed;
   log.result.lockstep = true;
   log.result.failures = failures(drive, log.result);

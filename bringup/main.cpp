@@ -5,10 +5,17 @@
 #include <exception>
 #include <string>
 
+#include "bringup/container.hpp"
 #include "bringup/describe_command.hpp"
+#include "bringup/doctor.hpp"
 #include "bringup/map_command.hpp"
+#include "bringup/metrics_command.hpp"
+#include "bringup/play_command.hpp"
+#include "bringup/record_command.hpp"
 #include "bringup/run_command.hpp"
 #include "bringup/scenario_command.hpp"
+#include "bringup/study_command.hpp"
+#include "bringup/teleop_command.hpp"
 #include "bringup/tune_command.hpp"
 
 namespace {
@@ -28,7 +35,14 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int status = 0;
   tandem::add_run_command(app, status);
+  tandem::add_container_command(app);
+  tandem::add_teleop_command(app);
   tandem::add_scenario_command(app, status);
+  tandem::add_study_command(app);
+  tandem::add_record_command(app);
+  tandem::add_play_command(app);
+  tandem::add_metrics_command(app);
+  tandem::add_doctor_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);
   tandem::add_tune_command(app);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // In: what happened at each moment of a drive. Out: its measures, one definition each; the same
-// code for lockstep and for DDS.
+// code in lockstep, over DDS, in a study and from a recording.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "bringup/smoothness.hpp"
 #include "model/obstacle.hpp"
 #include "model/se2.hpp"
 
@@ -31,25 +32,48 @@ struct RoamGoal {
 };
 using Goal = std::variant<RegionGoal, PoseGoal, RoamGoal>;
 
+/// The middle of the goal, if it is a place.
+[[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Goal& goal);
+/// Whether the goal is a place and the robot's centre is there.
+[[nodiscard]] bool is_at(const Goal& goal, const Eigen::Vector2d& p_MB);
+
+/// Clearance is not told apart beyond this [m].
+inline constexpr double kFarClearance = 1.0;
+
 /// One moment of a drive; frame M.
 struct DriveSample {
-  double t = 0.0;             ///< simulated [s]
-  Pose2 X_MB;                 ///< ground truth
-  Twist2 twist;               ///< ground truth
-  Twist2 user;                ///< the person's command
-  double clearance = 0.0;     ///< footprint to nearest obstacle [m]
-  int collisions = 0;         ///< contact episodes so far
-  std::optional<Pose2> X_ML;  ///< the person's leader
+  double t = 0.0;                  ///< simulated [s]
+  Pose2 X_MB = {};                 ///< ground truth
+  Twist2 twist = {};               ///< ground truth
+  Twist2 user = {};                ///< the person's command
+  double clearance = 0.0;          ///< footprint to nearest obstacle [m], `kFarClearance` at most
+  int collisions = 0;              ///< contact episodes so far
+  std::optional<Pose2> X_ML = {};  ///< the person's leader
 };
 
 /// What the filter and the planner did, counted by whoever sees their commands.
 struct DriveCounts {
   long filter_commands = 0;       ///< commands that reached the filter
   long filter_interventions = 0;  ///< of these, changed by more than 1 mm/s or 1 mrad/s
+  long filter_episodes = 0;       ///< unbroken runs of changed commands
   long plans = 0;
   long plan_fallbacks = 0;      ///< plans that were not a fresh solution
   long plan_overruns = 0;       ///< solves longer than their budget
   std::vector<double> plan_ms;  ///< one per solve [ms]
+
+  /// One more command reached the filter.
+  void on_filtered(bool changed);
+
+ private:
+  bool was_changed_ = false;
+};
+
+/// Where the time of a drive in lockstep went [s].
+struct PartTimes {
+  double setup = 0.0;  ///< map, obstacles, components
+  double simulator = 0.0, extractor = 0.0, planner = 0.0, filter = 0.0;
+  double person = 0.0;    ///< the simulated one, and teleop
+  double measures = 0.0;  ///< clearance, mostly
 };
 
 struct Quantiles {
@@ -59,22 +83,45 @@ struct Quantiles {
 /// Nearest-rank quantiles; zeros if there is no value.
 [[nodiscard]] Quantiles quantiles(std::vector<double> values);
 
-/// The measures of one drive; names and units as in the JSON.
+void to_json(nlohmann::json& json, const PartTimes& times);
+void from_json(const nlohmann::json& json, PartTimes& times);
+void to_json(nlohmann::json& json, const Quantiles& quantiles);
+void from_json(const nlohmann::json& json, Quantiles& quantiles);
+
+/// The measures of one drive; names and units as in the JSON. Empty: not defined for this drive
+/// (null in the JSON). Speeds are the robot's true ones, u and r below the person's command and the
+/// robot's twist in shares of the robot's limits: (v / v_max, w / w_max).
 struct DriveResult {
   std::string scenario, map, method, driver;
   unsigned seed = 0;
   bool lockstep = false;
-  bool reached = false;
+  bool reached = false;          ///< success: the goal, within the time
   double time_to_goal_s = -1.0;  ///< −1: not reached
   double simulated_s = 0.0, wall_s = 0.0;
-  int collisions = 0;
-  double min_clearance_m = 0.0;
-  double path_length_m = 0.0;
-  double obedience_rms = 0.0;  ///< (1): 0 is perfect obedience
-  double stuck_s = 0.0;        ///< person pushes, robot stands
+  double cpu_s = 0.0;                 ///< of the process, user and system; in lockstep
+  PartTimes part_s;                   ///< of the steady clock; in lockstep
+  int collisions = 0;                 ///< contact episodes, see ContactReport
+  std::optional<int> walked_into;     ///< times that a person walked into it; in lockstep
+  double min_clearance_m = 0.0;       ///< outline to the nearest obstacle that stands
+  double mean_clearance_m = 0.0;      ///< mean over time of what counts `kFarClearance` at most
+  double path_length_m = 0.0;         ///< of base_link's way, there and back
+  std::optional<double> free_time_s;  ///< the same person by hand and without obstacles; study
+  std::optional<double> time_ratio;   ///< time_to_goal_s / free_time_s
+  std::optional<double> path_ratio;   ///< path_length_m / shortest way; reached drives to a place
+  double obedience_rms = 0.0;         ///< (1): 0 is perfect obedience
+  std::optional<double> agreement_direction;       ///< (2): 1 as asked for, −1 the opposite
+  std::optional<double> agreement_direction_free;  ///< (2) where the clearance is `kFree` or more
+  std::optional<double> agreement_magnitude;       ///< (3): 1 as fast as asked for
+  double stuck_s = 0.0;                            ///< person pushes, robot stands
+  double stick_travel_per_s = 0.0;                 ///< (4) [1/s]: 1 is one full deflection
+  int stick_reversals = 0;  ///< turn stick from beyond 0.1 on one side to beyond 0.1 on the other
+  std::optional<double> jerk_rms;             ///< [m/s³], see rms_of_second_difference
+  std::optional<double> angular_jerk_rms;     ///< [rad/s³]
+  std::optional<double> spectral_arc_length;  ///< of |v|, see spectral_arc_length()
   double final_position_error_m = 0.0;
   DriveCounts counts;
   Quantiles plan_ms;
+  long missed_deadlines = 0;          ///< plans that took longer than the control period
   std::vector<std::string> failures;  ///< what should have held and did not
 };
 
@@ -82,13 +129,31 @@ void to_json(nlohmann::json& json, const DriveResult& result);
 /// Reads back what to_json wrote; the single solve times are not in it.
 void from_json(const nlohmann::json& json, DriveResult& result);
 
-/// Accumulates the measures while the drive goes on.
+/// What the measures are relative to.
+struct MetricsSetting {
+  Goal goal;
+  double v_max = 1.0, w_max = 1.0;          ///< the robot's limits [m/s, rad/s]
+  std::optional<double> shortest_way = {};  ///< from start to goal [m], see shortest_way.hpp
+  double control_period = 0.05;             ///< the planner's deadline [s]
+};
+
+/// Accumulates the measures while the drive goes on. Means are over time, T the time observed:
 ///
-///   obedience_rms = √( mean( ½ ((v_user − v) / v_max)² + ½ ((w_user − w) / w_max)² ) )   (1)
+///   obedience_rms        √( mean( ½ ‖u − r‖² ) )                                              (1)
+///   agreement_direction  mean( u·r / (‖u‖ ‖r‖) ) while both are above `kMoves`                (2)
+///   agreement_magnitude  ∫ ‖r‖ dt / ∫ ‖u‖ dt while ‖u‖ is above `kMoves`                      (3)
+///   stick_travel_per_s   Σ ‖u − last u‖ / T                                                   (4)
+///
+/// Measures and their names follow Urdiales, Kucukyilmaz & Demiris 2018 (jerk), Ezeh 2017
+/// (agreement of direction), Balasubramanian et al. 2015 (spectral arc length).
 class Metrics {
  public:
-  Metrics(Goal goal, double v_max, double w_max) : goal_{goal}, v_max_{v_max}, w_max_{w_max} {}
+  static constexpr double kMoves = 0.05;  ///< of the limits
+  static constexpr double kFree = 0.5;    ///< [m]: nothing is near
 
+  explicit Metrics(const MetricsSetting& setting) : setting_{setting} {}
+
+  /// Samples in order of time; one that is older than the last is left out.
   void add(const DriveSample& sample);
   /// The region or pose was reached, or the time to roam is over.
   [[nodiscard]] bool finished() const { return finished_; }
@@ -96,14 +161,29 @@ class Metrics {
   void write(DriveResult& result) const;
 
  private:
-  [[nodiscard]] bool is_finished(const DriveSample& sample) const;
+  // Mean over time of what is not always defined.
+  struct Mean {
+    double sum = 0.0, time = 0.0;
+    void add(double value, double dt) { sum += value * dt, time += dt; }
+    [[nodiscard]] std::optional<double> value() const {
+      return time > 0.0 ? std::optional{sum / time} : std::nullopt;
+    }
+  };
 
-  Goal goal_;
-  double v_max_, w_max_;
+  [[nodiscard]] bool is_finished(const DriveSample& sample) const;
+  [[nodiscard]] Eigen::Vector2d in_limits(const Twist2& twist) const;
+  void compare(const DriveSample& sample, double dt);
+  void watch_stick(const DriveSample& sample);
+
+  MetricsSetting setting_;
   bool started_ = false, finished_ = false;
   double start_ = 0.0, time_to_goal_ = -1.0;
   double path_length_ = 0.0, min_clearance_ = 1e9, stuck_ = 0.0;
-  double squared_difference_ = 0.0, observed_ = 0.0;
+  Mean clearance_, squared_difference_, direction_, direction_free_;
+  double asked_ = 0.0, done_ = 0.0;  // integrals of (3) [s]
+  double stick_travel_ = 0.0;
+  int stick_side_ = 0, stick_reversals_ = 0;
+  SpeedProfile v_, w_;
   DriveSample last_;
 };
 

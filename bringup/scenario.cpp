@@ -9,10 +9,14 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <spdlog/fmt/fmt.h>
 #include <yaml-cpp/yaml.h>
 
+#include "bringup/replay.hpp"
 #include "bringup/world.hpp"
+#include "driver/driver.hpp"
 #include "runtime/yaml_text.hpp"
+#include "teleop/teleop_node.hpp"
 
 namespace tandem {
 namespace {
@@ -21,6 +25,9 @@ using Values = std::map<std::string, rt::ParameterValue>;
 
 constexpr double kLongest = 1e6;               // [s] of a drive
 constexpr unsigned kLargestSeed = 2147483647;  // what a parameter may hold
+constexpr int kMostPeople = 100;
+constexpr double kMostOfAPerson = 5.0;  // [m/s, m] speed or radius
+constexpr double kThinnest = 0.05;      // [m] radius
 
 [[noreturn]] void fail(const std::string& path, const YAML::Node& at, const std::string& what) {
   const std::string line = at.Mark().is_null() ? "" : ":" + std::to_string(at.Mark().line + 1);
@@ -62,6 +69,13 @@ std::vector<std::string> keys_of(const YAML::Node& map, const std::string& path)
       fail(path, entry.first, "`" + keys.back() + "` is given twice");
   }
   return keys;
+}
+
+template <class T>
+std::string text(const T& value) {
+  std::ostringstream out;
+  out << std::boolalpha << value;
+  return out.str();
 }
 
 // Reads one YAML map key by key and complains, with file and line, of what it does not know.
@@ -151,6 +165,58 @@ Goal read_goal(const YAML::Node& node, const std::string& path) {
   return RegionGoal{{region[0], region[1]}, {region[2], region[3]}};
 }
 
+std::vector<Eigen::Vector2d> read_points(Section& section, const char* key) {
+  const auto numbers = section.required<std::vector<double>>(key);
+  if (numbers.empty() || numbers.size() % 2 != 0)
+    section.fail(key, std::string("`") + key + "` needs x1, y1, x2, y2, … [m]");
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t i = 0; i < numbers.size(); i += 2)
+    points.emplace_back(numbers[i], numbers[i + 1]);
+  return points;
+}
+
+double read_above(Section& section, const char* key, double value, double least) {
+  value = section.optional(key, value);
+  if (!(value >= least && value <= kMostOfAPerson))
+    section.fail(key, std::string("`") + key + "` outside [" + text(least) + ", " +
+                          text(kMostOfAPerson) + "]");
+  return value;
+}
+
+Crossings read_crossings(Section& section) {
+  Crossings crossings;
+  crossings.count = section.required<int>("crossings");
+  if (crossings.count < 0 || crossings.count > kMostPeople)
+    section.fail("crossings", "`crossings` outside [0, " + text(kMostPeople) + "] people");
+  const auto area = read_points(section, "area");
+  if (area.size() != 2 || !(area[0].array() < area[1].array()).all())
+    section.fail("area", "`area` needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
+  crossings.low = area[0];
+  crossings.high = area[1];
+  crossings.slowest = read_above(section, "slowest", crossings.slowest, 0.0);
+  crossings.fastest = read_above(section, "fastest", crossings.fastest, crossings.slowest);
+  crossings.radius = read_above(section, "radius", crossings.radius, kThinnest);
+  return crossings;
+}
+
+void read_people(const YAML::Node& node, Scenario& scenario) {
+  if (!node || node.IsNull()) return;
+  if (!node.IsSequence()) fail(scenario.path, node, "`people` needs a list of them");
+  for (const auto& entry : node) {
+    Section section{entry, scenario.path};
+    if (entry["crossings"]) {
+      scenario.crossings.push_back(read_crossings(section));
+    } else {
+      Walker walker;
+      walker.p_MW = read_points(section, "way");
+      walker.speed = read_above(section, "speed", walker.speed, 0.0);
+      walker.radius = read_above(section, "radius", walker.radius, kThinnest);
+      scenario.people.push_back(std::move(walker));
+    }
+    section.finish();
+  }
+}
+
 Expectation read_expectation(const YAML::Node& node, const std::string& path) {
   Expectation expect;
   if (!node) return expect;
@@ -176,8 +242,8 @@ Values read_values(const YAML::Node& node, const std::string& path) {
 
 std::map<std::string, Values> read_parameters(const YAML::Node& node, const std::string& path) {
   static const std::vector<std::string> components{
-      "map_server",    "driver",      "teleop",        "obstacle_extractor",
-      "local_planner", "arbitration", "safety_filter", "diff_drive_sim"};
+      "map_server",  "driver",        "teleop",         "obstacle_extractor", "local_planner",
+      "arbitration", "safety_filter", "diff_drive_sim", "octomap_builder",    "shared_dwa"};
   std::map<std::string, Values> all;
   if (!node || node.IsNull()) return all;
   for (const auto& name : keys_of(node, path)) {
@@ -202,11 +268,21 @@ void check_methods(const Scenario& scenario) {
                                 ": method `goal` needs goal: {pose: [x, y, heading]}");
 }
 
-template <class T>
-std::string text(const T& value) {
-  std::ostringstream out;
-  out << std::boolalpha << value;
-  return out.str();
+bool is_replayed(const Scenario& scenario) {
+  return DriverName{scenario.driver}.driver == "replay";
+}
+
+void check_driver(const Scenario& scenario) {
+  try {
+    (void)DriverName{scenario.driver};
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(scenario.path + ": " + error.what());
+  }
+  if (is_replayed(scenario) == scenario.recording.empty())
+    throw std::invalid_argument(scenario.path + ": " +
+                                (scenario.recording.empty()
+                                     ? "driver `replay` needs a `recording` (or --recording FOLDER)"
+                                     : "a `recording` needs `driver: replay`"));
 }
 
 std::string list(std::initializer_list<double> values) {
@@ -215,23 +291,31 @@ std::string list(std::initializer_list<double> values) {
   return out + "]";
 }
 
+std::string list(const std::vector<double>& values) {
+  std::string out = "[";
+  for (const double value : values) out += fmt::format("{}{}", out.size() > 1 ? ", " : "", value);
+  return out + "]";
+}
+
 bool plans(const std::string& method) { return method != "manual" && method != "safety_filter"; }
 
 // What the method, the seed and the place mean for each component; the scenario's own values win.
 std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& options) {
   const bool enforce = s.method != "manual" && options.enforce;
-  const std::string policy = s.method == "goal"    ? "autonomous"
-                             : s.method == "blend" ? "blend"
-                             : plans(s.method)     ? "shared"
-                                                   : "manual";
+  const std::string policy = s.method == "goal"                              ? "autonomous"
+                             : s.method == "blend" || s.method == "adaptive" ? s.method
+                             : plans(s.method)                               ? "shared"
+                                                                             : "manual";
   const auto value = [&](const auto& v) { return rt::ParameterValue{text(v), s.path}; };
   std::map<std::string, Values> all;
   all["map_server"] = {{"map", value(s.map)}};
   all["obstacle_extractor"] = {};
   all["teleop"] = {};
-  all["driver"] = {{"seed", value(s.seed)},
+  all["driver"] = {{"driver", value(s.driver)},
+                   {"seed", value(s.seed)},
                    {"steers_leader", value(s.method == "leader" || s.method == "path")}};
-  all["local_planner"] = {{"method", value(s.method == "blend" ? "intention" : s.method)}};
+  all["local_planner"] = {
+      {"method", value(s.method == "blend" || s.method == "adaptive" ? "intention" : s.method)}};
   if (const auto* goal = std::get_if<PoseGoal>(&s.goal))
     all["local_planner"]["goal"] = value(list({goal->X_MG.x, goal->X_MG.y, goal->X_MG.theta}));
   all["arbitration"] = {{"policy", value(policy)}};
@@ -241,12 +325,24 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
                            {"start", value(list({s.start.x, s.start.y, s.start.theta}))},
                            {"speed_factor", value(options.speed)}};
   for (const char* component :
-       {"map_server", "obstacle_extractor", "safety_filter", "diff_drive_sim"})
+       {"map_server", "driver", "obstacle_extractor", "safety_filter", "diff_drive_sim"})
     all[component].insert(s.slice.begin(), s.slice.end());
   if (!s.fixtures.empty())
     for (const char* component : {"obstacle_extractor", "safety_filter", "local_planner"})
       all[component]["fixtures"] = value(s.fixtures);
-  if (!plans(s.method)) all.erase("local_planner");
+  for (const char* component : {"obstacle_extractor", "safety_filter"})
+    all[component]["map_source"] = value(s.map_source);
+  Values map_reader = s.slice;
+  map_reader["map_source"] = value(s.map_source);
+  if (!s.fixtures.empty()) map_reader["fixtures"] = value(s.fixtures);
+  if (s.map_source != "static") all["octomap_builder"] = {};
+  if (s.method == "dwa") all["shared_dwa"] = map_reader;
+  if (!plans(s.method) || s.method == "dwa") all.erase("local_planner");
+  if (!s.people.empty() || !s.crossings.empty()) {
+    all["diff_drive_sim"]["people"] = value(list(to_numbers(people_in(s))));
+    for (const char* component : {"obstacle_extractor", "safety_filter"})
+      all[component]["people"] = value(true);
+  }
   if (s.method == "goal") all.erase("driver"), all.erase("teleop");
   return all;
 }
@@ -257,12 +353,42 @@ void set_deterministic_budget(Values& planner, const std::string& path) {
   planner.emplace("iteration_budget", rt::ParameterValue{"30", path});
 }
 
+// Puts the recorded stick into the driver's parameters.
+void hand_over_recording(const Scenario& scenario, System& system) {
+  const auto teleop = parameters_of<TeleopNodeParams>(system, "teleop").teleop;
+  for (SystemNode& node : system.nodes) {
+    if (node.component != "driver") continue;
+    const Recording stick = recorded_stick(scenario.recording, teleop);
+    auto& values = node.options.parameters.values;
+    values["replay_t"] = {list(stick.t), scenario.recording};
+    values["replay_linear"] = {list(stick.linear), scenario.recording};
+    values["replay_angular"] = {list(stick.angular), scenario.recording};
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& all_methods() {
-  static const std::vector<std::string> methods{"manual", "safety_filter", "leader", "intention",
-                                                "path",   "blend",         "goal"};
+  static const std::vector<std::string> methods{
+      "manual", "safety_filter", "leader", "intention", "path", "blend", "adaptive", "dwa", "goal"};
   return methods;
+}
+
+std::vector<Walker> people_in(const Scenario& scenario) {
+  auto people = scenario.people;
+  for (const Crossings& crossings : scenario.crossings)
+    for (auto& walker : crossing_people(crossings, scenario.seed, scenario.start.position()))
+      people.push_back(std::move(walker));
+  return people;
+}
+
+std::string driver_of(const Scenario& scenario) {
+  return scenario.method == "goal" ? "none" : scenario.driver;
+}
+
+std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
+    const YAML::Node& node, const std::string& path) {
+  return read_parameters(node, path);
 }
 
 Scenario load_scenario(const std::string& path) {
@@ -285,31 +411,42 @@ Scenario load_scenario(const std::string& path) {
   s.robot = beside(path, file.required<std::string>("robot"));
   if (const auto fixtures = file.optional<std::string>("fixtures", ""); !fixtures.empty())
     s.fixtures = beside(path, fixtures);
+  s.map_source = file.optional<std::string>("map_source", s.map_source);
   s.start = pose(file.required<std::vector<double>>("start"), path + ": start");
   s.goal = read_goal(file.required_child("goal"), path);
   s.method = file.required<std::string>("method");
   s.methods = file.optional<std::vector<std::string>>("methods", {s.method});
+  s.driver = file.optional("driver", s.driver);
+  if (const auto recording = file.optional<std::string>("recording", ""); !recording.empty())
+    s.recording = beside(path, recording);
   s.duration = file.optional("duration", s.duration);
   s.seed = file.optional("seed", s.seed);
   s.slice = read_values(file.child("slice"), path);
   s.parameters = read_parameters(file.child("parameters"), path);
+  read_people(file.child("people"), s);
   s.expect = read_expectation(file.child("expect"), path);
   file.finish();
   if (!(s.duration > 0.0 && s.duration <= kLongest))
     file.fail("duration", "`duration` = " + text(s.duration) + " outside (0, " + text(kLongest) +
                               "]: [s] simulated, then the drive is over");
   check_methods(s);
+  check_driver(s);
   return s;
 }
 
 Scenario with_options(Scenario scenario, const DriveOptions& options) {
   if (!options.method.empty()) scenario.method = options.method;
+  if (!options.driver.empty()) scenario.driver = options.driver;
+  if (!options.recording.empty()) scenario.recording = options.recording;
+  const bool another = !options.driver.empty() && options.recording.empty();
+  if (another && DriverName{options.driver}.driver != "replay") scenario.recording.clear();
   if (options.seed != 0) scenario.seed = options.seed;
   if (!options.map.empty()) scenario.map = options.map;
   if (scenario.seed > kLargestSeed)
     throw std::invalid_argument(scenario.path + ": seed " + text(scenario.seed) +
                                 " is above the largest, " + text(kLargestSeed));
   check_methods(scenario);
+  check_driver(scenario);
   return is_family(scenario.map) ? in_its_world(std::move(scenario)) : scenario;
 }
 
@@ -331,6 +468,7 @@ System system_of(const Scenario& scenario, const DriveOptions& options) {
     node.parameters.values = values;
     system.nodes.push_back({component, std::move(node)});
   }
+  if (!scenario.recording.empty()) hand_over_recording(scenario, system);
   return system;
 }
 

@@ -8,6 +8,11 @@
 
 #include "bringup/metrics.hpp"
 #include "bringup/system.hpp"
+#include "diff_drive_sim/people.hpp"
+
+namespace YAML {
+class Node;
+}
 
 namespace tandem {
 
@@ -23,19 +28,27 @@ struct Expectation {
 /// A drive through a map: where, with which robot, whereto, by whom, and what must hold.
 struct Scenario {
   std::string name, path;
-  std::string map;       ///< OctoMap file, or a family of worlds (world.hpp)
-  std::string robot;     ///< parameter file
-  std::string fixtures;  ///< file of virtual fixtures; empty: none
+  std::string map;                    ///< OctoMap file, or a family of worlds (world.hpp)
+  std::string robot;                  ///< parameter file
+  std::string fixtures;               ///< file of virtual fixtures; empty: none
+  std::string map_source = "static";  ///< of extractor and filter; else an octomap_builder runs too
   Pose2 start;
   Goal goal;
   std::string method;                ///< unless the command line names another
   std::vector<std::string> methods;  ///< those the scenario makes sense for
+  std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them
+  std::string recording;             ///< that driver `replay` plays; else empty
   double duration = 120.0;           ///< [s] simulated, then it is over
   unsigned seed = 1;
   std::map<std::string, rt::ParameterValue> slice;  ///< of the map: z_min, z_max, floor
   std::map<std::string, std::map<std::string, rt::ParameterValue>> parameters;  ///< per component
+  std::vector<Walker> people;        ///< who walks about; then filter and planner watch them
+  std::vector<Crossings> crossings;  ///< and who does by seed
   Expectation expect;
 };
+
+/// Everybody who walks about in the scenario's drive.
+[[nodiscard]] std::vector<Walker> people_in(const Scenario& scenario);
 
 /// What the command line may change.
 struct DriveOptions {
@@ -44,17 +57,28 @@ struct DriveOptions {
   std::string map;      ///< empty: the scenario's
   bool enforce = true;  ///< false: the filter only watches, to see what the planner does alone
   bool lockstep = false;
-  double speed = 1.0;  ///< simulated per real time, over DDS
+  double speed = 1.0;       ///< simulated per real time, over DDS
+  std::string driver{};     ///< empty: the scenario's
+  bool obstacles = true;    ///< false: nothing stands anywhere; in lockstep
+  std::string recording{};  ///< empty: the scenario's
 };
 
 /// Names of all methods.
 [[nodiscard]] const std::vector<std::string>& all_methods();
 
+/// Who sits at the stick, as results name them: `none` where nobody does.
+[[nodiscard]] std::string driver_of(const Scenario& scenario);
+
+/// Parameters per component, as under `parameters:` of a scenario file. Throws
+/// std::invalid_argument naming the file, the line and a component that is none.
+[[nodiscard]] std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
+    const YAML::Node& node, const std::string& path);
+
 /// Throws std::invalid_argument naming file, line and key for whatever is not of a scenario's form.
 [[nodiscard]] Scenario load_scenario(const std::string& path);
 
 /// The scenario with the options applied, in the world of its seed if it has many. Throws
-/// std::invalid_argument for an unknown method, and what in_its_world throws.
+/// std::invalid_argument for an unknown method or driver, and what in_its_world throws.
 [[nodiscard]] Scenario with_options(Scenario scenario, const DriveOptions& options);
 
 /// The components of a drive with all their parameters. In lockstep the solver has no wall-clock

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 struct Request {
   std::vector<std::string> files;
-  std::string method, map, json, picture, seeds;
+  std::string method, driver, recording, map, json, picture, seeds;
   unsigned seed = 0;
   bool lockstep = false, dds = false, no_filter = false, quiet = false;
   double speed = 1.0;
@@ -42,8 +42,9 @@ std::vector<DriveJob> jobs_of(const Request& request) {
     const auto methods =
         request.method == "all" ? scenario.methods : std::vector<std::string>{request.method};
     for (const auto& method : methods) {
-      DriveOptions options{method,           last,         request.map, !request.no_filter,
-                           request.lockstep, request.speed};
+      DriveOptions options{method,           last,          request.map,   !request.no_filter,
+                           request.lockstep, request.speed, request.driver};
+      options.recording = request.recording;
       check_drive(scenario, options);
       for (options.seed = first; options.seed <= last; ++options.seed)
         jobs.push_back({scenario, options});
@@ -148,10 +149,16 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_option("files", request->files, "scenario files")
       ->required()
       ->check(CLI::ExistingFile);
+  command->add_option("--method", request->method,
+                      "manual, safety_filter, leader, intention, path, blend, adaptive, dwa, goal; "
+                      "all: every method "
+                      "the scenario lists");
   command->add_option(
-      "--method", request->method,
-      "manual, safety_filter, leader, intention, path, blend, goal; all: every method "
-      "the scenario lists");
+      "--driver", request->driver,
+      "who sits at the stick: navigator, pointer, reckless, adversary, replay, each "
+      "with modifiers after +, as navigator+tremor");
+  command->add_option("--recording", request->recording, "what driver replay plays")
+      ->check(CLI::ExistingPath);
   command->add_option("--seed", request->seed, "seed of the simulated person");
   command->add_option("--seeds", request->seeds, "a range of seeds, A-B");
   command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);

@@ -156,6 +156,14 @@ int run_here(const System& system, const std::vector<std::string>& only) {
   return 0;
 }
 
+void warn_of_strangers(const System& system, const rt::RosArguments& arguments) {
+  std::vector<rt::NodeOptions> nodes;
+  for (const auto& node : system.nodes) nodes.push_back(node.options);
+  for (const auto& name : rt::strangers_in(arguments, nodes))
+    rt::Logger{"tandem"}.warn("--ros-args: {} has no node '{}': its rules are of no effect",
+                              system.path, name);
+}
+
 // Constructs a component; whatever it complains of names the system file and the component.
 rt::RunningComponent construct(const System& system, const SystemNode& node) {
   try {
@@ -200,6 +208,7 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
   const auto arguments = rt::parse_ros_arguments(ros_args);
   if (!arguments.rest.empty())
     throw std::invalid_argument("unknown argument '" + arguments.rest.front() + "'");
+  if (only.empty()) warn_of_strangers(system, arguments);  // not once more by each process
   rt::install_signal_handlers();
   if (separate_processes) {
     Processes processes;

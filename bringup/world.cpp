@@ -47,18 +47,13 @@ fs::path save(const octomap::OcTree& tree, const std::string& name) {
   return file;
 }
 
-Eigen::Vector2d middle(const Goal& goal) {
-  if (const auto* region = std::get_if<RegionGoal>(&goal))
-    return 0.5 * (region->low + region->high);
-  if (const auto* pose = std::get_if<PoseGoal>(&goal)) return pose->X_MG.position();
-  throw std::invalid_argument("a world by seed needs a goal with a place");
-}
-
 std::string route(const octomap::OcTree& tree, const Pose2& start, const Goal& goal) {
+  const auto place = place_of(goal);
+  if (!place) throw std::invalid_argument("a world by seed needs a goal with a place");
   const StaticMap map{slice(tree, {})};
   std::vector<Eigen::Vector2d> way;
   for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kStep)
-    way = find_way(map, start.position(), middle(goal), radius);
+    way = find_way(map, start.position(), *place, radius);
   if (way.empty()) throw std::runtime_error("no way from start to goal");
   std::string text;
   for (const auto& p : way)

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: bytes of topics. Out: rosbag2's own recordings (a folder with one SQLite file and
+// metadata.yaml), and back. As ROS 2 Humble writes them, which every later one reads.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/qos.hpp"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace tandem {
+
+/// A recorded topic.
+struct BagTopic {
+  std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
+  rt::QoS qos{};           ///< what its publishers offered
+};
+
+/// One recorded message: when it came [ns since 1970] and its plain CDR, encapsulation included.
+struct BagMessage {
+  std::size_t topic = 0;  ///< index into BagReader::topics()
+  std::int64_t time = 0;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Writes a recording. What was committed survives the death of the process.
+class BagWriter {
+ public:
+  /// Throws std::runtime_error if `folder` exists already or cannot be made.
+  explicit BagWriter(const std::string& folder);
+  /// Commits.
+  ~BagWriter();
+  BagWriter(const BagWriter&) = delete;
+  BagWriter& operator=(const BagWriter&) = delete;
+
+  /// The id under which to write. Throws std::runtime_error if the disk takes no more.
+  int add_topic(const BagTopic& topic);
+  /// Throws std::runtime_error if the disk takes no more.
+  void write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes);
+  /// Puts on the disk what was written so far, and metadata.yaml with it.
+  void commit();
+  [[nodiscard]] std::int64_t messages() const { return messages_; }
+
+ private:
+  struct Count {
+    BagTopic topic;
+    std::int64_t messages = 0;
+  };
+
+  void write_metadata() const;
+
+  std::string folder_, file_;
+  std::shared_ptr<sqlite3> database_;
+  std::shared_ptr<sqlite3_stmt> insert_;
+  std::map<int, Count> topics_;
+  std::int64_t messages_ = 0, first_ = 0, last_ = 0;
+};
+
+/// Reads a recording in order of time.
+class BagReader {
+ public:
+  /// `path`: the folder or its .db3. Throws std::runtime_error if it is no recording.
+  explicit BagReader(const std::string& path);
+
+  [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
+  /// False after the last one. Throws std::runtime_error if the file is damaged.
+  bool next(BagMessage& message);
+
+ private:
+  std::shared_ptr<sqlite3> database_;
+  std::shared_ptr<sqlite3_stmt> select_;
+  std::vector<BagTopic> topics_;
+  std::map<std::int64_t, std::size_t> index_;  // by the file's ids
+};
+
+}  // namespace tandem

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/play_command.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "bringup/bag.hpp"
+#include "runtime/arguments.hpp"
+#include "runtime/node.hpp"
+#include "runtime/shutdown.hpp"
+#include "runtime/time.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kStep = 0.05;  // [s] at most between two looks at whether to stop
+
+struct PlayRequest {
+  std::string path;
+  std::vector<std::string> topics;
+  double rate = 1.0;
+  double wait = 0.5;
+  bool loop = false;
+};
+
+class Player {
+ public:
+  Player(rt::Node& node, const PlayRequest& request) : node_{node}, request_{request} {
+    topics_ = BagReader{request.path}.topics();
+    for (const auto& topic : topics_) {
+      publishers_.emplace_back();
+      if (wants(topic.name))
+        publishers_.back() = node.create_generic_publisher(topic.name, topic.type, topic.qos);
+    }
+  }
+
+  // How many messages it sent.
+  long play() {
+    wait(request_.wait, [this] { return heard(); });
+    do {
+      play_once();
+    } while (request_.loop && !node_.stopped());
+    return sent_;
+  }
+
+ private:
+  [[nodiscard]] bool wants(const std::string& topic) const {
+    const auto& wanted = request_.topics;
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), topic) != wanted.end();
+  }
+
+  // Whether every topic has a subscription.
+  [[nodiscard]] bool heard() const {
+    for (std::size_t i = 0; i < topics_.size(); ++i)
+      if (wants(topics_[i].name) && publishers_[i].matched() == 0) return false;
+    return true;
+  }
+
+  template <class Done>
+  void wait(double seconds, Done done) {
+    const double end = node_.steady_now() + seconds;
+    for (double left = seconds; left > 0.0 && !node_.stopped() && !done();
+         left = end - node_.steady_now())
+      node_.spin_some(std::min(left, kStep));
+  }
+
+  void play_once() {
+    BagReader bag{request_.path};
+    const double start = node_.steady_now();
+    std::optional<std::int64_t> first;
+    BagMessage message;
+    while (!node_.stopped() && bag.next(message)) {
+      if (!first) first = message.time;
+      const double due = start + 1e-9 * static_cast<double>(message.time - *first) / request_.rate;
+      wait(due - node_.steady_now(), [] { return false; });
+      if (node_.stopped()) return;
+      publishers_[message.topic].publish(message.bytes);
+      ++sent_;
+    }
+  }
+
+  rt::Node& node_;
+  const PlayRequest& request_;
+  std::vector<BagTopic> topics_;
+  std::vector<rt::GenericPublisher> publishers_;  // of the topics, empty where nobody wants one
+  long sent_ = 0;
+};
+
+void play(const PlayRequest& request, const std::vector<std::string>& ros_args) {
+  const auto arguments = rt::parse_ros_arguments(ros_args);
+  if (!arguments.rest.empty())
+    throw std::invalid_argument("unknown argument '" + arguments.rest.front() + "'");
+  rt::install_signal_handlers();
+  rt::Node node{rt::with_arguments({.name = "tandem_play"}, arguments)};
+  Player player{node, request};
+  node.log().info("plays {}", request.path);
+  std::printf("%ld messages sent\n", player.play());
+}
+
+}  // namespace
+
+void add_play_command(CLI::App& app) {
+  auto request = std::make_shared<PlayRequest>();
+  auto* command =
+      app.add_subcommand("play", "Play a recording of `tandem record` or `ros2 bag record`");
+  command->add_option("recording", request->path, "its folder or its .db3")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--topics", request->topics, "only these (full names)");
+  command->add_option("--rate", request->rate, "times as fast")->check(CLI::Range(1e-3, 1e3));
+  command
+      ->add_option("--wait", request->wait,
+                   "[s] at most, until every topic has a subscription, before it begins")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_flag("--loop", request->loop, "again and again, until Ctrl-C");
+  command->allow_extras();
+  command->footer("Takes ROS 2's --ros-args -r from:=to.");
+  command->callback([request, command] { play(*request, command->remaining()); });
+}
+
+}  // namespace tandem

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/record_command.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bringup/bag.hpp"
+#include "runtime/node.hpp"
+#include "runtime/shutdown.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kLook = 0.1;    // [s] between looks at which topics there are
+constexpr double kCommit = 1.0;  // [s] that a crash can cost
+constexpr int kDepth = 1000;     // messages of one topic that wait for the disk
+
+// As rosbag2 names it.
+std::string default_folder() {
+  char name[64];
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  std::strftime(name, sizeof name, "rosbag2_%Y_%m_%d-%H_%M_%S", &local);
+  return name;
+}
+
+// A name with a part that starts with '_' is hidden.
+bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
+
+class Recorder {
+ public:
+  Recorder(rt::Node& node, const std::string& folder, std::vector<std::string> wanted)
+      : node_{node}, bag_{folder}, wanted_{std::move(wanted)} {
+    look();
+    looking_ = node.create_wall_timer(kLook, [this] { look(); });
+    committing_ = node.create_wall_timer(kCommit, [this] { bag_.commit(); });
+  }
+
+  [[nodiscard]] std::int64_t messages() const { return bag_.messages(); }
+  [[nodiscard]] std::size_t topics() const { return subscriptions_.size(); }
+
+ private:
+  [[nodiscard]] bool wants(const rt::TopicInfo& topic) const {
+    if (topic.publishers.empty()) return false;
+    if (wanted_.empty()) return !is_hidden(topic.name);
+    return std::find(wanted_.begin(), wanted_.end(), topic.name) != wanted_.end();
+  }
+
+  void look() {
+    for (const auto& topic : node_.topics())
+      if (wants(topic) && !subscriptions_.contains({topic.name, topic.type})) subscribe(topic);
+  }
+
+  void subscribe(const rt::TopicInfo& topic) {
+    const rt::QoS qos = rt::request_for(topic.publishers, kDepth);
+    rt::QoS offered = qos;
+    offered.depth = rt::kDefault.depth;
+    const int id = bag_.add_topic({topic.name, topic.type, offered});
+    subscriptions_[{topic.name, topic.type}] = node_.create_generic_subscription(
+        topic.name, topic.type, qos,
+        [this, id](const auto& bytes) { bag_.write(id, rt::system_nanoseconds(), bytes); });
+    node_.log().info("records {} [{}]", topic.name, topic.type);
+  }
+
+  rt::Node& node_;
+  BagWriter bag_;
+  std::vector<std::string> wanted_;
+  std::map<std::pair<std::string, std::string>, rt::Subscription> subscriptions_;
+  rt::Timer looking_, committing_;
+};
+
+void record(const std::string& folder, const std::vector<std::string>& topics) {
+  rt::install_signal_handlers();
+  rt::Node node{"tandem_record"};
+  Recorder recorder{node, folder, topics};
+  node.log().info("records into {} until Ctrl-C", folder);
+  node.spin();
+  std::printf("%lld messages of %zu topics in %s\n", static_cast<long long>(recorder.messages()),
+              recorder.topics(), folder.c_str());
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app) {
+  struct Request {
+    std::string folder;
+    std::vector<std::string> topics;
+  };
+  auto request = std::make_shared<Request>();
+  auto* command =
+      app.add_subcommand("record", "Record topics as rosbag2 does (SQLite), playable by either");
+  command->add_option("topics", request->topics,
+                      "full names; none: every topic that is not hidden");
+  command->add_option("-o,--output", request->folder, "folder (default: rosbag2_<date>)");
+  command->callback([request] {
+    record(request->folder.empty() ? default_folder() : request->folder, request->topics);
+  });
+}
+
+}  // namespace tandem

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/shortest_way.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "diff_drive_sim/diff_drive_sim_node.hpp"
+#include "local_planner/local_planner_node.hpp"
+#include "map/way.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kThinner = 0.02;  // [m] between radii that are tried
+constexpr double kStep = 0.01;     // [m] along the way
+
+using Points = std::vector<Eigen::Vector2d>;
+
+// Radius of the largest disc about B's origin inside the outline: the origin never comes nearer to
+// an obstacle.
+double inner_radius(const Footprint& footprint) {
+  double radius = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < footprint.p_BV.size(); ++i) {
+    const Eigen::Vector2d& a = footprint.p_BV[i];
+    const Eigen::Vector2d edge = footprint.p_BV[(i + 1) % footprint.p_BV.size()] - a;
+    radius = std::min(radius, (edge.y() * a.x() - edge.x() * a.y()) / edge.norm());
+  }
+  return radius;
+}
+
+bool is_free(const StaticMap& map, const Eigen::Vector2d& a, const Eigen::Vector2d& z,
+             double radius) {
+  const int steps = 1 + static_cast<int>((z - a).norm() / kStep);
+  for (int i = 1; i < steps; ++i)
+    if (map.distance(a + (z - a) * i / steps) < radius) return false;
+  return true;
+}
+
+Points pulled_taut(const StaticMap& map, const Points& way, double radius) {
+  Points taut{way.front()};
+  for (std::size_t at = 0; at + 1 < way.size();) {
+    std::size_t next = way.size() - 1;
+    while (next > at + 1 && !is_free(map, way[at], way[next], radius)) --next;
+    at = next;
+    taut.push_back(way[at]);
+  }
+  return taut;
+}
+
+double length_to(const Goal& goal, const Points& way) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const int steps = 1 + static_cast<int>((way[i] - way[i - 1]).norm() / kStep);
+    const Eigen::Vector2d step = (way[i] - way[i - 1]) / steps;
+    for (int k = 0; k < steps; ++k) {
+      if (is_at(goal, way[i - 1] + k * step)) return length;
+      length += step.norm();
+    }
+  }
+  return length;
+}
+
+}  // namespace
+
+std::optional<double> shortest_way(const StaticMap& map, const Footprint& footprint,
+                                   const Pose2& start, const Goal& goal) {
+  const auto place = place_of(goal);
+  if (!place) return std::nullopt;
+  for (double radius = inner_radius(footprint); radius > 0.0; radius -= kThinner) {
+    const Points way = find_way(map, start.position(), *place, radius, 0.0);
+    if (!way.empty()) return length_to(goal, pulled_taut(map, way, radius));
+  }
+  return std::nullopt;
+}
+
+MetricsSetting metrics_setting(const Scenario& scenario, const System& system,
+                               std::optional<double> shortest_way) {
+  const auto robot = parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim").robot;
+  const auto planner = parameters_of<LocalPlannerNodeParams>(system, "local_planner");
+  return {.goal = scenario.goal,
+          .v_max = robot.v_max,
+          .w_max = robot.w_max,
+          .shortest_way = shortest_way,
+          .control_period = planner.live.nmpc.control_period};
+}
+
+}  // namespace tandem

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/study.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "bringup/drive_jobs.hpp"
+#include "bringup/world.hpp"
+#include "map/yaml_reader.hpp"
+#include "runtime/yaml_text.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kTrackStep = 0.1;  // [m] between the points of a track that is kept
+
+const char* const kKeys = "scenarios, methods, drivers, seeds, overrides";
+
+using Parameters = std::map<std::string, std::map<std::string, rt::ParameterValue>>;
+
+struct Method {
+  std::string name, method;
+  bool enforce = true;
+  Parameters parameters;
+};
+
+struct Person {
+  std::string name, driver;
+  std::map<std::string, rt::ParameterValue> parameters;
+};
+
+std::string beside(const std::string& file, const std::string& relative) {
+  const fs::path path{relative};
+  if (path.is_absolute()) return relative;
+  return (fs::path(file).parent_path() / path).lexically_normal().string();
+}
+
+void merge(Parameters& into, const Parameters& values) {
+  for (const auto& [component, entries] : values)
+    for (const auto& [key, value] : entries) into[component][key] = value;
+}
+
+class StudyReader {
+ public:
+  explicit StudyReader(const std::string& path) : path_{path}, yaml_{path}, root_{yaml_.load()} {
+    yaml_.allow(root_, {"study", "about", "scenarios", "methods", "drivers", "seeds", "overrides",
+                        "parts"});
+  }
+
+  Study read() {
+    study_.path = path_;
+    study_.name = word(yaml_.required(root_, "study"), "study");
+    if (const YAML::Node parts = root_["parts"]) {
+      if (!parts.IsSequence() || parts.size() == 0)
+        yaml_.fail(parts, "`parts` needs a list of maps with any of " + std::string(kKeys));
+      for (const auto& part : parts) read_part(part);
+    } else {
+      read_part(YAML::Node{YAML::NodeType::Map});
+    }
+    describe();
+    return std::move(study_);
+  }
+
+ private:
+  std::string word(const YAML::Node& node, const char* key) const {
+    if (!node.IsScalar() || node.Scalar().empty())
+      yaml_.fail(node, fmt::format("`{}` needs a word", key));
+    return node.Scalar();
+  }
+
+  // What the part says, else what the study says.
+  YAML::Node said(const YAML::Node& part, const char* key) const {
+    const YAML::Node own = part[key];
+    return own ? own : root_[key];
+  }
+
+  void read_part(const YAML::Node& part) {
+    yaml_.allow(part, {"scenarios", "methods", "drivers", "seeds", "overrides"});
+    const auto scenarios = read_scenarios(part);
+    const auto people = read_people(said(part, "drivers"));
+    const auto seeds = read_seeds(part);
+    for (const Scenario& scenario : scenarios)
+      for (const Method& method : read_methods(said(part, "methods"), scenario))
+        for (const Person& person : people) add_cell(scenario, method, person, seeds);
+  }
+
+  std::vector<Scenario> read_scenarios(const YAML::Node& part) {
+    const YAML::Node list = said(part, "scenarios");
+    if (!list || !list.IsSequence() || list.size() == 0)
+      yaml_.fail(list              ? list
+                 : part.size() > 0 ? part
+                                   : root_,
+                 "`scenarios` needs a list of scenario files, relative to this file");
+    Parameters overrides;
+    if (const YAML::Node node = said(part, "overrides"))
+      overrides = component_parameters(node, path_);
+    std::vector<Scenario> scenarios;
+    for (const auto& node : list) {
+      scenarios.push_back(read_scenario(node));
+      merge(scenarios.back().parameters, overrides);
+    }
+    return scenarios;
+  }
+
+  Scenario read_scenario(const YAML::Node& node) {
+    if (node.IsMap()) yaml_.allow(node, {"file", "name", "map", "duration"});
+    const YAML::Node file = node.IsMap() ? yaml_.required(node, "file") : node;
+    const std::string path = beside(path_, word(file, "scenarios"));
+    if (!fs::is_regular_file(path))
+      yaml_.fail(file, "no scenario file " + path + "; it is looked for relative to this file");
+    Scenario scenario = load_scenario(path);
+    files_.insert(path);
+    if (!node.IsMap()) return scenario;
+    if (const auto name = node["name"]) scenario.name = word(name, "name");
+    if (const auto map = node["map"]) {
+      scenario.map = word(map, "map");
+      if (scenario.map != "clutter") scenario.map = beside(path_, scenario.map);
+    }
+    if (const auto duration = node["duration"])
+      scenario.duration = yaml_.number(duration, 0.1, 1e6);
+    return scenario;
+  }
+
+  std::vector<Method> read_methods(const YAML::Node& list, const Scenario& scenario) const {
+    std::vector<Method> methods;
+    if (!list || (list.IsScalar() && list.Scalar() == "all")) {
+      for (const auto& name : scenario.methods) methods.push_back({name, name, true, {}});
+      return methods;
+    }
+    if (!list.IsSequence() || list.size() == 0)
+      yaml_.fail(list, "`methods` needs a list of methods, or `all`: those the scenario lists");
+    for (const auto& node : list) methods.push_back(read_method(node));
+    return methods;
+  }
+
+  Method read_method(const YAML::Node& node) const {
+    Method method;
+    if (node.IsMap()) {
+      yaml_.allow(node, {"name", "method", "enforce", "parameters"});
+      method.method = word(yaml_.required(node, "method"), "method");
+      method.enforce = yaml_.flag(node, "enforce", true);
+      if (const auto parameters = node["parameters"])
+        method.parameters = component_parameters(parameters, path_);
+      method.name = word(yaml_.required(node, "name"), "name");
+    } else {
+      method.name = method.method = word(node, "methods");
+    }
+    const auto& known = all_methods();
+    if (std::find(known.begin(), known.end(), method.method) == known.end())
+      yaml_.fail(node,
+                 fmt::format("method `{}` is none of {}", method.method, fmt::join(known, ", ")));
+    return method;
+  }
+
+  std::vector<Person> read_people(const YAML::Node& list) const {
+    if (!list) return {{}};
+    if (!list.IsSequence() || list.size() == 0)
+      yaml_.fail(list, "`drivers` needs a list of drivers");
+    std::vector<Person> people;
+    for (const auto& node : list) people.push_back(read_person(node));
+    return people;
+  }
+
+  Person read_person(const YAML::Node& node) const {
+    if (!node.IsMap()) return {word(node, "drivers"), word(node, "drivers"), {}};
+    Person person;
+    YAML::Node parameters{YAML::NodeType::Map};
+    for (const auto& entry : node) {
+      const std::string key = entry.first.Scalar();
+      if (key == "name")
+        person.name = word(entry.second, "name");
+      else if (key == "driver")
+        person.driver = word(entry.second, "driver");
+      else
+        person.parameters[key] = {rt::yaml_text(entry.second),
+                                  fmt::format("{}:{}", path_, entry.second.Mark().line + 1)};
+    }
+    if (person.name.empty()) yaml_.fail(node, "'name' is missing");
+    return person;
+  }
+
+  std::vector<unsigned> read_seeds(const YAML::Node& part) const {
+    const YAML::Node node = said(part, "seeds");
+    if (!node) yaml_.fail(root_, "`seeds` is missing: 20, 1-20 or [3, 5, 8]");
+    std::vector<unsigned> seeds;
+    const auto wrong = [&] {
+      yaml_.fail(node, "`seeds` = " + rt::yaml_text(node) +
+                           ": expected 20, 1-20 or [3, 5, 8], the smallest 1");
+    };
+    const auto number = [&](const YAML::Node& value) {
+      unsigned seed = 0;
+      if (!value.IsScalar() || !YAML::convert<unsigned>::decode(value, seed) || seed == 0 ||
+          value.Scalar().starts_with('-'))
+        wrong();
+      return seed;
+    };
+    if (node.IsSequence()) {
+      for (const auto& value : node) seeds.push_back(number(value));
+      if (seeds.empty()) wrong();
+      return seeds;
+    }
+    const bool is_range = node.IsScalar() && node.Scalar().find('-') != std::string::npos;
+    SeedRange range{1, 1};
+    if (!is_range) range.last = number(node);
+    try {
+      range = seed_range("seeds", is_range ? node.Scalar() : fmt::format("1-{}", range.last));
+    } catch (const std::invalid_argument& error) {
+      yaml_.fail(node, error.what());
+    }
+    for (unsigned seed = range.first; seed <= range.last; ++seed) seeds.push_back(seed);
+    return seeds;
+  }
+
+  void add_cell(Scenario scenario, const Method& method, const Person& person,
+                const std::vector<unsigned>& seeds) {
+    merge(scenario.parameters, method.parameters);
+    merge(scenario.parameters, {{"driver", person.parameters}});
+    DriveOptions options;
+    options.method = method.method;
+    options.driver = person.driver;
+    options.enforce = method.enforce;
+    options.lockstep = true;
+    scenario.method = method.method;
+    if (!person.driver.empty()) scenario.driver = person.driver;
+    const std::string driver = person.name.empty() ? driver_of(scenario) : person.name;
+    study_.cells.push_back({std::move(scenario), options, method.name, driver});
+    for (const unsigned seed : seeds) {
+      study_.drives.push_back({study_.cells.size() - 1, seed});
+      const std::string name = name_of(study_, study_.drives.back());
+      if (!names_.insert(name).second)
+        throw std::invalid_argument(path_ + ": the drive " + name +
+                                    " is listed twice; give one of them another `name`");
+    }
+  }
+
+  // Contents, not places: the same study may lie elsewhere on another machine.
+  void describe() {
+    auto& description = study_.description;
+    description["study"] = study_.name;
+    description["study file"] = rt::yaml_text(root_);
+    for (const auto& cell : study_.cells) {
+      files_.insert(cell.scenario.robot);
+      if (!cell.scenario.fixtures.empty()) files_.insert(cell.scenario.fixtures);
+      if (cell.scenario.map != "clutter") files_.insert(cell.scenario.map);
+    }
+    for (const auto& file : files_)
+      description[fs::path(file).filename().string()] = checksum(file);
+  }
+
+  // FNV-1a.
+  static std::uint64_t checksum(const std::string& file) {
+    std::ifstream in{file, std::ios::binary};
+    std::uint64_t sum = 14695981039346656037U;
+    for (std::istreambuf_iterator<char> byte{in}, end; byte != end; ++byte)
+      sum = (sum ^ static_cast<unsigned char>(*byte)) * 1099511628211U;
+    return sum;
+  }
+
+  std::string path_;
+  YamlReader yaml_;
+  YAML::Node root_;
+  Study study_;
+  std::set<std::string> names_, files_;
+};
+
+nlohmann::json thinned(const std::vector<DriveSample>& track) {
+  nlohmann::json points = nlohmann::json::array();
+  Eigen::Vector2d last{1e9, 1e9};
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    const Eigen::Vector2d p = track[i].X_MB.position();
+    if ((p - last).norm() < kTrackStep && i + 1 < track.size()) continue;
+    points.push_back({std::round(p.x() * 100.0) / 100.0, std::round(p.y() * 100.0) / 100.0});
+    last = p;
+  }
+  return points;
+}
+
+// Where the person touched something.
+nlohmann::json contacts(const std::vector<DriveSample>& track) {
+  nlohmann::json points = nlohmann::json::array();
+  for (std::size_t i = 1; i < track.size(); ++i)
+    if (track[i].collisions > track[i - 1].collisions)
+      points.push_back({track[i].X_MB.x, track[i].X_MB.y});
+  return points;
+}
+
+// How long the person takes by hand where nothing stands [s].
+std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
+                                Lockstep& lockstep) {
+  if (!place_of(scenario.goal) || scenario.method == "goal") return std::nullopt;
+  options.method = "manual";
+  options.obstacles = false;
+  const DriveResult result = lockstep.drive(scenario, options).result;
+  return result.reached ? std::optional{result.time_to_goal_s} : std::nullopt;
+}
+
+}  // namespace
+
+Study load_study(const std::string& path) { return StudyReader{path}.read(); }
+
+std::string name_of(const Study& study, const StudyDrive& drive) {
+  const StudyCell& cell = study.cells[drive.cell];
+  return fmt::format("{}/{}/{}/{}", cell.scenario.name, cell.method, cell.driver, drive.seed);
+}
+
+void check_study(const Study& study) {
+  Lockstep lockstep;
+  std::size_t checked = study.cells.size();
+  for (const StudyDrive& drive : study.drives) {
+    if (drive.cell == checked) continue;  // its first seed was
+    checked = drive.cell;
+    DriveOptions options = study.cells[checked].options;
+    options.seed = drive.seed;
+    lockstep.check(study.cells[checked].scenario, options);
+  }
+}
+
+nlohmann::json make_drive(const Study& study, const StudyDrive& drive, Lockstep& lockstep) {
+  const StudyCell& cell = study.cells[drive.cell];
+  DriveOptions options = cell.options;
+  options.seed = drive.seed;
+  const Scenario scenario = with_options(cell.scenario, options);
+  DriveLog log = lockstep.drive(scenario, options);
+  DriveResult& result = log.result;
+  result.method = cell.method;
+  result.driver = cell.driver;
+  result.free_time_s = free_time(scenario, options, lockstep);
+  if (result.reached && result.free_time_s)
+    result.time_ratio = result.time_to_goal_s / *result.free_time_s;
+  return {{"drive", result}, {"track", thinned(log.track)}, {"contacts", contacts(log.track)}};
+}
+
+}  // namespace tandem

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/teleop_command.hpp"
+
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "bringup/terminal_keys.hpp"
+#include "convert.hpp"
+#include "runtime/node.hpp"
+#include "runtime/shutdown.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kBeat = 0.04;  // [s] between two joy
+constexpr double kShow = 0.2;   // [s]
+constexpr int kReleases = 3;    // joy that say "let go", for one may be lost
+
+// Characters as they are typed, unseen, without waiting for them; Ctrl-C stays what it is.
+class RawTerminal {
+ public:
+  RawTerminal() {
+    if (tcgetattr(STDIN_FILENO, &before_) != 0)
+      throw std::runtime_error("teleop reads keys: standard input must be a terminal");
+    termios raw = before_;
+    raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+    raw.c_cc[VMIN] = raw.c_cc[VTIME] = 0;
+    tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+  }
+  ~RawTerminal() { tcsetattr(STDIN_FILENO, TCSANOW, &before_); }
+  RawTerminal(const RawTerminal&) = delete;
+  RawTerminal& operator=(const RawTerminal&) = delete;
+
+  /// What was typed since the last call.
+  [[nodiscard]] static std::string read_keys() {
+    char keys[256];
+    const auto size = read(STDIN_FILENO, keys, sizeof keys);
+    return {keys, size > 0 ? static_cast<std::size_t>(size) : 0};
+  }
+
+ private:
+  termios before_{};
+};
+
+class KeyboardTeleop {
+ public:
+  explicit KeyboardTeleop(rt::Node& node)
+      : node_{node},
+        joy_{node.create_publisher(topics::joy)},
+        e_stop_{node.create_publisher(topics::e_stop)},
+        release_{node.create_client(
+            rt::ServiceName<std_srvs::srv::Trigger>{"arbitration/release_emergency_stop"})} {
+    odom_ = node.create_subscription(topics::odom, [this](const auto& msg) {
+      if (const auto odometry = from_msg(msg)) speed_ = odometry->twist;
+    });
+    filter_ = node.create_subscription(topics::filter_status, [this](const auto& msg) {
+      clearance_ = msg.clearance();
+      filter_says_ = msg.reason();
+    });
+    arbitration_ = node.create_subscription(topics::arbitration_status, [this](const auto& msg) {
+      arbitration_says_ = msg.policy() + ", " + msg.reason();
+    });
+    beat_ = node.create_wall_timer(kBeat, [this] { beat(); });
+    show_ = node.create_wall_timer(kShow, [this] { show(); });
+  }
+
+ private:
+  void beat() {
+    const double now = node_.steady_now();
+    const auto order = keys_.type(RawTerminal::read_keys(), now);
+    if (order == TerminalKeys::Order::kEmergencyStop) press_stop(true);
+    if (order == TerminalKeys::Order::kRelease) press_stop(false);
+    const auto stick = keys_.held(now);
+    if (stick) releases_ = kReleases;
+    if (!stick && releases_-- <= 0) return;
+    const auto axes = stick.value_or(TerminalKeys::Stick{});
+    sensor_msgs::msg::Joy msg;
+    msg.header(header(node_.stamp(), "keyboard"));
+    msg.axes({static_cast<float>(axes.angular), static_cast<float>(axes.linear)});
+    msg.buttons({stick ? 1 : 0});
+    joy_.publish(msg);
+  }
+
+  void press_stop(bool pressed) {
+    std_msgs::msg::Bool msg;
+    msg.data(pressed);
+    e_stop_.publish(msg);
+    if (!pressed) release_.call({}, [this](const auto& answer) { said_ = answer.message(); });
+    said_ = pressed ? "emergency stop" : "";
+  }
+
+  void show() const {
+    std::printf(
+        "\r\x1b[K%5.2f m/s %5.2f rad/s | clearance %.2f m | %s | filter: %s | keys %.0f/%.0f %% %s",
+        speed_.v, speed_.w, clearance_, arbitration_says_.c_str(), filter_says_.c_str(),
+        100.0 * keys_.linear_scale(), 100.0 * keys_.angular_scale(), said_.c_str());
+    std::fflush(stdout);
+  }
+
+  rt::Node& node_;
+  TerminalKeys keys_;
+  int releases_ = 0;
+  Twist2 speed_;
+  double clearance_ = 0.0;
+  std::string filter_says_ = "silent", arbitration_says_ = "silent", said_;
+  rt::Publisher<sensor_msgs::msg::Joy> joy_;
+  rt::Publisher<std_msgs::msg::Bool> e_stop_;
+  rt::Client<std_srvs::srv::Trigger> release_;
+  rt::Subscription odom_, filter_, arbitration_;
+  rt::Timer beat_, show_;
+};
+
+void teleop() {
+  const RawTerminal terminal;
+  rt::install_signal_handlers();
+  rt::Node node{"tandem_teleop"};
+  const KeyboardTeleop keyboard{node};
+  std::puts(
+      "Hold to drive:   u i o      q/z all, w/x forward, e/c turning: faster, slower\n"
+      "                 j   l      space: emergency stop, r: release it\n"
+      "                 m , .      any other key stops; Ctrl-C ends. The arrows drive, too.");
+  node.spin();
+  std::puts("");
+}
+
+}  // namespace
+
+void add_teleop_command(CLI::App& app) {
+  auto* command = app.add_subcommand("teleop", "Drive with the keys of this terminal");
+  command->callback([] { teleop(); });
+}
+
+}  // namespace tandem

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace tandem {
+
+/// `tandem teleop`: drives with the keys of a terminal.
+void add_teleop_command(CLI::App& app);
+
+}  // namespace tandem
