@@ -127,7 +127,7 @@ TEST(Arbiter, BlendGivesThePlannerMoreNearObstacles) {
 }
 
 TEST(Arbiter, BlendChangesAuthorityNoFasterThanItsRate) {
-  Arbiter it{{.policy = "blend", .handover_time = 0.0, .blend_rate = 2.0}};
+  Arbiter it{{.policy = "blend", .handover_time = 0.0, .blend = {.rate = 2.0}}};
   double last = 0.0;
   for (double t = 1.0; t < 2.0; t += 0.05) {
     it.on_user({0.8, 0.0}, t);
@@ -139,6 +139,21 @@ TEST(Arbiter, BlendChangesAuthorityNoFasterThanItsRate) {
     last = alpha;
   }
   EXPECT_EQ(last, 1.0);
+}
+
+TEST(Arbiter, GoesOnWithAnotherBlend) {
+  Arbiter it{{.policy = "blend", .handover_time = 0.0}};
+  EXPECT_THROW(it.set_blend({.rate = 0.0}), std::invalid_argument);
+  it.set_blend({.min = 0.3});
+  double alpha = 0.0;
+  for (double t = 1.0; t < 2.0; t += 0.05) {
+    it.on_user({0.5, 0.0}, t);
+    it.on_shared({0.5, 0.0}, t);
+    it.on_clearance(9.0, t);
+    alpha = it.decide(t).alpha;
+  }
+  EXPECT_NEAR(alpha, 0.3, 1e-9);
+  EXPECT_EQ(it.policy(), Policy::kBlend);
 }
 
 TEST(Arbiter, RefusesAnUnknownPolicy) {

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "../obstacle_extractor/worlds.hpp"
+#include "map/octomap_file.hpp"
 #include "model/footprint.hpp"
 #include "obstacle_extractor/shapes_ahead.hpp"
 
@@ -74,8 +75,7 @@ void first_look(benchmark::State& state, const World& world) {
 
 // What the node does each period: positions about the middle of a window of 8 m x 8 m.
 void update(benchmark::State& state, const World& world) {
-  const Grid& grid = world->grid();
-  const Eigen::Vector2d middle = grid.center(grid.width / 2, grid.height / 2);
+  const Eigen::Vector2d middle{0.0, 0.0};  // of the forest and its copies; free in the building too
   std::mt19937 random{1};
   std::uniform_real_distribution<double> metres(-0.6, 0.6);
   ShapesAhead shapes({});
@@ -87,19 +87,58 @@ void update(benchmark::State& state, const World& world) {
   }
 }
 
-// The forest's cells again and again, the same about the middle, over `side` x `side` cells.
-World forests(int side) {
-  const Grid& one = forest()->grid();
-  Grid grid = one;
-  grid.width = grid.height = side;
-  grid.cells.clear();
-  const auto wrap = [](int i, int middle, int size) {
-    return ((i - middle + size / 2) % size + size) % size;
-  };
-  for (int iy = 0; iy < side; ++iy)
-    for (int ix = 0; ix < side; ++ix)
-      grid.cells.push_back(one.at(wrap(ix, side / 2, one.width), wrap(iy, side / 2, one.height)));
-  return std::make_shared<StaticMap>(std::move(grid));
+// The forest's occupied voxels in tiles x tiles copies, one of them where the forest is.
+octomap::OcTree forests(int tiles) {
+  const auto one = load_octomap(test::project_map("forest"));
+  octomap::OcTree all{one->getResolution()};
+  constexpr int kTile = 204;  // cells from one copy to the next
+  one->expand();
+  for (auto leaf = one->begin_leafs(); leaf != one->end_leafs(); ++leaf) {
+    if (!one->isNodeOccupied(*leaf)) continue;
+    for (int iy = 0; iy < tiles; ++iy)
+      for (int ix = 0; ix < tiles; ++ix) {
+        octomap::OcTreeKey key = leaf.getKey();
+        key[0] = static_cast<octomap::key_type>(key[0] + kTile * (ix - tiles / 2));
+        key[1] = static_cast<octomap::key_type>(key[1] + kTile * (iy - tiles / 2));
+        all.setNodeValue(key, all.getClampingThresMaxLog(), true);
+      }
+  }
+  all.updateInnerOccupancy();
+  return all;  // not pruned: as many leaves as voxels
+}
+
+// A message as map_server sends it.
+struct Message {
+  std::vector<std::int8_t> data;
+  double resolution, leaves;
+};
+
+Message message(int tiles) {
+  const octomap::OcTree tree = forests(tiles);
+  return {encode_octomap(tree), tree.getResolution(), static_cast<double>(tree.getNumLeafNodes())};
+}
+
+World decoded(const Message& msg) {
+  const auto map = decode_octomap({.resolution = msg.resolution}, msg.data);
+  return std::make_shared<const StaticMap>(slice(*map.tree, {}));
+}
+
+void decode(benchmark::State& state, const Message& msg) {
+  for (auto _ : state) benchmark::DoNotOptimize(decoded(msg)->grid().width);
+  state.counters["leaves"] = msg.leaves;
+}
+
+// The same window of 8 m x 8 m in a map of any size.
+void add_map_of(int tiles) {
+  const Message msg = message(tiles);
+  const std::string name = "map of " + std::to_string(static_cast<long>(msg.leaves)) + " leaves";
+  const World world = decoded(msg);
+  benchmark::RegisterBenchmark((name + "/decode").c_str(), decode, msg)
+      ->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark((name + "/places").c_str(), places, world)
+      ->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark((name + "/update").c_str(), update, world)
+      ->Unit(benchmark::kMicrosecond);
 }
 
 void add(const std::string& name, const World& world) {
@@ -123,11 +162,7 @@ void add(const std::string& name, const World& world) {
 int main(int argc, char** argv) {
   tandem::add("forest", tandem::forest());
   tandem::add("building", tandem::building());
-  for (const int side : {316, 3162})
-    benchmark::RegisterBenchmark(
-        ("forest of " + std::to_string(side * side) + " cells/update").c_str(), tandem::update,
-        tandem::forests(side))
-        ->Unit(benchmark::kMicrosecond);
+  for (const int tiles : {1, 13}) tandem::add_map_of(tiles);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -123,12 +123,15 @@ Recording record(const World& world, const Plant& at_start, const Person& person
   return out;
 }
 
-Recording record_product() {
+// `lag`: of the robot's motors [s], told to the planner.
+Recording record_product(double lag) {
   const std::vector<Eigen::Vector2d> way{{-3, -3.4},  {-2.6, -2.9}, {0, -2.2},
                                          {2.2, -1.8}, {2.2, 0.5},   {4, 2.5}};
   World world;
   world.obstacles = forest(true);
-  return record(world, {{-4, -4, 0}, {}, 0.02, 0.05}, leader_along(way, 0.72, 1.2));
+  world.params.lag_v = world.params.lag_w = lag;
+  return record(world, {{-4, -4, 0}, {}, 0.02, lag > 0.0 ? lag : 0.05},
+                leader_along(way, 0.72, 1.2));
 }
 
 // Down an alley of poles on both sides; those that do not fit in two rows stand in further ones.
@@ -244,7 +247,8 @@ void add_all() {
     add_rows(problem, [=] { return record_script_b2(nearest); });
     add_row<IpoptWithMumps>("ipopt_with_mumps", problem, [=] { return record_script_b2(nearest); });
   }
-  add_rows("product", record_product);
+  add_rows("product", [] { return record_product(0.0); });
+  add_rows("product/lag", [] { return record_product(0.4); });
   const auto alley = [](int horizon, int obstacles, int discs) {
     add_rows("alley/N:" + std::to_string(horizon) + "/obstacles:" + std::to_string(obstacles) +
                  "/discs:" + std::to_string(discs),

@@ -8,7 +8,10 @@
 #include <stdexcept>
 
 #include "bringup/lockstep.hpp"
+#include "diff_drive_sim/diff_drive_sim_node.hpp"
+#include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "runtime/parameters.hpp"
+#include "safety_filter/safety_filter_node.hpp"
 
 namespace tandem {
 namespace {
@@ -59,6 +62,21 @@ TEST_F(ScenarioFile, ThatIsSoundRaisesNoComplaint) {
   EXPECT_EQ(complaint(), "");
 }
 
+TEST_F(ScenarioFile, MayHavePeopleWhomFilterAndPlannerThenWatch) {
+  write(text_, "duration: 60",
+        "duration: 60\npeople: [{way: [0, -2, 2, -2], speed: 1.2}, {crossings: 3, area: [-1, -1, "
+        "1, 1]}]");
+  EXPECT_EQ(complaint(), "");
+  const Scenario scenario = load_scenario(file_.string());
+  ASSERT_EQ(people_in(scenario).size(), 4U);
+  EXPECT_EQ(people_in(scenario)[0].speed, 1.2);
+  const System system = system_of(scenario, {});
+  EXPECT_EQ(parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim").people,
+            to_numbers(people_in(scenario)));
+  EXPECT_TRUE(parameters_of<SafetyFilterNodeParams>(system, "safety_filter").filter.people.watched);
+  EXPECT_TRUE(parameters_of<ObstacleExtractorNodeParams>(system, "obstacle_extractor").people);
+}
+
 struct Mistake {
   const char *name, *from, *to, *complaint;
 };
@@ -107,6 +125,19 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"parameters_list", "{route: [4.0, 2.5]}", "[1, 2]", ":8: expected `key: value`"},
         Mistake{"slice_over_everything", "duration: 60", "slice: {z_min: 5, z_max: 6}",
                 "holds nothing from 5 m to 6 m"},
+        Mistake{"people_no_list", "duration: 60", "people: 3", ":7: `people` needs a list"},
+        Mistake{"people_without_way", "duration: 60", "people: [{speed: 1}]", "`way` is missing"},
+        Mistake{"people_odd_way", "duration: 60", "people: [{way: [1, 2, 3]}]", "`way` needs x1"},
+        Mistake{"people_backward", "duration: 60", "people: [{way: [1, 2], speed: -1}]",
+                "`speed` outside [0, 5]"},
+        Mistake{"people_thin", "duration: 60", "people: [{way: [1, 2], radius: 0}]",
+                "`radius` outside [0.05, 5]"},
+        Mistake{"people_unknown_key", "duration: 60", "people: [{way: [1, 2], spede: 1}]",
+                "unknown key `spede`"},
+        Mistake{"crossings_area", "duration: 60", "people: [{crossings: 3, area: [1, 1, 0, 2]}]",
+                "`area` needs [x1, y1, x2, y2]"},
+        Mistake{"crossings_too_many", "duration: 60",
+                "people: [{crossings: 999, area: [0, 0, 1, 1]}]", "`crossings` outside [0, 100]"},
         Mistake{"seed_too_large", "duration: 60", "seed: 4294967295", "above the largest"},
         Mistake{"map_missing", "forest.bt", "nowhere.bt", "nowhere.bt: no such file"},
         Mistake{"robot_missing", "mir100", "nobot", "nobot.yaml cannot be read"}),

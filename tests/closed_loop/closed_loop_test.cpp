@@ -119,6 +119,27 @@ TEST_P(Delayed, ForestIsDrivenAsCalmlyAsWithoutTheDelay) {
 INSTANTIATE_TEST_SUITE_P(Methods, Delayed, kDelayed,
                          [](const auto& test) { return std::string(test.param); });
 
+// Motors of 0.4 s: told of them, the planner gives the filter less to do and is there sooner.
+TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
+  double told_time = 0.0, untold_time = 0.0, told_changes = 0.0, untold_changes = 0.0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Scenario scenario = load_scenario(file("forest_lag"));
+    const DriveOptions options{.method = "leader", .seed = seed, .map = {}, .lockstep = true};
+    const DriveResult told = drive_in_lockstep(scenario, options).result;
+    EXPECT_TRUE(told.reached);
+    EXPECT_EQ(told.collisions, 0);
+    for (const char* lag : {"lag_v", "lag_w"})
+      scenario.parameters["local_planner"][lag] = {"0.0", "this test"};
+    const DriveResult untold = drive_in_lockstep(scenario, options).result;
+    told_time += told.time_to_goal_s;
+    untold_time += untold.reached ? untold.time_to_goal_s : untold.simulated_s;
+    told_changes += changed_share(told);
+    untold_changes += changed_share(untold);
+  }
+  EXPECT_LT(told_time, untold_time);
+  EXPECT_LT(told_changes, 0.7 * untold_changes);
+}
+
 // A few worlds across the file; all 150: `tandem scenario tests/closed_loop/barn.yaml --lockstep
 // --method all --seeds 1-150`.
 TEST(Barn, WorldsArePassedWithoutContact) {
@@ -153,8 +174,33 @@ TEST_P(Forbidden, RegionsAreNeverEntered) {
   EXPECT_LT(nearest, 0.5) << "the way leads past it, else this proves nothing";
 }
 
+// Nothing but the laser scanner tells what stands there.
+class WithoutAMap : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(WithoutAMap, ReachesItsGoalWithoutContact) {
+  const DriveResult result =
+      drive(TANDEM_SOURCE_DIR "/tests/closed_loop/forest_unknown.yaml", GetParam(), 1);
+  EXPECT_TRUE(result.reached);
+  EXPECT_EQ(result.collisions, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, WithoutAMap, ::testing::Values("safety_filter", "leader"),
+                         [](const auto& test) { return std::string(test.param); });
+
 INSTANTIATE_TEST_SUITE_P(Methods, Forbidden,
                          ::testing::Values("safety_filter", "leader", "intention"),
+                         [](const auto& test) { return std::string(test.param); });
+
+class AmongPeople : public ::testing::TestWithParam<const char*> {};
+
+// They walk through whatever is there: into the robot, too, but only while it stands.
+TEST_P(AmongPeople, ReachesItsGoalAndTouchesNobody) {
+  const DriveResult result = drive(file("crossing"), GetParam(), 1);
+  EXPECT_TRUE(result.reached);
+  EXPECT_EQ(result.collisions, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, AmongPeople, ::testing::Values("safety_filter", "leader"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(ForestTask1, LeaderDrivesTwoMinutesWithoutContact) {
@@ -175,7 +221,7 @@ TEST_P(Manual, CollidesInSomeOfTwentySeeds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, Manual,
-                         ::testing::Values("forest_task1", "forest_task2", "corridor"),
+                         ::testing::Values("forest_task1", "forest_task2", "corridor", "crossing"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(Planner, AvoidsAloneAndTheFilterSeldomSpeaks) {

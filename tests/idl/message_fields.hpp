@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tandem::runtime {
@@ -36,8 +37,11 @@ void fill(const nlohmann::json& json, std::array<T, N>& values) {
 
 template <class T>
 void fill(const nlohmann::json& json, std::vector<T>& values) {
-  values.resize(json.size());
-  for (size_t i = 0; i < values.size(); ++i) fill(json.at(i), values[i]);
+  for (const auto& item : json) {
+    T value{};
+    fill(item, value);
+    values.push_back(std::move(value));
+  }
 }
 
 // FIELDS(type, a, b, …): fill() for `type`; every member of the JSON object must be a field.
@@ -114,6 +118,56 @@ FIELDS(std_srvs::srv::Trigger_Response, success, message)
 FIELDS(std_srvs::srv::SetBool_Request, data)
 FIELDS(std_srvs::srv::SetBool_Response, success, message)
 FIELDS(rcl_interfaces::msg::Log, stamp, level, name, msg, file, function, line)
+FIELDS(rcl_interfaces::msg::LoggerLevel, name, level)
+FIELDS(rcl_interfaces::msg::SetLoggerLevelsResult, successful, reason)
+FIELDS(rcl_interfaces::msg::ParameterValue, type, bool_value, integer_value, double_value,
+       string_value, byte_array_value, bool_array_value, integer_array_value, double_array_value,
+       string_array_value)
+FIELDS(rcl_interfaces::msg::Parameter, name, value)
+FIELDS(rcl_interfaces::msg::FloatingPointRange, from_value, to_value, step)
+FIELDS(rcl_interfaces::msg::IntegerRange, from_value, to_value, step)
+FIELDS(rcl_interfaces::msg::ParameterDescriptor, name, type, description, additional_constraints,
+       read_only, dynamic_typing, floating_point_range, integer_range)
+FIELDS(rcl_interfaces::msg::ParameterEvent, stamp, node, new_parameters, changed_parameters,
+       deleted_parameters)
+FIELDS(rcl_interfaces::msg::SetParametersResult, successful, reason)
+FIELDS(rcl_interfaces::msg::ListParametersResult, names, prefixes)
+FIELDS(rcl_interfaces::srv::DescribeParameters_Request, names)
+FIELDS(rcl_interfaces::srv::DescribeParameters_Response, descriptors)
+FIELDS(rcl_interfaces::srv::GetParameterTypes_Request, names)
+FIELDS(rcl_interfaces::srv::GetParameterTypes_Response, types)
+FIELDS(rcl_interfaces::srv::GetParameters_Request, names)
+FIELDS(rcl_interfaces::srv::GetParameters_Response, values)
+FIELDS(rcl_interfaces::srv::ListParameters_Request, prefixes, depth)
+FIELDS(rcl_interfaces::srv::ListParameters_Response, result)
+FIELDS(rcl_interfaces::srv::SetParameters_Request, parameters)
+FIELDS(rcl_interfaces::srv::SetParameters_Response, results)
+FIELDS(rcl_interfaces::srv::SetParametersAtomically_Request, parameters)
+FIELDS(rcl_interfaces::srv::SetParametersAtomically_Response, result)
+FIELDS(rcl_interfaces::srv::GetLoggerLevels_Request, names)
+FIELDS(rcl_interfaces::srv::GetLoggerLevels_Response, levels)
+FIELDS(rcl_interfaces::srv::SetLoggerLevels_Request, levels)
+FIELDS(rcl_interfaces::srv::SetLoggerLevels_Response, results)
+FIELDS(composition_interfaces::srv::LoadNode_Request, package_name, plugin_name, node_name,
+       node_namespace, log_level, remap_rules, parameters, extra_arguments)
+FIELDS(composition_interfaces::srv::LoadNode_Response, success, error_message, full_node_name,
+       unique_id)
+FIELDS(composition_interfaces::srv::UnloadNode_Request, unique_id)
+FIELDS(composition_interfaces::srv::UnloadNode_Response, success, error_message)
+FIELDS(composition_interfaces::srv::ListNodes_Request)
+FIELDS(composition_interfaces::srv::ListNodes_Response, full_node_names, unique_ids)
+FIELDS(type_description_interfaces::msg::FieldType, type_id, capacity, string_capacity,
+       nested_type_name)
+FIELDS(type_description_interfaces::msg::Field, name, type, default_value)
+FIELDS(type_description_interfaces::msg::IndividualTypeDescription, type_name, fields)
+FIELDS(type_description_interfaces::msg::TypeDescription, type_description,
+       referenced_type_descriptions)
+FIELDS(type_description_interfaces::msg::TypeSource, type_name, encoding, raw_file_contents)
+FIELDS(type_description_interfaces::msg::KeyValue, key, value)
+FIELDS(type_description_interfaces::srv::GetTypeDescription_Request, type_name, type_hash,
+       include_type_sources)
+FIELDS(type_description_interfaces::srv::GetTypeDescription_Response, successful, failure_reason,
+       type_description, type_sources, extra_information)
 FIELDS(rmw_dds_common::msg::Gid, data)
 FIELDS(rmw_dds_common::msg::NodeEntitiesInfo, node_namespace, node_name, reader_gid_seq,
        writer_gid_seq)
@@ -138,7 +192,26 @@ using RosMessages = testing::Types<
     diagnostic_msgs::msg::DiagnosticStatus, diagnostic_msgs::msg::DiagnosticArray,
     octomap_msgs::msg::Octomap, std_srvs::srv::Empty_Request, std_srvs::srv::Empty_Response,
     std_srvs::srv::Trigger_Request, std_srvs::srv::Trigger_Response, std_srvs::srv::SetBool_Request,
-    std_srvs::srv::SetBool_Response, rcl_interfaces::msg::Log, rmw_dds_common::msg::Gid,
+    std_srvs::srv::SetBool_Response, rcl_interfaces::msg::Log, rcl_interfaces::msg::ParameterValue,
+    rcl_interfaces::msg::Parameter, rcl_interfaces::msg::FloatingPointRange,
+    rcl_interfaces::msg::IntegerRange, rcl_interfaces::msg::ParameterDescriptor,
+    rcl_interfaces::msg::ParameterEvent, rcl_interfaces::msg::SetParametersResult,
+    rcl_interfaces::msg::ListParametersResult, rcl_interfaces::srv::DescribeParameters_Request,
+    rcl_interfaces::srv::DescribeParameters_Response,
+    rcl_interfaces::srv::GetParameterTypes_Request, rcl_interfaces::srv::GetParameterTypes_Response,
+    rcl_interfaces::srv::GetParameters_Request, rcl_interfaces::srv::GetParameters_Response,
+    rcl_interfaces::srv::ListParameters_Request, rcl_interfaces::srv::ListParameters_Response,
+    rcl_interfaces::srv::SetParameters_Request, rcl_interfaces::srv::SetParameters_Response,
+    rcl_interfaces::srv::SetParametersAtomically_Request,
+    rcl_interfaces::srv::SetParametersAtomically_Response,
+    rcl_interfaces::srv::GetLoggerLevels_Request, rcl_interfaces::srv::GetLoggerLevels_Response,
+    rcl_interfaces::srv::SetLoggerLevels_Request, rcl_interfaces::srv::SetLoggerLevels_Response,
+    composition_interfaces::srv::LoadNode_Request, composition_interfaces::srv::LoadNode_Response,
+    composition_interfaces::srv::UnloadNode_Request,
+    composition_interfaces::srv::UnloadNode_Response,
+    composition_interfaces::srv::ListNodes_Request, composition_interfaces::srv::ListNodes_Response,
+    type_description_interfaces::srv::GetTypeDescription_Request,
+    type_description_interfaces::srv::GetTypeDescription_Response, rmw_dds_common::msg::Gid,
     rmw_dds_common::msg::NodeEntitiesInfo, rmw_dds_common::msg::ParticipantEntitiesInfo>;
 
 }  // namespace tandem::runtime

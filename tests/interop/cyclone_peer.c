@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "dds/dds.h"
+#include "cyclone_dds.h"
 #include "geometry_msgs.h"
 #include "nav_msgs.h"
 
@@ -27,42 +27,6 @@ typedef struct {
   double x0, y0;            // first position heard [m]
   double moved, max_speed;  // farthest from it [m], largest |v| commanded [m/s]
 } Peer;
-
-static dds_entity_t need(dds_entity_t entity, const char* what) {
-  if (entity >= 0) return entity;
-  fprintf(stderr, "cyclone_peer: %s: %s\n", what, dds_strretcode(-entity));
-  exit(2);
-}
-
-// Loopback only; unicast to 127.0.0.1 besides multicast finds peers that listen to either.
-static dds_entity_t create_participant(dds_domainid_t domain) {
-  static const char kConfig[] =
-      "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/>"
-      "</Interfaces></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
-      "<MaxAutoParticipantIndex>31</MaxAutoParticipantIndex>"
-      "<Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery></Domain></CycloneDDS>";
-  need(dds_create_domain(domain, kConfig), "domain");
-  return need(dds_create_participant(domain, NULL, NULL), "participant");
-}
-
-// idlc names the type as the IDL does; ROS 2 says `dds_type`.
-static dds_entity_t create_topic(dds_entity_t participant, const dds_topic_descriptor_t* idl,
-                                 const char* name, const char* dds_type) {
-  dds_topic_descriptor_t descriptor = *idl;
-  descriptor.m_typename = dds_type;
-  return need(dds_create_topic(participant, &descriptor, name, NULL, NULL), name);
-}
-
-// ROS 2's default profile: reliable, volatile, keep last 10, plain CDR.
-static dds_qos_t* default_profile(void) {
-  static const dds_data_representation_id_t kXcdr1[] = {DDS_DATA_REPRESENTATION_XCDR1};
-  dds_qos_t* qos = dds_create_qos();
-  dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
-  dds_qset_durability(qos, DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
-  dds_qset_data_representation(qos, 1, kXcdr1);
-  return qos;
-}
 
 static Peer create_peer(dds_domainid_t domain) {
   static const char kTwist[] = "geometry_msgs::msg::dds_::Twist_";

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Cyclone DDS program drives our robot: it publishes cmd_vel_user and reads odom and cmd_vel.
+// Cyclone DDS programs beside ours: one drives the robot, it publishes cmd_vel_user and reads odom
+// and cmd_vel; one sets a parameter.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
+#include "runtime/component.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
 
@@ -19,6 +21,20 @@ TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
   EXPECT_EQ(peer.wait(70.0), 0);
   robot.send(SIGTERM);
   EXPECT_EQ(robot.wait(5.0), 0);
+}
+
+TEST(CyclonePeer, SetsAndGetsAParameterOfOurs) {
+  setenv("TANDEM_COMPONENT_PATH", TANDEM_BINARY_DIR, 1);
+  const auto teleop = rt::load_component("teleop", {.name = "teleop", .ns = "/robot"});
+  const char* domain = std::getenv("ROS_DOMAIN_ID");
+  const auto set = [&](const char* name, const char* value) {
+    test::ChildProcess peer{"cyclone_param_peer", {domain, "/robot/teleop", name, value, "30"}};
+    return peer.wait(40.0);
+  };
+  EXPECT_EQ(set("scale_linear", "0.25"), 0);
+  EXPECT_EQ(set("scale_linear", "99"), 3);  // out of range
+  EXPECT_EQ(set("joy_timeout", "4.0"), 3);  // read-only
+  EXPECT_EQ(set("scale_linear", "0.5"), 0);
 }
 
 }  // namespace

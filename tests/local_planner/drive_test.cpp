@@ -315,6 +315,47 @@ TEST(GuidanceLines, DrawAPersonInWhoComesNear) {
 
 TEST(GuidanceLines, HoldNobodyWhoTurnsOff) { EXPECT_GT(beside_lane(0.5, 6.0, 0.4), 1.0); }
 
+// Mean distance of the robot from where each plan saw it half a second later [m].
+double surprise(const Drive& drive, const NmpcParams& params) {
+  const auto later = static_cast<std::size_t>(std::lround(0.5 / params.control_period));
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + later < drive.plans.size(); ++i, ++count) {
+    const double t = params.control_period * static_cast<double>(i + later + 1);
+    sum += (drive.plans[i].pose_at(t).position() - drive.path[i + later].position()).norm();
+  }
+  return sum / static_cast<double>(count);
+}
+
+// Motors of 0.4 s: a planner that is told them foresees better where the robot goes than one that
+// is not, and than one that takes them for a delay.
+TEST(MotorLag, ToldToThePlannerIsForeseen) {
+  const std::vector<Eigen::Vector2d> way{{-3, -3.4},  {-2.6, -2.9}, {0, -2.2},
+                                         {2.2, -1.8}, {2.2, 0.5},   {4, 2.5}};
+  const Plant slow{.X_MB = {-4, -4, 0}, .twist = {}, .delay = 0.02, .lag = 0.4};
+  NmpcParams told = lockstep(), untold = lockstep(), delayed = lockstep();
+  told.lag_v = told.lag_w = slow.lag;
+  told.delay = untold.delay = 0.02;
+  delayed.delay = slow.delay + slow.lag;
+  const auto driven = [&](const NmpcParams& params) {
+    const Drive result =
+        drive(params, RobotParams{}, slow, forest(true), 22.0, leader_along(way, 0.72, 1.2));
+    std::printf("lag %.1f s, delay %.2f s: off by %.3f m, %d contacts, %d fallbacks\n",
+                params.lag_v, params.delay, surprise(result, params), result.contacts,
+                result.fallbacks);
+    return result;
+  };
+  const Drive result = driven(told);
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
+  EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
+  EXPECT_LE(result.worst_rate, 0.05 + 1e-9);
+  const Drive unaware = driven(untold);
+  EXPECT_GT(unaware.contacts, 0) << "the lag matters, else this proves nothing";
+  EXPECT_LT(surprise(result, told), 0.5 * surprise(unaware, untold));
+  EXPECT_LT(surprise(result, told), 0.6 * surprise(driven(delayed), delayed));
+}
+
 TEST(MeasuredDelay, IsWhatTheLoopHas) {
   NmpcParams params = lockstep();
   params.measure_delay = true;

@@ -140,7 +140,7 @@ TEST_F(IpoptSolve, KeepsAVariableWhoseBoundsMeet) {
   const Solution end = ipopt_solve(start.ocp, start.guess, {});
   EXPECT_EQ(end.status, SolveStatus::kConverged);
   for (int k = 0; k < start.ocp.horizon(); ++k)
-    EXPECT_EQ(end.point.z[static_cast<std::size_t>(kBlock * k + kW)], 0.0);
+    EXPECT_EQ(at(start.ocp, end.point.z, static_cast<std::size_t>(k), kW), 0.0);
 }
 
 TEST(RememberedOptions, AnOptionSetAgainIsSeenAgain) {

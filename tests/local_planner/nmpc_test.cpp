@@ -40,6 +40,24 @@ TEST(Nmpc, PlanObeysTheDynamicsAndEveryLimit) {
   }
 }
 
+TEST(Nmpc, GoesOnWithOtherParametersOrAsBeforeIfTheyContradict) {
+  NmpcParams params = unlimited();
+  Nmpc planner(params, {});
+  PlanRequest request = goal_request({3, 0, 0});
+  (void)planner.solve(request);
+  NmpcParams wrong = params;
+  wrong.control_period = 2.0 * wrong.dt;
+  EXPECT_THROW(planner.set_params(wrong), std::invalid_argument);
+  request.t += params.control_period;
+  EXPECT_EQ(planner.solve(request).status, PlanStatus::kOptimal);
+  params.horizon_steps /= 2;
+  planner.set_params(params);
+  request.t += params.control_period;
+  const Plan plan = planner.solve(request);
+  EXPECT_EQ(plan.status, PlanStatus::kOptimal);
+  EXPECT_EQ(std::ssize(plan.twist), params.horizon_steps);
+}
+
 TEST(Nmpc, StartsFromThePosePredictedForTheDelay) {
   NmpcParams params = unlimited();
   params.delay = 0.3;

@@ -19,13 +19,17 @@ struct Numbers {
   }
 };
 
-Ocp random_problem(Numbers& number, bool arc) {
+Ocp random_problem(Numbers& number, bool arc, bool lags = false) {
   Ocp ocp{.dt = 0.25,
           .half = arc ? 0.125 : 0.0,
           .gap_v = 0.12,
           .gap_w = 0.03,
           .X_MB = {0.3, -0.2, 3.0},
           .command = {0.2, -0.1}};
+  if (lags) {
+    ocp.lag = LagStep::over(ocp.dt, {number(0.0, 1.0), number(0.05, 1.0)});
+    ocp.motion = {number(-1, 1), number(-1, 1)};
+  }
   for (int k = 0; k < 5; ++k) {
     ocp.v.push_back({-0.4, 0.8});
     ocp.w.push_back({-1.0, 1.0});
@@ -37,6 +41,7 @@ Ocp random_problem(Numbers& number, bool arc) {
                   .change = {number(-1, 1), number(-1, 1)},
                   .q_x = 6,
                   .q_y = 5,
+                  .q_xy = number(-2, 2),
                   .q_theta = 4,
                   .r_v = 0.3,
                   .r_w = 0.15,
@@ -85,12 +90,12 @@ Eigen::MatrixXd jacobian_at(const Ocp& ocp, const std::vector<double>& z) {
 
 constexpr double h = 1e-6;
 
-// Runs `compare(ocp, z)` for both models at random points.
+// Runs `compare(ocp, z)` for both models, with and without a lag, at random points.
 template <class Compare>
 void at_random_points(Compare&& compare) {
   Numbers number;
   for (int i = 0; i < 40; ++i) {
-    const Ocp ocp = random_problem(number, i % 2 == 0);
+    const Ocp ocp = random_problem(number, i % 2 == 0, i % 4 < 2);
     compare(ocp, random_point(ocp, number), number);
   }
 }
@@ -166,11 +171,13 @@ TEST(Ocp, HessianOfTheLagrangianMatchesFiniteDifferencesOfTheGradient) {
 
 TEST(Ocp, PatternDependsOnSizesOnlyAndNamesNoEntryTwice) {
   Numbers number;
-  const Ocp ocp = random_problem(number, true);
-  for (const auto& pattern : {jacobian_pattern(ocp), hessian_pattern(ocp)}) {
-    std::set<std::pair<int, int>> entries;
-    for (const Entry& entry : pattern) entries.insert({entry.row, entry.column});
-    EXPECT_EQ(entries.size(), pattern.size());
+  for (const bool lags : {false, true}) {
+    const Ocp ocp = random_problem(number, true, lags);
+    for (const auto& pattern : {jacobian_pattern(ocp), hessian_pattern(ocp)}) {
+      std::set<std::pair<int, int>> entries;
+      for (const Entry& entry : pattern) entries.insert({entry.row, entry.column});
+      EXPECT_EQ(entries.size(), pattern.size());
+    }
   }
 }
 
@@ -184,6 +191,30 @@ TEST(Ocp, ArcModelIsTheExactArcAndEulerTheThesissStep) {
   EXPECT_NEAR(euler.x, X.x + 0.25 * u.v * std::cos(X.theta), 1e-12);  // [T] 3.10
   EXPECT_NEAR(euler.y, X.y + 0.25 * u.v * std::sin(X.theta), 1e-12);
   EXPECT_NEAR(euler.theta, X.theta + 0.25 * u.w, 1e-12);
+}
+
+// Against small steps of the differential equation: of the twist exactly, of the pose as far as the
+// arc of the mean twist is the arc that is driven.
+TEST(Ocp, LaggingRobotMovesByTheMeanOfWhatItDoes) {
+  const MotorLag lag{0.4, 0.25};
+  const Ocp ocp{.dt = 0.25, .half = 0.125, .lag = LagStep::over(0.25, lag)};
+  const Moving from{{0.3, -0.2, 3.0}, {0.6, -0.4}};
+  const Twist2 u{0.1, 0.8};
+  const Moving end = advance(ocp, from, u), same = follow(from, u, lag, 0.25);
+  EXPECT_NEAR(end.X_MB.x, same.X_MB.x, 1e-12);
+  EXPECT_NEAR(end.X_MB.theta, same.X_MB.theta, 1e-12);
+  Moving fine = from;
+  constexpr int kSteps = 2500;
+  for (int i = 0; i < kSteps; ++i) {
+    const double step = 0.25 / kSteps;
+    fine.X_MB = integrate(fine.X_MB, fine.twist, step);
+    fine.twist.v += step / lag.v * (u.v - fine.twist.v);
+    fine.twist.w += step / lag.w * (u.w - fine.twist.w);
+  }
+  EXPECT_NEAR(end.twist.v, fine.twist.v, 1e-4);
+  EXPECT_NEAR(end.twist.w, fine.twist.w, 1e-4);
+  EXPECT_NEAR(end.X_MB.theta, fine.X_MB.theta, 1e-4);
+  EXPECT_NEAR((end.X_MB.position() - fine.X_MB.position()).norm(), 0.0, 3e-3);
 }
 
 // Full turns of the target's heading change nothing.

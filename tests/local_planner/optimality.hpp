@@ -47,7 +47,7 @@ inline Optimality optimality(const Ocp& ocp, const Iterate& point) {
     sum += std::abs(lower) + std::abs(upper);
   }
   for (std::size_t i = 0; i < m; ++i) {
-    const bool is_equality = i < kEqualities * ocp.stages.size();
+    const bool is_equality = i < equalities(ocp) * ocp.stages.size();
     out.primal = std::max(out.primal, is_equality ? std::abs(values[i]) : -values[i]);
     if (!is_equality)
       out.complementarity = std::max(out.complementarity, std::abs(values[i] * point.lambda[i]));

@@ -30,8 +30,8 @@ struct PlanningCase {
   std::vector<Obstacle> obstacles = {};
 };
 
-/// Everything varies: method, model, horizon, discs, state, reference, circles and ellipses at rest
-/// and moving. One case in four may begin inside of obstacles.
+/// Everything varies: method, model, horizon, discs, lag (in one case of four), state, reference,
+/// circles and ellipses at rest and moving. One case in four may begin inside of obstacles.
 inline PlanningCase random_case(unsigned seed) {
   Random random{std::mt19937(seed)};
   PlanningCase c;
@@ -42,6 +42,10 @@ inline PlanningCase random_case(unsigned seed) {
   c.params.intention_form = random.one_in(3) ? "atan" : "rollout";
   c.params.max_pairs = random.one_in(3) ? 12 : 6;
   if (random.one_in(5)) c.params.workspace = 4.2;
+  if (seed % 4 == 3) {
+    c.params.lag_v = 0.1 * static_cast<double>(seed % 7);
+    c.params.lag_w = 0.05 + 0.1 * static_cast<double>(seed % 5);
+  }
 
   PlanRequest& request = c.request;
   request.method = static_cast<Method>(random.below(3));

@@ -25,20 +25,22 @@ struct Numbers {
   }
 };
 
-// `concave`: how much of the curvature may be negative.
-std::vector<ChainStage> random_chain(Numbers& number, double concave) {
-  std::vector<ChainStage> stages(kStages);
-  for (ChainStage& s : stages) {
+// `concave`: how much of the curvature may be negative. n: states that a stage hands on.
+template <int n>
+std::vector<ChainStage<n>> random_chain(Numbers& number, double concave) {
+  std::vector<ChainStage<n>> stages(kStages);
+  for (ChainStage<n>& s : stages) {
     const MatrixXd root = number.matrix<Eigen::Matrix<double, 5, 5>>();
     const MatrixXd H = root * root.transpose();
-    s.H_xx = H.topLeftCorner<3, 3>();
+    s.H_xx.setZero();
+    s.H_xx.template topLeftCorner<3, 3>() = H.topLeftCorner<3, 3>();
     s.H_xu = H.topRightCorner<3, 2>();
     s.H_uu = H.bottomRightCorner<2, 2>();
     const auto C = number.matrix<Eigen::Matrix3d>();
     s.C_xx = -concave * (C * C.transpose());
     const double vw = concave * number();
     s.C_uu << 0.0, vw, vw, concave * number();
-    s.h_x = number.matrix<Eigen::Vector3d>();
+    s.h_x = number.matrix<ChainState<n>>();
     s.h_u = number.matrix<Eigen::Vector2d>();
     s.t = concave * number();
     s.t_u = concave * number.matrix<Eigen::Vector2d>();
@@ -46,94 +48,129 @@ std::vector<ChainStage> random_chain(Numbers& number, double concave) {
     s.g = number.matrix<Eigen::Vector2d>();
     s.e = number.matrix<Eigen::Vector2d>();
     s.a = number.matrix<Eigen::Vector2d>();
-    s.B = number.matrix<Eigen::Matrix<double, 3, 2>>();
-    s.c = number.matrix<Eigen::Vector3d>();
+    s.B = number.matrix<Eigen::Matrix<double, n, 2>>();
+    s.c = number.matrix<ChainState<n>>();
+    if constexpr (n == 5) {
+      const auto more = number.matrix<Eigen::Matrix<double, 5, 5>>();
+      s.H_xx += more * more.transpose();
+      s.lag.E = number.matrix<Eigen::Vector2d>().cwiseAbs();
+      s.lag.M = number.matrix<Eigen::Matrix<double, 3, 2>>();
+      s.lag.t_a = concave * number.matrix<Eigen::Vector2d>();
+      const auto aa = number.matrix<Eigen::Matrix2d>();
+      s.lag.C_aa = concave * (aa + aa.transpose());
+      s.lag.C_au = concave * number.matrix<Eigen::Matrix2d>();
+    }
   }
   return stages;
 }
 
 // The same problem, dense: ½ zᵀHz + hᵀz with E z = b, where z_k = (u, d, X⁺).
+template <int n>
 struct Dense {
-  MatrixXd H = MatrixXd::Zero(7 * kStages, 7 * kStages);
-  VectorXd h = VectorXd::Zero(7 * kStages);
-  MatrixXd E = MatrixXd::Zero(5 * kStages, 7 * kStages);
-  VectorXd b = VectorXd::Zero(5 * kStages);
+  static constexpr int kBlock = n + 4, kRows = n + 2;
+  MatrixXd H = MatrixXd::Zero(kBlock * kStages, kBlock* kStages);
+  VectorXd h = VectorXd::Zero(kBlock * kStages);
+  MatrixXd E = MatrixXd::Zero(kRows * kStages, kBlock* kStages);
+  VectorXd b = VectorXd::Zero(kRows * kStages);
 };
 
-Dense dense(const std::vector<ChainStage>& stages) {
-  Dense out;
+template <int n>
+Dense<n> dense(const std::vector<ChainStage<n>>& stages) {
+  constexpr int kBlock = Dense<n>::kBlock;
+  Dense<n> out;
   for (int k = 0; k < kStages; ++k) {
-    const ChainStage& s = stages[static_cast<std::size_t>(k)];
-    const int u = 7 * k, d = u + 2, X = u + 4, row = 5 * k;
-    out.H.block<3, 3>(X, X) += s.H_xx + s.C_xx;
-    out.H.block<3, 2>(X, u) += s.H_xu;
-    out.H.block<2, 3>(u, X) += s.H_xu.transpose();
-    out.H.block<2, 2>(u, u) += s.H_uu + s.C_uu;
-    out.H.block<2, 2>(d, d).diagonal() += s.D;
-    out.h.segment<3>(X) = s.h_x;
-    out.h.segment<2>(u) = s.h_u;
-    out.h.segment<2>(d) = s.g;
-    out.E.block<2, 2>(row, u).setIdentity();  // Δu − Δu' − Δd = −e
-    out.E.block<2, 2>(row, d) = -Eigen::Matrix2d::Identity();
-    out.b.segment<2>(row) = -s.e;
-    out.E.block<3, 3>(row + 2, X).setIdentity();  // ΔX⁺ − A ΔX − B Δu = c
-    out.E.block<3, 2>(row + 2, u) = -s.B;
-    out.b.segment<3>(row + 2) = s.c;
+    const ChainStage<n>& s = stages[static_cast<std::size_t>(k)];
+    const int u = kBlock * k, d = u + 2, X = u + 4, row = (n + 2) * k;
+    out.H.template block<n, n>(X, X) += s.H_xx;
+    out.H.template block<3, 3>(X, X) += s.C_xx;
+    out.H.template block<3, 2>(X, u) += s.H_xu;
+    out.H.template block<2, 3>(u, X) += s.H_xu.transpose();
+    out.H.template block<2, 2>(u, u) += s.H_uu + s.C_uu;
+    out.H.template block<2, 2>(d, d).diagonal() += s.D;
+    out.h.template segment<n>(X) = s.h_x;
+    out.h.template segment<2>(u) = s.h_u;
+    out.h.template segment<2>(d) = s.g;
+    out.E.template block<2, 2>(row, u).setIdentity();  // Δu − Δu' − Δd = −e
+    out.E.template block<2, 2>(row, d) = -Eigen::Matrix2d::Identity();
+    out.b.template segment<2>(row) = -s.e;
+    out.E.template block<n, n>(row + 2, X).setIdentity();  // ΔX⁺ − A ΔX − B Δu = c
+    out.E.template block<n, 2>(row + 2, u) = -s.B;
+    out.b.template segment<n>(row + 2) = s.c;
     if (k == 0) continue;
-    const int theta = u - 1;
-    out.E.block<2, 2>(row, u - 7) = -Eigen::Matrix2d::Identity();
-    out.E.block<3, 3>(row + 2, X - 7) = -Eigen::Matrix3d::Identity();
-    out.E.block<2, 1>(row + 2, theta) = -s.a;
+    const int before = X - kBlock, theta = before + 2, twist = before + 3;
+    out.E.template block<2, 2>(row, u - kBlock) = -Eigen::Matrix2d::Identity();
+    out.E.template block<3, 3>(row + 2, before) = -Eigen::Matrix3d::Identity();
+    out.E.template block<2, 1>(row + 2, theta) = -s.a;
     out.H(theta, theta) += s.t;
-    out.H.block<1, 2>(theta, u) += s.t_u.transpose();
-    out.H.block<2, 1>(u, theta) += s.t_u;
+    out.H.template block<1, 2>(theta, u) += s.t_u.transpose();
+    out.H.template block<2, 1>(u, theta) += s.t_u;
+    if constexpr (n == 5) {
+      out.E.template block<3, 2>(row + 2, twist) = -s.lag.M;
+      out.E.template block<2, 2>(row + 5, twist) = -Eigen::Matrix2d{s.lag.E.asDiagonal()};
+      out.H.template block<1, 2>(theta, twist) += s.lag.t_a.transpose();
+      out.H.template block<2, 1>(twist, theta) += s.lag.t_a;
+      out.H.template block<2, 2>(twist, twist) += s.lag.C_aa;
+      out.H.template block<2, 2>(twist, u) += s.lag.C_au;
+      out.H.template block<2, 2>(u, twist) += s.lag.C_au.transpose();
+    }
   }
   return out;
 }
 
-TEST(Riccati, StepAndMultipliersSolveTheDenseSystem) {
+// n = 3: the pose; 5: the pose and a twist that lags.
+template <class N>
+class Riccati : public ::testing::Test {};
+using Sizes = ::testing::Types<std::integral_constant<int, 3>, std::integral_constant<int, 5>>;
+TYPED_TEST_SUITE(Riccati, Sizes);
+
+TYPED_TEST(Riccati, StepAndMultipliersSolveTheDenseSystem) {
+  constexpr int n = TypeParam::value, kBlock = Dense<n>::kBlock, kRows = Dense<n>::kRows;
   Numbers number;
   for (int i = 0; i < 50; ++i) {
-    const auto stages = random_chain(number, 0.01);
-    std::vector<ChainGain> gains(kStages);
-    std::vector<ChainStep> steps(kStages);
-    ASSERT_TRUE(factorize(stages, {.delta = 0.1}, gains));
-    roll_out(stages, gains, steps);
+    const auto stages = random_chain<n>(number, 0.01);
+    std::vector<ChainGain<n>> gains(kStages);
+    std::vector<ChainStep<n>> steps(kStages);
+    ASSERT_TRUE(factorize<n>(stages, {.delta = 0.1}, gains));
+    roll_out<n>(stages, gains, steps);
 
-    Dense problem = dense(stages);
+    Dense<n> problem = dense(stages);
     for (int k = 0; k < kStages; ++k)
-      for (const int place : {0, 1, 4, 5, 6}) problem.H(7 * k + place, 7 * k + place) += 0.1;
-    const int n = 7 * kStages, m = 5 * kStages;
-    MatrixXd K = MatrixXd::Zero(n + m, n + m);
-    K.topLeftCorner(n, n) = problem.H;
-    K.topRightCorner(n, m) = problem.E.transpose();
-    K.bottomLeftCorner(m, n) = problem.E;
-    VectorXd right(n + m);
+      for (int place = 0; place < kBlock; ++place)
+        if (place != 2 && place != 3) problem.H(kBlock * k + place, kBlock * k + place) += 0.1;
+    const int z = kBlock * kStages, m = kRows * kStages;
+    MatrixXd K = MatrixXd::Zero(z + m, z + m);
+    K.topLeftCorner(z, z) = problem.H;
+    K.topRightCorner(z, m) = problem.E.transpose();
+    K.bottomLeftCorner(m, z) = problem.E;
+    VectorXd right(z + m);
     right << -problem.h, problem.b;
     const VectorXd exact = K.fullPivLu().solve(right);
     for (int k = 0; k < kStages; ++k) {
-      const ChainStep& step = steps[static_cast<std::size_t>(k)];
-      EXPECT_LT((step.u - exact.segment<2>(7 * k)).norm(), 1e-8);
-      EXPECT_LT((step.d - exact.segment<2>(7 * k + 2)).norm(), 1e-8);
-      EXPECT_LT((step.X - exact.segment<3>(7 * k + 4)).norm(), 1e-8);
-      EXPECT_LT((step.lambda - exact.segment<2>(n + 5 * k)).norm(), 1e-7);
-      EXPECT_LT((step.pi + exact.segment<3>(n + 5 * k + 2)).norm(), 1e-7);
+      const ChainStep<n>& step = steps[static_cast<std::size_t>(k)];
+      const VectorXd stage = exact.segment(kBlock * k, kBlock);
+      const VectorXd lambda = exact.segment(z + kRows * k, kRows);
+      EXPECT_LT((step.u - stage.head<2>()).norm(), 1e-8);
+      EXPECT_LT((step.d - stage.segment<2>(2)).norm(), 1e-8);
+      EXPECT_LT((step.X - stage.tail<n>()).norm(), 1e-8);
+      EXPECT_LT((step.lambda - lambda.head<2>()).norm(), 1e-7);
+      EXPECT_LT((step.pi + lambda.tail<n>()).norm(), 1e-7);
     }
   }
 }
 
-TEST(Riccati, RefusesExactlyWhatIsNotConvexOnTheConstraints) {
+TYPED_TEST(Riccati, RefusesExactlyWhatIsNotConvexOnTheConstraints) {
+  constexpr int n = TypeParam::value;
   Numbers number;
   int convex = 0, refused = 0;
   for (int i = 0; i < 400; ++i) {
-    const auto stages = random_chain(number, 0.3);
-    const Dense problem = dense(stages);
+    const auto stages = random_chain<n>(number, n == 3 ? 0.3 : 1.0);
+    const Dense<n> problem = dense(stages);
     const MatrixXd kernel = problem.E.fullPivLu().kernel();
     const MatrixXd reduced = kernel.transpose() * problem.H * kernel;
     const double least = Eigen::SelfAdjointEigenSolver<MatrixXd>(reduced).eigenvalues()[0];
     if (std::abs(least) < 1e-9) continue;
-    std::vector<ChainGain> gains(kStages);
-    const bool accepted = factorize(stages, {}, gains);
+    std::vector<ChainGain<n>> gains(kStages);
+    const bool accepted = factorize<n>(stages, {}, gains);
     EXPECT_EQ(accepted, least > 0.0) << least;
     ++(least > 0.0 ? convex : refused);
   }

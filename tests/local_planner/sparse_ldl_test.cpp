@@ -38,7 +38,8 @@ struct Triplets {
 // The system of Ipopt's step at a point: unknowns z, slacks, λ of the equalities, λ of rows (4).
 Triplets newton_system(const Ocp& ocp, const std::vector<double>& z, double regularization,
                        Random& random) {
-  const int n = variables(ocp), m = rows(ocp), equalities = kEqualities * ocp.horizon();
+  const int n = variables(ocp), m = rows(ocp),
+            equalities = static_cast<int>(tandem::equalities(ocp)) * ocp.horizon();
   const int pairs = m - equalities;
   std::vector<double> lambda(static_cast<std::size_t>(m));
   for (double& value : lambda) value = random(-5.0, 5.0);

@@ -111,6 +111,27 @@ TEST(StructuredSolver, AgreesWithIpopt) {
   EXPECT_LE(unjudged, all * 0.005);
 }
 
+// Another frame than the map's for the position's weights, as along a trail.
+TEST(StructuredSolver, EndsInAnOptimumWherePositionsAreWeighedInATurnedFrame) {
+  StructuredSolver solver;
+  Random random{std::mt19937(17)};
+  int iterations = 0;
+  for (unsigned seed = 0; seed < 300 / kFewer; ++seed) {
+    StartingPoint start = first_problem(random_case(seed), false);
+    for (Stage& stage : start.ocp.stages) {
+      const double turn = random(-3, 3), along = random(0, 2), across = random(20, 60);
+      const double c = std::cos(turn), s = std::sin(turn);
+      stage.cost.q_x = along * c * c + across * s * s;
+      stage.cost.q_y = along * s * s + across * c * c;
+      stage.cost.q_xy = (along - across) * c * s;
+    }
+    const Solution& solution = solver.solve(start.ocp, start.guess, {.iterations = 300});
+    EXPECT_TRUE(is_optimal(start.ocp, solution)) << seed;
+    iterations += solution.iterations;
+  }
+  EXPECT_LE(iterations, 20 * 300 / static_cast<int>(kFewer));  // Newton, with the exact Hessian
+}
+
 TEST(StructuredSolver, EqualCallsGiveEqualResultsBitForBit) {
   StructuredSolver used;
   for (unsigned seed = 0; seed < 50; ++seed)
@@ -191,7 +212,7 @@ TEST(StructuredSolver, KeepsAVariableWhoseBoundsMeet) {
   const Solution& solution = solver.solve(start.ocp, start.guess, {.iterations = 300});
   EXPECT_EQ(solution.status, SolveStatus::kConverged);
   for (int k = 0; k < start.ocp.horizon(); ++k)
-    EXPECT_NEAR(solution.point.z[static_cast<std::size_t>(kBlock * k + kW)], 0.0, 1e-5);
+    EXPECT_NEAR(at(start.ocp, solution.point.z, static_cast<std::size_t>(k), kW), 0.0, 1e-5);
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ TEST(MapDescription, RefusesWhatMakesNoMap) {
 }
 
 TEST(MapDescription, TheProjectsMapsAreWhatTheirDescriptionsSay) {
-  for (const char* name : {"forest", "corridor", "slalom", "ward", "yard"}) {
+  for (const char* name : {"forest", "corridor", "hall", "slalom", "ward", "yard"}) {
     const auto file = std::filesystem::path(TANDEM_SOURCE_DIR) / "maps" / name;
     const auto tree = build_octomap(load_map_description(file.string() + ".yaml"));
     std::ifstream stream(file.string() + ".bt", std::ios::binary);

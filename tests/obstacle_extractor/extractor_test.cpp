@@ -11,6 +11,7 @@
 #include <set>
 
 #include "loss_worlds.hpp"
+#include "map/overlay.hpp"
 #include "worlds.hpp"
 
 namespace tandem {
@@ -21,24 +22,6 @@ using namespace test;
 // How many of something: few, unless TANDEM_TEST_LONG is set.
 unsigned number(unsigned in_long, unsigned in_short) {
   return std::getenv("TANDEM_TEST_LONG") != nullptr ? in_long : in_short;
-}
-
-bool lies_in_one_shape(const Eigen::Vector2d& p_MC, double side,
-                       const std::vector<Obstacle>& shapes) {
-  return std::any_of(shapes.begin(), shapes.end(), [&](const Obstacle& shape) {
-    for (const double x : {-0.5, 0.5})
-      for (const double y : {-0.5, 0.5})
-        if (level(shape, p_MC + side * Eigen::Vector2d{x, y}) > 1.0 + 1e-12) return false;
-    return true;
-  });
-}
-
-int uncovered_cells(const StaticMap& map, const Eigen::Vector2d& p_MB, double range,
-                    const std::vector<Obstacle>& shapes) {
-  int count = 0;
-  for (const auto& p_MC : map.cells_near(p_MB, range))
-    if (!lies_in_one_shape(p_MC, map.grid().resolution, shapes)) ++count;
-  return count;
 }
 
 void expect_covered(const std::shared_ptr<const StaticMap>& map, int poses) {
@@ -216,6 +199,107 @@ TEST(Extractor, RefusesNonsense) {
   Extractor extractor(map, {});
   EXPECT_TRUE(extractor.near({std::numeric_limits<double>::quiet_NaN(), 0.0}).empty());
   EXPECT_TRUE(extractor.near({1e300, -1e300}).empty());
+}
+
+// What a robot with live sensing is given: a window of the world that moves with it, in which
+// things come and go.
+class ChangingWorld {
+ public:
+  explicit ChangingWorld(unsigned seed) : random_{seed}, world_{load_world(project_map("forest"))} {
+    base_ = world_->grid();
+  }
+  std::shared_ptr<const StaticMap> next(const Eigen::Vector2d& p_MB) {
+    for (int i = 0; i < 3; ++i) {
+      Cell& cell = base_.cells[random_() % base_.cells.size()];
+      cell = cell == Cell::kOccupied ? Cell::kFree : Cell::kOccupied;
+    }
+    return std::make_shared<const StaticMap>(
+        overlay(base_, Grid{base_.resolution, base_.origin, 0, 0, {}}, p_MB, 4.0));
+  }
+
+ private:
+  std::mt19937 random_;
+  std::shared_ptr<const StaticMap> world_;
+  Grid base_;
+};
+
+TEST(ChangingMap, EveryCellIsCoveredAtOnce) {
+  ChangingWorld world(5);
+  const ExtractorParams params{.range = 2.5, .tile = 2.0};
+  const auto place = [](int n) { return Eigen::Vector2d{-4.0 + 0.2 * n, -3.0 + 0.05 * n}; };
+  Extractor extractor(world.next(place(0)), params);
+  for (int n = 0; n < 30; ++n) {
+    const auto map = world.next(place(n));
+    extractor.update(map);
+    ASSERT_EQ(uncovered_cells(*map, place(n), params.range, extractor.near(place(n))), 0) << n;
+    if (n % 7 == 0) (void)extractor.refresh_near(place(n), params.range, 3);
+  }
+}
+
+// What has gone is gone from the list at once if it stood alone.
+TEST(ChangingMap, AThingThatIsGoneIsNoObstacle) {
+  Grid grid{0.05, {0.0, 0.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
+  const auto empty = std::make_shared<const StaticMap>(grid);
+  for (int i = 0; i < 10; ++i) grid.cells[grid.index(100 + i, 120)] = Cell::kOccupied;
+  const auto bar = std::make_shared<const StaticMap>(grid);
+  Extractor extractor(empty, {});
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(extractor.near({5.0, 5.0}).empty());
+    extractor.update(bar);
+    EXPECT_EQ(uncovered_cells(*bar, {5.0, 5.0}, 4.0, extractor.near({5.0, 5.0})), 0);
+    extractor.update(empty);
+  }
+}
+
+void expect_same(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].id, b[i].id);
+    EXPECT_EQ(a[i].p_MO, b[i].p_MO);
+    EXPECT_EQ(a[i].a, b[i].a);
+    EXPECT_EQ(a[i].b, b[i].b);
+    EXPECT_EQ(a[i].angle, b[i].angle);
+  }
+}
+
+TEST(ChangingMap, RefreshedShapesAreThoseOfTheNewMapAlone) {
+  ChangingWorld world(6);
+  const ExtractorParams params{.range = 2.5, .tile = 2.0};
+  const Eigen::Vector2d p_MB{-1.0, -2.0};
+  const auto first = world.next({-1.0, -3.0});
+  Extractor followed(first, params);
+  (void)followed.near(p_MB);
+  std::shared_ptr<const StaticMap> map;
+  for (int n = 0; n < 5; ++n) {
+    followed.update(map = world.next({-1.0 + 0.3 * n, -3.0 + 0.3 * n}));
+    (void)followed.near(p_MB);
+  }
+  while (followed.refresh_near(p_MB, params.range, 0)) {
+  }
+  Extractor alone(first, params);
+  alone.update(map);
+  expect_same(followed.near(p_MB), alone.near(p_MB));
+}
+
+TEST(ChangingMap, OnlyTilesThatChangedAreFittedAgain) {
+  const auto before = load_world(project_map("forest"));
+  Grid grid = before->grid();
+  const Eigen::Vector2d p_MB{0.0, -2.0}, changed{2.6, -3.1};
+  const Eigen::Vector2d cell = (changed - grid.origin) / grid.resolution;
+  grid.cells[grid.index(static_cast<int>(cell.x()), static_cast<int>(cell.y()))] = Cell::kOccupied;
+  Extractor extractor(before, {});
+  const auto old = extractor.near(p_MB);
+  extractor.update(std::make_shared<const StaticMap>(grid));
+  int kept = 0, more = 0;
+  for (const Obstacle& shape : extractor.near(p_MB)) {
+    const bool is_kept = std::any_of(old.begin(), old.end(), [&](const Obstacle& other) {
+      return other.id == shape.id && other.p_MO == shape.p_MO && other.a == shape.a;
+    });
+    ++(is_kept ? kept : more);
+    EXPECT_TRUE(is_kept || (shape.p_MO - changed).norm() < 6.0);
+  }
+  EXPECT_GT(more, 0);
+  EXPECT_GT(kept, more);
 }
 
 }  // namespace

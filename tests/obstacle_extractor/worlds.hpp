@@ -2,15 +2,18 @@
 // In: names of maps. Out: the worlds that the extractor's tests and benchmark run in.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "map/barn_world.hpp"
 #include "map/octomap_file.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
+#include "model/obstacle.hpp"
 
 namespace tandem::test {
 
@@ -67,6 +70,25 @@ inline std::shared_ptr<const StaticMap> random_world(unsigned seed) {
   for (auto& cell : grid.cells)
     if (unit(random) < 0.002) cell = Cell::kOccupied;
   return std::make_shared<StaticMap>(std::move(grid), seed % 3 == 0);
+}
+
+inline bool lies_in_one_shape(const Eigen::Vector2d& p_MC, double side,
+                              const std::vector<Obstacle>& shapes) {
+  return std::any_of(shapes.begin(), shapes.end(), [&](const Obstacle& shape) {
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5})
+        if (level(shape, p_MC + side * Eigen::Vector2d{x, y}) > 1.0 + 1e-12) return false;
+    return true;
+  });
+}
+
+/// Obstacle cells within `range` of the point that lie wholly in none of the shapes.
+inline int uncovered_cells(const StaticMap& map, const Eigen::Vector2d& p_MB, double range,
+                           const std::vector<Obstacle>& shapes) {
+  int count = 0;
+  for (const auto& p_MC : map.cells_near(p_MB, range))
+    if (!lies_in_one_shape(p_MC, map.grid().resolution, shapes)) ++count;
+  return count;
 }
 
 inline Eigen::Vector2d random_point(std::mt19937& random, const Grid& grid) {

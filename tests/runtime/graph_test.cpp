@@ -13,6 +13,7 @@
 #include "runtime/codec.hpp"
 #include "runtime/dds.hpp"
 #include "runtime/endpoint.hpp"
+#include "runtime/graph.hpp"
 #include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -42,7 +43,7 @@ class GraphTest : public testing::Test {
         kTimeout, node_);
   }
 
-  rt::Node node_{rt::NodeOptions{.name = "seen", .ns = "/robot"}};
+  rt::Node node_{rt::NodeOptions{.name = "seen", .ns = "/robot", .serves_tools = false}};
   std::shared_ptr<rt::Participant> participant_ = rt::Participant::shared();
   rt::Codec codec_{rt::type_ref<ParticipantEntitiesInfo>()};
   std::optional<ParticipantEntitiesInfo> info_;
@@ -55,7 +56,7 @@ class GraphTest : public testing::Test {
                        info_.emplace();
                        return codec_.decode(bytes, &*info_);
                      },
-                     [this](std::size_t) { malformed_ = true; }};
+                     {[this](std::size_t) { malformed_ = true; }, [] {}}};
 };
 
 TEST_F(GraphTest, UsesRos2sTypeName) {
@@ -84,6 +85,37 @@ TEST_F(GraphTest, ListsANodeWithTheGidsOfItsEndpoints) {
     EXPECT_TRUE(std::equal(prefix, prefix + 12, gid.data().begin()));
 }
 
+TEST_F(GraphTest, TellsOfABatchOfChangesInOneSample) {
+  std::vector<std::size_t> writers;  // of the node, sample by sample
+  rt::Reader every{*participant_,
+                   {"ros_discovery_info", codec_.dds_name(), {.depth = 100}},
+                   [&](const rt::Bytes& bytes, const auto&) {
+                     ParticipantEntitiesInfo info;
+                     EXPECT_TRUE(codec_.decode(bytes, &info));
+                     writers.push_back(info.node_entities_info_seq().at(0).writer_gid_seq().size());
+                     return true;
+                   },
+                   {[](std::size_t) {}, [] {}}};
+  const rt::Topic<std_msgs::msg::Bool> topic{"a"};
+  std::vector<rt::Publisher<std_msgs::msg::Bool>> publishers;
+  const auto publish = [&] { publishers.push_back(node_.create_publisher(topic)); };
+  ASSERT_TRUE(spin_until([&] { return every.matched() > 0; }, kTimeout, node_));
+  publish();
+  {
+    const rt::Graph::Batch outer{participant_->graph()}, inner{participant_->graph()};
+    publish();
+    publish();
+  }
+  publish();
+  ASSERT_TRUE(spin_until(
+      [&] {
+        every.drain();
+        return !writers.empty() && writers.back() == 4;
+      },
+      kTimeout, node_));
+  EXPECT_EQ(writers, (std::vector<std::size_t>{1, 3, 4}));
+}
+
 TEST_F(GraphTest, EncodesGidsOfSixteenBytes) {
   ASSERT_TRUE(see([](const auto&) { return true; }));
   // encapsulation 4, gid 16, count 4, "/robot" 4+7+1, "seen" 4+5+3, two empty sequences 8
@@ -110,7 +142,7 @@ TEST_F(HumbleGraphTest, EncodesGidsOfTwentyFourBytes) {
 TEST_F(GraphTest, ForgetsWhatIsGone) {
   const rt::Topic<std_msgs::msg::Bool> topic{"e_stop"};
   {
-    rt::Node other{"brief"};
+    rt::Node other{rt::NodeOptions{.name = "brief", .serves_tools = false}};
     const auto publisher = node_.create_publisher(topic);
     ASSERT_TRUE(see([](const auto& info) { return info.node_entities_info_seq().size() == 2; }));
   }

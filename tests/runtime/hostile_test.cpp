@@ -10,6 +10,7 @@
 
 #include "runtime/codec.hpp"
 #include "runtime/endpoint.hpp"
+#include "runtime/names.hpp"
 #include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -18,6 +19,16 @@ namespace tandem {
 namespace {
 
 using rt::Bytes;
+
+struct GainParams {
+  double gain = 1.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("gain", gain, Range{0.0, 2.0}, "[1]");
+  }
+};
+
 using test::spin_until;
 
 constexpr double kTimeout = 10.0;  // [s]
@@ -77,6 +88,16 @@ TEST(Codec, RefusesLengthsBeyondTheEnd) {
     EXPECT_FALSE(
         decodes<visualization_msgs::msg::MarkerArray>(with_length(encoded(markers()), 4, length)));
   }
+}
+
+// Every node takes these from anyone.
+TEST(Codec, TakesLessFromThoseWhoAskForParameters) {
+  rcl_interfaces::srv::GetParameters::Request request;
+  request.names(std::vector<std::string>(1000, "a_name_of_usual_length"));
+  EXPECT_TRUE(decodes<rcl_interfaces::srv::GetParameters::Request>(encoded(request)));
+  Bytes bytes = with_length(Bytes(200'000, 0), 4, 150'000);
+  bytes[1] = 1;
+  EXPECT_FALSE(decodes<rcl_interfaces::srv::SetParameters::Request>(bytes));
 }
 
 TEST(Codec, RefusesAnUnknownEncapsulation) {
@@ -181,6 +202,45 @@ TEST_F(HostileSender, OfABadBooleanIsNotHeard) {
   std_msgs::msg::Bool good;
   good.data(true);
   expect_only_the_good_one<std_msgs::msg::Bool>({{0, 1, 0, 0, 7}}, good);
+}
+
+// A parameter service answers the good request after any number of bad ones.
+TEST_F(HostileSender, OfParametersIsNotAnsweredAndChangesNothing) {
+  using rcl_interfaces::srv::SetParameters;
+  const auto params = node_.declare_parameters<GainParams>(
+      {}, [](auto& all) -> auto& { return all; }, [](const auto&) {});
+  SetParameters::Request request;
+  auto& parameter = request.parameters().emplace_back();
+  parameter.name("gain");
+  parameter.value().type(rcl_interfaces::msg::ParameterType_Constants::PARAMETER_DOUBLE);
+  parameter.value().double_value(0.5);
+  const Bytes good = encoded(request);
+  const rt::ServiceName<SetParameters> service{"/victim/set_parameters"};
+  const auto participant = rt::Participant::shared();
+  rt::Writer writer{*participant,
+                    {rt::dds_request_name(service.name),
+                     rt::Codec{rt::type_ref<SetParameters::Request>()}.dds_name(), rt::kDefault}};
+  ASSERT_TRUE(spin_until([&] { return writer.matched() == 1; }, kTimeout, node_));
+  std::vector<Bytes> bad{{},
+                         {0, 1, 0, 0},
+                         with_length(good, 4, 0xFFFFFFFFU),
+                         with_length(good, 4, 1000),
+                         with_length(good, 8, 0x7FFFFFFFU),
+                         Bytes(100'000, 0xFF),
+                         Bytes(300'000, 0)};
+  for (std::size_t size = 1; size < good.size(); size += 5)
+    bad.emplace_back(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size));
+  for (const Bytes& bytes : bad) {
+    ASSERT_TRUE(writer.write(bytes));
+    node_.spin_some(0.01);
+  }
+  EXPECT_EQ(params->gain, 1.0);
+  const auto client = node_.create_client(service);
+  bool taken = false;
+  client.call(
+      request, [&](const auto& answer) { taken = answer.results().at(0).successful(); }, kTimeout);
+  ASSERT_TRUE(spin_until([&] { return taken; }, kTimeout, node_));
+  EXPECT_EQ(params->gain, 0.5);
 }
 
 TEST_F(HostileSender, OfNanIsHeardForNumbersAreTheCoresToJudge) {

@@ -30,6 +30,7 @@ struct GateParams {
   std::string mode = "shared";
   std::string map = "";
   std::vector<double> outline;
+  double wheel_radius = 0.1;
   Limits limits;
 
   template <class Visitor>
@@ -40,6 +41,7 @@ struct GateParams {
     field("mode", mode, OneOf{{"manual", "shared"}}, "who drives");
     field("map", map, "file");
     field("outline", outline, Range{-5.0, 5.0}, "[m]");
+    field("wheels.left.radius", wheel_radius, Range{0.0, 1.0}, "[m]");
     limits.visit(field);
   }
 };
@@ -82,6 +84,18 @@ TEST_F(ParameterFile, GivesEveryKindOfValue) {
   EXPECT_EQ(params_.map, "7");
   EXPECT_EQ(params_.outline, (std::vector<double>{1.0, -2.5}));
   EXPECT_EQ(params_.limits.a_max, 1.0);  // an integer will do for a number
+}
+
+// What `ros2 param dump /gate` writes: keys split at dots, sorted, PyYAML's quotes.
+TEST_F(ParameterFile, IsWhatRos2ParamDumpWrites) {
+  ASSERT_EQ(load("/gate:\n  ros__parameters:\n    a_max: 1.0e-05\n    enforce: false\n"
+                 "    map: '7'\n    margin: 0.25\n    mode: manual\n    outline: []\n"
+                 "    steps: 7\n    wheels:\n      left:\n        radius: 0.5\n"),
+            "");
+  EXPECT_EQ(params_.limits.a_max, 1e-5);
+  EXPECT_EQ(params_.map, "7");
+  EXPECT_TRUE(params_.outline.empty());
+  EXPECT_EQ(params_.wheel_radius, 0.5);
 }
 
 TEST_F(ParameterFile, LeavesDefaultsWhereNothingIsSaid) {
@@ -159,6 +173,14 @@ TEST(RosArguments, ChangeNameRemappingsAndParameters) {
   rt::Node node{options};
   EXPECT_EQ(node.declare_parameters<GateParams>()->margin, 0.4);
   EXPECT_NO_THROW(node.check_parameters());
+}
+
+TEST(RosArguments, TellOfNodesThatAreNotThere) {
+  const auto arguments = rt::parse_ros_arguments(
+      {"--ros-args", "-r", "gate:__node:=left", "-p", "left:margin:=0.4", "-p", "gate:margin:=0.5",
+       "-r", "left:x:=y", "-p", "nobody:x:=1", "-p", "margin:=0.4"});
+  EXPECT_EQ(rt::strangers_in(arguments, {{.name = "gate"}, {.name = "other"}}),
+            (std::vector<std::string>{"left", "nobody"}));
 }
 
 TEST(RosArguments, RefuseWhatRos2WouldNotUnderstand) {

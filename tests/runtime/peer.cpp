@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other process of the runtime's tests. `peer echo`: sends each Twist of /ping back on /pong.
-// `peer trigger`: serves /trigger. `peer throw`: a callback throws. Ends with 0 on SIGTERM.
+// `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer.
+// `peer throw`: a callback throws. Ends with 0 on SIGTERM.
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -34,6 +35,18 @@ void trigger() {
   node.spin();
 }
 
+void ask() {
+  rt::Node node{"asker"};
+  const auto client = node.create_client(rt::ServiceName<Trigger>{"trigger"});
+  constexpr double kPatience = 30.0;  // [s]
+  const auto print = [&](const Trigger::Response& response) {
+    std::printf("%s\n", response.message().c_str());
+    node.stop();
+  };
+  client.call({}, print, kPatience, [&] { node.stop(); });
+  node.spin();
+}
+
 void throw_in_callback() {
   rt::Node node{"thrower"};
   const auto timer = node.create_timer(0.01, [] { throw std::runtime_error("on purpose"); });
@@ -47,6 +60,7 @@ int main(int argc, char** argv) try {
   const std::string mode = argc > 1 ? argv[1] : "";
   if (mode == "echo") echo();
   if (mode == "trigger") trigger();
+  if (mode == "ask") ask();
   if (mode == "throw") throw_in_callback();
   return 0;
 } catch (const std::exception& error) {

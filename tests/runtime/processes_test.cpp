@@ -81,16 +81,32 @@ TEST_P(DiscoveryRange, ReachesAnotherProcessOfThisHost) {
 
 INSTANTIATE_TEST_SUITE_P(
     Environments, DiscoveryRange,
-    testing::Values(Reach{"Default", {}, true},
-                    Reach{"Subnet", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"}}, true},
-                    Reach{"Localhost", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"}}, true},
-                    Reach{"Off", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"}}, false},
-                    Reach{"LocalhostWithPeer",
-                          {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"},
-                           {"ROS_STATIC_PEERS", "192.0.2.1"}},
-                          true},
-                    Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true}),
+    testing::Values(
+        Reach{"Default", {}, true},
+        Reach{"Subnet", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"}}, true},
+        Reach{"Localhost", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"}}, true},
+        Reach{"Off", {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"}}, false},
+        Reach{"LocalhostWithPeer",
+              {{"ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"}, {"ROS_STATIC_PEERS", "192.0.2.1"}},
+              true},
+        Reach{
+            "LocalhostOnlySinceIron", {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_DISTRO", "jazzy"}}, true},
+        Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true}),
     [](const auto& reach) { return reach.param.name; });
+
+// As Jazzy does in range LOCALHOST, the seeker names all addresses of the host as its own.
+TEST(TwoProcesses, OfRangeLocalhostReachAPeerOfAllInterfaces) {
+  unsetenv("ROS_LOCALHOST_ONLY");
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", 1);
+  ChildProcess peer{"peer", {"echo"}};
+  setenv("ROS_STATIC_PEERS", "192.0.2.1", 1);
+  rt::Node node{"seeker"};
+  const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
+  EXPECT_TRUE(spin_until([&] { return ping.matched() == 1; }, kTimeout, node));
+  unsetenv("ROS_STATIC_PEERS");
+  unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  setenv("ROS_LOCALHOST_ONLY", "1", 1);
+}
 
 class SignalledPeer : public testing::TestWithParam<int> {};
 

@@ -2,12 +2,23 @@
 // Somebody who wants the robot to hit something, and a robot that is as bad as its bounds allow.
 #pragma once
 
+#include <limits>
+#include <optional>
+
 #include "scenes.hpp"
 
 namespace tandem::test {
 
-enum class Malice { kRandom, kTowardNearest, kBangBang, kTurnInPlace, kConstant, kPushAndTurn };
-inline constexpr int kMalices = 6;
+enum class Malice {
+  kRandom,
+  kTowardNearest,
+  kBangBang,
+  kTurnInPlace,
+  kConstant,
+  kPushAndTurn,
+  kNotFinite,  ///< bursts of NaN and ±∞ amid a push toward the nearest obstacle
+};
+inline constexpr int kMalices = 7;
 
 /// Full-speed commands, by knowledge of the true pose.
 class Adversary {
@@ -33,6 +44,8 @@ class Adversary {
         if (tick_ % 3 == 0) twist = {0.0, w(pick(random_, 2) ? 1 : -1)};
         return twist;
       }
+      case Malice::kNotFinite:
+        return tick_ % 5 < 2 ? not_finite() : toward_nearest(X_MB, footprint, map);
     }
     return {};
   }
@@ -43,6 +56,21 @@ class Adversary {
   Twist2 any() {
     return {v(pick(random_, 2) ? 1 : -1) * (pick(random_, 3) ? 1.0 : uniform(random_, 0.0, 1.0)),
             uniform(random_, -1.0, 1.0) * robot_.w_max};
+  }
+
+  Twist2 not_finite() {
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kInf = std::numeric_limits<double>::infinity();
+    switch (pick(random_, 4)) {
+      case 0:
+        return {kNaN, w(1)};
+      case 1:
+        return {v(1), kNaN};
+      case 2:
+        return {kInf, -kInf};
+      default:
+        return {-kInf, w(-1)};
+    }
   }
 
   // Signs that move the outline's point next to the nearest cell straight at it.
@@ -82,40 +110,49 @@ class ClosedLoop {
  public:
   ClosedLoop(const SafetyFilterParams& filter, const RobotParams& robot,
              const DiffDriveSimParams& sim, std::shared_ptr<const StaticMap> map, Random& random)
-      : robot_{robot},
-        params_{filter},
-        map_{map},
+      : ClosedLoop(filter, robot, sim, robot, std::move(map), random) {}
+
+  /// The base is `real`, though the filter believes `robot`.
+  ClosedLoop(const SafetyFilterParams& filter, const RobotParams& robot,
+             const DiffDriveSimParams& sim, const RobotParams& real,
+             std::shared_ptr<const StaticMap> map, Random& random)
+      : params_{filter},
         random_{random},
         filter_{filter, robot},
-        sim_{sim, robot, map, static_cast<unsigned>(random())} {
+        sim_{sim, real, map, static_cast<unsigned>(random())} {
     filter_.on_map(map);
   }
 
-  void start_at(const Pose2& X_MB) { sim_.reset(X_MB, static_cast<unsigned>(random_())); }
-
-  /// A bias that stays, or fresh noise in every tick.
-  void draw_pose_error(bool fresh) {
-    fresh_error_ = fresh;
-    const double angle = uniform(random_, -std::numbers::pi, std::numbers::pi);
-    const double size = fraction(random_) * params_.position_error;
-    error_ = {size * std::cos(angle), size * std::sin(angle),
-              uniform(random_, -1.0, 1.0) * params_.heading_error};
+  void start_at(const Pose2& X_MB) {
+    sim_.reset(X_MB, static_cast<unsigned>(random_()));
+    lost_ = 0;
   }
 
-  /// One control period of length `period`: measure (late), filter, send.
+  /// A bias that stays, or fresh noise in every tick; `multiple` of the bounds.
+  void draw_pose_error(bool fresh, double multiple = 1.0) {
+    fresh_error_ = fresh;
+    multiple_ = multiple;
+    const double angle = uniform(random_, -std::numbers::pi, std::numbers::pi);
+    const double size = multiple * fraction(random_) * params_.position_error;
+    error_ = {size * std::cos(angle), size * std::sin(angle),
+              multiple * uniform(random_, -1.0, 1.0) * params_.heading_error};
+  }
+
+  /// One control period of length `period`: measure (late, or not at all for a while), filter,
+  /// send.
   Filtered tick(const Twist2& command, double period) {
     const double age = fraction(random_) * 0.4 * period;
     sim_.advance_to(now_ + period - age);
-    const OdometryReport report = sim_.odometry();
-    const double heard = now_ + period - age;
+    watch_people();
+    if (lost_ > 0) --lost_;
+    if (lost_ == 0) measure(now_ + period - age);
+    if (lost_ == 0 && pick(random_, 15) == 0) lost_ = 1 + pick(random_, 6);
     sim_.advance_to(now_ + period);
     now_ += period;
 
-    if (fresh_error_) draw_pose_error(true);
-    Pose2 X_MB = compose(report.X_MW, report.X_WB);
-    X_MB = {X_MB.x + error_.x, X_MB.y + error_.y, X_MB.theta + error_.theta};
+    if (unseen_ == 0) filter_.on_people(people_, now_);  // as they were a moment ago
     filter_.on_command(command, now_);
-    const Filtered out = filter_.update(RobotState{X_MB, report.twist, heard}, now_);
+    const Filtered out = filter_.update(measured_, now_);
     sim_.command(out.twist, now_);
     return out;
   }
@@ -132,17 +169,45 @@ class ClosedLoop {
   }
 
   [[nodiscard]] const DiffDriveSim& sim() const { return sim_; }
+  [[nodiscard]] DiffDriveSim& sim() { return sim_; }
   [[nodiscard]] const SafetyFilter& filter() const { return filter_; }
   [[nodiscard]] double now() const { return now_; }
 
  private:
-  RobotParams robot_;
+  // With errors up to their bounds, and not at all for a while.
+  void watch_people() {
+    if (sim_.people().all().empty()) return;
+    if (unseen_ > 0) --unseen_;
+    if (unseen_ == 0 && pick(random_, 15) == 0) unseen_ = 1 + pick(random_, 6);
+    people_ = sim_.people().all();
+    for (Obstacle& person : people_) {
+      person.p_MO += params_.people.person_error * somewhere();
+      person.v_MO += params_.people.person_speed_error * somewhere();
+    }
+  }
+  Eigen::Vector2d somewhere() {
+    const double angle = uniform(random_, -std::numbers::pi, std::numbers::pi);
+    return fraction(random_) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
+
+  void measure(double t) {
+    const OdometryReport report = sim_.odometry();
+    if (fresh_error_) draw_pose_error(true, multiple_);
+    const Pose2 X_MB = compose(report.X_MW, report.X_WB);
+    measured_ = RobotState{
+        {X_MB.x + error_.x, X_MB.y + error_.y, X_MB.theta + error_.theta}, report.twist, t};
+  }
+
   SafetyFilterParams params_;
-  std::shared_ptr<const StaticMap> map_;
   Random& random_;
   SafetyFilter filter_;
   DiffDriveSim sim_;
+  std::optional<RobotState> measured_;
+  std::vector<Obstacle> people_;
+  int lost_ = 0;    // ticks without odometry yet to come
+  int unseen_ = 0;  // … without a list of people
   Pose2 error_;
+  double multiple_ = 1.0;
   bool fresh_error_ = false;
   double now_ = 0.0;
 };

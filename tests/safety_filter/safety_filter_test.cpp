@@ -143,6 +143,31 @@ TEST(SafetyFilter, StopsOnAStaleState) {
   EXPECT_EQ(out.twist, Twist2{});
 }
 
+TEST(SafetyFilter, StandsWhenThePoseJumpsAndBelievesItOnlyAfterAWhile) {
+  SafetyFilter filter = filter_on(wall_ahead());
+  const auto drive = [&](double x, double theta, double now) {
+    filter.on_command({0.5, 0.0}, now);
+    return filter.update(RobotState{{x, 0.0, theta}, {0.5, 0.0}, now}, now);
+  };
+  double now = 0.0, x = -3.0;
+  for (; now < 1.0; now += 0.05, x += 0.025)
+    EXPECT_EQ(drive(x + (now > 0.5 ? 0.1 : 0.0), 0.0, now).reason, FilterReason::kClear);
+  for (const auto& [dx, turn] : {std::pair{0.4, 0.0}, std::pair{0.0, 0.5}}) {  // too far, too wide
+    x += dx;
+    const double jumped = now;
+    for (; now < jumped + 0.99; now += 0.05, x += 0.025) {
+      const Filtered out = drive(x, turn, now);
+      EXPECT_EQ(out.reason, FilterReason::kPoseJumped);
+      EXPECT_EQ(out.twist, Twist2{});
+    }
+    now = jumped + 1.05;
+    x += 0.0025;
+    EXPECT_EQ(drive(x, turn, now).reason, FilterReason::kClear);
+    now += 0.05;
+    x += 0.025;
+  }
+}
+
 TEST(SafetyFilter, RefusesWhatIsNotFinite) {
   for (const Twist2 command : {Twist2{kNaN, 0.0}, Twist2{0.1, kNaN}, Twist2{kInf, 0.0}}) {
     EXPECT_EQ(once(command, at(-2.0)).reason, FilterReason::kNotFinite);
@@ -246,6 +271,97 @@ TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
                       0.05);
     EXPECT_EQ(loop.sim().contacts().count, 0u) << seed;
     EXPECT_GT(loop.sim().min_clearance(), 0.002) << seed;
+  }
+}
+
+// However the ramp to zero is rounded: a base that reverses may be at its new speed in no time.
+TEST(StoppingMotion, AReversalReachesTheCommandedSpeed) {
+  Random random(1);
+  for (int i = 0; i < 2000; ++i) {
+    MotionStart start;
+    start.measured = {-uniform(random, 0.01, 1.0), 0.0};
+    start.command = {uniform(random, 0.01, 1.0), 0.0};
+    start.hold = 3.0;
+    const Motion motion = possible_motion(
+        start, {uniform(random, 0.0, 0.1), uniform(random, 0.5, 3.0), 1.0, 1.5}, 1.0, 1.0);
+    double fastest = 0.0;
+    for (const Segment& segment : motion) fastest = std::max(fastest, segment.twist.v);
+    ASSERT_EQ(fastest, start.command.v) << start.measured.v;
+  }
+}
+
+class BesidePeople : public ::testing::Test {
+ protected:
+  BesidePeople() {
+    params_.people.watched = true;
+    filter_.emplace(filter_on(as_map(free_grid(20.0)), params_));
+  }
+  // Of somebody whose skin is `gap` ahead of the bumper of a robot at the origin.
+  static Obstacle ahead(double gap, double vx = 0.0) {
+    return {.p_MO = {kBumper + gap + 0.25, 0.0}, .a = 0.25, .b = 0.25, .v_MO = {vx, 0.0}};
+  }
+  Filtered drive(const Twist2& command, std::vector<Obstacle> people, const Twist2& measured = {}) {
+    filter_->on_people(std::move(people), 0.0);
+    filter_->on_command(command, 0.0);
+    return filter_->update(at(0.0, 0.0, 0.0, measured), 0.0);
+  }
+
+  SafetyFilterParams params_;
+  std::optional<SafetyFilter> filter_;
+};
+
+TEST_F(BesidePeople, StandsUntilTheyAreHeardAndWhenTheyFallSilent) {
+  filter_->on_command({0.8, 0.0}, 0.0);
+  EXPECT_EQ(filter_->update(at(0.0), 0.0).reason, FilterReason::kNoPeople);
+  EXPECT_EQ(drive({0.8, 0.0}, {}).twist, (Twist2{0.8, 0.0}));  // nobody is not silence
+  const double late = params_.people.people_timeout + 0.01;
+  filter_->on_command({0.8, 0.0}, late);
+  RobotState state = at(0.0);
+  state.t = late;
+  const Filtered out = filter_->update(state, late);
+  EXPECT_EQ(out.reason, FilterReason::kNoPeople);
+  EXPECT_EQ(out.twist, Twist2{});
+}
+
+TEST_F(BesidePeople, SlowsForThoseWhoAreNearAndNotForThoseWhoAreFar) {
+  double last = 0.0;
+  for (const double gap : {0.1, 0.3, 0.6, 1.0, 4.0}) {
+    const Filtered out = drive({0.8, 0.0}, {ahead(gap)});
+    EXPECT_GE(out.twist.v, last) << gap;
+    last = out.twist.v;
+  }
+  EXPECT_EQ(last, 0.8);
+  EXPECT_LT(drive({0.8, 0.0}, {ahead(0.3)}).twist.v, 0.2);
+}
+
+TEST_F(BesidePeople, MindsWhereTheyAreGoing) {
+  const double leaves = drive({0.8, 0.0}, {ahead(0.8, 1.0)}).twist.v;
+  const double comes = drive({0.8, 0.0}, {ahead(0.8, -1.0)}).twist.v;
+  EXPECT_GT(leaves, comes + 0.2);
+  EXPECT_LE(comes, params_.people.creep_speed);
+}
+
+TEST_F(BesidePeople, CreepsAwayFromSomebodyInTouchAndNotInto) {
+  const Filtered away = drive({-0.4, 0.0}, {ahead(0.01)});
+  EXPECT_LT(away.twist.v, 0.0);
+  EXPECT_GE(away.twist.v, -params_.people.creep_speed);
+  EXPECT_EQ(drive({0.4, 0.0}, {ahead(0.01)}).twist, Twist2{});
+}
+
+TEST(SafetyFilter, WatchingNobodyChangesNoCommand) {
+  Random random(1);
+  SafetyFilterParams watching;
+  watching.people.watched = true;
+  for (int i = 0; i < 300; ++i) {
+    const auto map = random_map(random);
+    SafetyFilter plain = filter_on(map), watchful = filter_on(map, watching);
+    watchful.on_people({}, 0.0);
+    const RobotState state = at(uniform(random, -2.0, 2.0), uniform(random, -2.0, 2.0),
+                                uniform(random, -3.0, 3.0), {uniform(random, -0.4, 0.8), 0.3});
+    const Twist2 command{uniform(random, -0.4, 0.8), uniform(random, -1.0, 1.0)};
+    plain.on_command(command, 0.0);
+    watchful.on_command(command, 0.0);
+    EXPECT_EQ(plain.update(state, 0.0).twist, watchful.update(state, 0.0).twist);
   }
 }
 

@@ -108,9 +108,10 @@ inline RobotParams random_robot(Random& random) {
   robot.w_max = uniform(random, 0.6, 2.0);
   robot.a_brake = uniform(random, 0.8, 2.5);
   robot.alpha_brake = uniform(random, 1.5, 6.0);
-  robot.motor_lag = uniform(random, 0.0, 0.08);
-  robot.command_delay = uniform(random, 0.0, 0.06);
-  robot.sensor_delay = uniform(random, 0.0, 0.06);
+  const double slow = pick(random, 4) ? 1.0 : 5.0;  // motors of 0.4 s, a link of 0.3 s
+  robot.motor_lag = slow * uniform(random, 0.0, 0.08);
+  robot.command_delay = slow * uniform(random, 0.0, 0.06);
+  robot.sensor_delay = slow * uniform(random, 0.0, 0.06);
   robot.command_timeout = uniform(random, 0.06, 0.2);
   return robot;
 }

@@ -42,6 +42,7 @@ class SimOverDds : public OneComponent {
   rt::RunningComponent sim_ =
       load("diff_drive_sim", {{"map", TANDEM_SOURCE_DIR "/maps/forest.bt"},
                               {"start", "[" + std::to_string(kStart) + ", -2.0, 0.0]"},
+                              {"people", "[0.25, 1.0, 2, -4.0, -4.5, 4.0, -4.5]"},
                               {"command_timeout", "0.4"}});
   rt::Publisher<geometry_msgs::msg::Twist> command_ = node_.create_publisher(topics::cmd_vel);
   rt::Subscription odom_in_, truth_in_, collision_in_;
@@ -119,6 +120,21 @@ TEST_F(SimOverDds, ReportsAContactUntilTheRobotIsClearAgain) {
   push_ = {-0.4, 0.0};
   EXPECT_TRUE(wait_until([&] { return !collision_.in_contact(); }));
   EXPECT_EQ(collision_.count(), 1u);
+}
+
+TEST_F(SimOverDds, SaysWherePeopleWalk) {
+  std::vector<Obstacle> people;
+  std::string frame;
+  const auto people_in = node_.create_subscription(topics::people, [&](const auto& msg) {
+    people = from_msg(msg).all;
+    frame = msg.header().frame_id();
+  });
+  ASSERT_TRUE(wait_until([&] { return !people.empty() && people[0].p_MO.x() > -3.5; }));
+  EXPECT_EQ(people.size(), 1U);
+  EXPECT_EQ(frame, "map");
+  EXPECT_NEAR(people[0].p_MO.y(), -4.5, 1e-9);
+  EXPECT_EQ(people[0].a, 0.25);
+  EXPECT_LE(people[0].v_MO.norm(), 1.0 + 1e-9);
 }
 
 TEST_F(SimOverDds, ShowsItsClockItsFramesAndWhatItsScannerSees) {

@@ -2,7 +2,9 @@
 // Single nodes over real DDS: what they do with what arrives, good and bad.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "map/octomap_file.hpp"
 #include "system/one_component.hpp"
@@ -80,7 +82,7 @@ TEST_F(ArbitrationOverDds, PolicyChangesByServiceAndABadOneIsRefused) {
   request.policy("anarchy");
   client.call(request, [&](const auto& response) { answer = response.message(); });
   ASSERT_TRUE(wait_until([&] { return !answer.empty(); }));
-  EXPECT_NE(answer.find("manual, shared, blend, autonomous"), std::string::npos);
+  EXPECT_NE(answer.find("manual, shared, blend, adaptive, autonomous"), std::string::npos);
   EXPECT_EQ(v_, 0.5);
   request.policy("shared");
   client.call(request, [](const auto&) {});
@@ -89,7 +91,8 @@ TEST_F(ArbitrationOverDds, PolicyChangesByServiceAndABadOneIsRefused) {
 
 class FilterOverDds : public OneComponent {
  protected:
-  FilterOverDds() {
+  explicit FilterOverDds(const std::string& people = "false")
+      : filter_{load("safety_filter", {{"map_is_odom", "true"}, {"people", people}})} {
     out_ = node_.create_subscription(topics::cmd_vel,
                                      [this](const auto& msg) { v_ = msg.linear().x(); });
     status_ = node_.create_subscription(topics::filter_status,
@@ -109,8 +112,7 @@ class FilterOverDds : public OneComponent {
     map_.publish(msg);
   }
 
-  rt::RunningComponent filter_ =
-      rt::load_component("safety_filter", options("safety_filter", {{"map_is_odom", "true"}}));
+  rt::RunningComponent filter_;
   rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
   rt::Publisher<geometry_msgs::msg::Twist> command_ =
       node_.create_publisher(topics::cmd_vel_arbitrated);
@@ -125,6 +127,48 @@ TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "no map"; }));
   send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
+}
+
+class FilterAmongPeople : public FilterOverDds {
+ protected:
+  FilterAmongPeople() : FilterOverDds{"true"} {
+    send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+    people_beat_ = node_.create_wall_timer(0.02, [this] {
+      if (list_) people_.publish(to_msg(*list_, header({}, frame_)));
+    });
+  }
+  // Somebody who stands so far ahead of base_link, as a list of one.
+  static std::vector<Obstacle> somebody(double x) {
+    return {{.p_MO = {x, 0.0}, .a = 0.25, .b = 0.25}};
+  }
+
+  rt::Publisher<tandem_msgs::msg::ObstacleArray> people_ = node_.create_publisher(topics::people);
+  rt::Timer people_beat_;
+  std::optional<std::vector<Obstacle>> list_;
+  std::string frame_ = "map";
+};
+
+TEST_F(FilterAmongPeople, SlowsForSomebodyAheadAndStandsWhenNobodySaysWhereTheyAre) {
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  list_.emplace();
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));  // nobody is there
+  list_ = somebody(0.85);
+  ASSERT_TRUE(wait_until([&] { return v_ < 0.1 && reason_ == "slowed"; }));
+  list_.emplace();
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  list_.reset();
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+}
+
+TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
+  list_ = somebody(5.0);
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  list_->push_back(somebody(kNaN).front());
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  list_->pop_back();
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  frame_ = "camera";
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
 }
 
 TEST_F(FilterOverDds, KeepsTheOldMapWhenTheNewOneIsBroken) {

@@ -13,7 +13,8 @@ const Eigen::Vector2d kPole{-2.0, -2.0}, kFarPole{3.0, 4.0};  // of the forest
 
 class ExtractorOverDds : public OneComponent {
  protected:
-  ExtractorOverDds() {
+  explicit ExtractorOverDds(const std::string& people = "false")
+      : extractor_{load("obstacle_extractor", {{"map_is_odom", "true"}, {"people", people}})} {
     lists_in_ = node_.create_subscription(topics::obstacles, [this](const auto& msg) {
       seen_ = from_msg(msg).all;
       frame_ = msg.header().frame_id();
@@ -46,7 +47,7 @@ class ExtractorOverDds : public OneComponent {
   }
 
   CapturedLog log_;
-  rt::RunningComponent extractor_ = load("obstacle_extractor", {{"map_is_odom", "true"}});
+  rt::RunningComponent extractor_;
   rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
   rt::Publisher<octomap_msgs::msg::Octomap> map_ = node_.create_publisher(topics::octomap_binary);
   rt::Subscription lists_in_;
@@ -67,6 +68,33 @@ TEST_F(ExtractorOverDds, ListsWhatTheMapHoldsNearTheRobot) {
   EXPECT_FALSE(covered(kFarPole));
   odometry_ = odometry({2.0, 3.0, 0.0});
   EXPECT_TRUE(wait_until([&] { return covered(kFarPole); }));
+}
+
+class ExtractorAmongPeople : public ExtractorOverDds {
+ protected:
+  ExtractorAmongPeople() : ExtractorOverDds{"true"} {
+    people_beat_ = node_.create_wall_timer(0.02, [this] {
+      if (talks_) people_.publish(to_msg(walkers_, header({}, "map")));
+    });
+  }
+
+  const std::vector<Obstacle> walkers_{
+      {.id = 7, .p_MO = {-2.6, -3.4}, .a = 0.25, .b = 0.25, .v_MO = {0.5, -0.2}}};
+  rt::Publisher<tandem_msgs::msg::ObstacleArray> people_ = node_.create_publisher(topics::people);
+  rt::Timer people_beat_;
+  bool talks_ = true;
+};
+
+TEST_F(ExtractorAmongPeople, ListsThemWithTheirVelocityAndNothingWhileTheyAreSilent) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  EXPECT_TRUE(covered(kPole));
+  EXPECT_EQ(seen_.back().p_MO, walkers_[0].p_MO);
+  EXPECT_EQ(seen_.back().v_MO, walkers_[0].v_MO);
+  talks_ = false;
+  EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: people are silent") > 0; }));
+  talks_ = true;
+  EXPECT_TRUE(wait_for_lists(1));
 }
 
 TEST_F(ExtractorOverDds, DrawsWhatItLists) {

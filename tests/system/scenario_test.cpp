@@ -84,6 +84,18 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.scenario) + "_" + test.param.method; });
 #endif
 
+TEST_F(ScenarioProgram, OtherMethodsAndDriversDriveOverDds) {
+  const std::pair<const char*, const char*> drives[] = {{"dwa", "navigator+tremor"},
+                                                        {"adaptive", "pointer+dropouts"}};
+  for (const auto& [method, driver] : drives) {
+    EXPECT_EQ(run("forest_task2", {"--dds", "--method", method, "--driver", driver}), 0) << method;
+    const auto drive = json().at(0);
+    EXPECT_EQ(drive.at("collisions"), 0) << method;
+    EXPECT_EQ(drive.at("driver"), driver);
+    EXPECT_GT(drive.at("plans"), 50) << method;
+  }
+}
+
 TEST_F(ScenarioProgram, SameSeedGivesTheSameDriveBitForBit) {
   ASSERT_EQ(run("forest_task2", {"--lockstep", "--seed", "3"}), 0);
   const auto first = json().at(0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The forest system, one process per component, and a watcher beside it.
+// A system, by default the forest, one process per component, and a watcher beside it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ inline const char* const kComponents[] = {"map_server",         "driver",       
 
 class SystemUnderTest {
  public:
-  SystemUnderTest() {
+  explicit SystemUnderTest(std::string system = TANDEM_SOURCE_DIR "/bringup/systems/forest.yaml")
+      : system_{std::move(system)} {
     cmd_vel_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
       const auto twist = from_msg(msg);
       if (twist) command = *twist;
@@ -45,16 +46,19 @@ class SystemUnderTest {
   void start_all() {
     for (const char* name : kComponents) start(name);
   }
-  void start(const std::string& name) {
-    children_[name] = std::make_unique<ChildProcess>(
-        "../tandem", std::vector<std::string>{
-                         "run", TANDEM_SOURCE_DIR "/bringup/systems/forest.yaml", "--only", name});
+  void start(const std::string& name, const std::vector<std::string>& ros_args = {}) {
+    std::vector<std::string> arguments{"run", system_, "--only", name};
+    arguments.insert(arguments.end(), ros_args.begin(), ros_args.end());
+    children_[name] = std::make_unique<ChildProcess>("../tandem", std::move(arguments));
   }
   void kill_hard(const std::string& name) {
     children_.at(name)->send(SIGKILL);
     (void)children_.at(name)->wait(2.0);
   }
   [[nodiscard]] ChildProcess& process(const std::string& name) { return *children_.at(name); }
+
+  /// The watcher: its callbacks run while something is waited for.
+  [[nodiscard]] rt::Node& node() { return node_; }
 
   [[nodiscard]] bool wait_until(const std::function<bool()>& done, double timeout) {
     return spin_until(done, timeout, node_);
@@ -75,6 +79,7 @@ class SystemUnderTest {
   std::string reason, planner_says;
 
  private:
+  std::string system_;
   rt::Node node_{"watcher"};
   rt::Subscription cmd_vel_, truth_, collision_, arbitration_, planner_;
   std::map<std::string, std::unique_ptr<ChildProcess>> children_;

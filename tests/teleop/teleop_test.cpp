@@ -14,7 +14,7 @@ constexpr Pose2 kOrigin{};
 TEST(ReadStick, MapsAxesAndButtonsAsTheThesisDoes) {
   const std::array<float, 4> axes{0.25f, 1.0f, 0.0f, 0.0f};
   const std::array<int, 2> buttons{1, 0};
-  const Stick stick = read_stick(axes, buttons, {.deadzone = 0.0});
+  const Stick stick = read_stick(axes, buttons, {.gains = {.deadzone = 0.0}});
   EXPECT_NEAR(stick.linear, 1.0, 1e-6);
   EXPECT_NEAR(stick.angular, 0.25, 1e-6);
   EXPECT_TRUE(stick.deadman);
@@ -60,7 +60,7 @@ TEST(Teleop, TakesASilentJoystickAsReleased) {
 }
 
 TEST(Teleop, LeaderStartsAtTheRobotAndIntegratesTheStick) {
-  Teleop teleop{{.leader_scale_linear = 0.9}};
+  Teleop teleop{{.gains = {.leader_scale_linear = 0.9}}};
   const Pose2 X_MB{2.0, 1.0, 0.0};
   ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, X_MB, 0.0)->X_ML);
   const auto intent = teleop.on_stick({.linear = 1.0, .deadman = true}, X_MB, 0.1);
@@ -69,13 +69,25 @@ TEST(Teleop, LeaderStartsAtTheRobotAndIntegratesTheStick) {
 }
 
 TEST(Teleop, LeaderNeverLeavesItsLeash) {
-  Teleop teleop{{.leash = 0.5}};
+  Teleop teleop{{.gains = {.leash = 0.5}}};
   std::optional<Intent> intent;
   for (double t = 0.0; t < 10.0; t += 0.05) {
     intent = teleop.on_stick({.linear = 1.0, .angular = 0.3, .deadman = true}, kOrigin, t);
     ASSERT_LE(intent->X_ML->position().norm(), 0.5 + 1e-9);
   }
   EXPECT_NEAR(intent->X_ML->position().norm(), 0.5, 1e-9);
+}
+
+TEST(Teleop, GoesOnWithOtherGainsWhileTheDeadManIsHeld) {
+  Teleop teleop{{}};
+  const Stick ahead{.linear = 1.0, .deadman = true};
+  std::optional<Intent> before;
+  for (double t = 0.0; t < 0.5; t += 0.05) before = teleop.on_stick(ahead, kOrigin, t);
+  EXPECT_THROW(teleop.set_gains({.leash = 99.0}), std::invalid_argument);
+  teleop.set_gains({.scale_linear = 0.2});
+  const auto after = teleop.on_stick(ahead, kOrigin, 0.5);
+  EXPECT_EQ(after->twist.v, 0.2);
+  EXPECT_GE(after->X_ML->x, before->X_ML->x);  // the leader is where it was, and drives on
 }
 
 TEST(Teleop, LeaderReturnsToTheRobotAfterRelease) {

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/doctor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+using rt::DomainEndpoint;
+using rt::GraphForm;
+
+// Two ROS 2 processes, ours with a node /tandem that reads /odom reliably.
+rt::Domain domain() {
+  rt::Domain domain;
+  domain.participants = {{"aa", true, GraphForm::kSinceIron, {"/tandem"}},
+                         {"bb", false, GraphForm::kSinceIron, {"/robot"}}};
+  domain.endpoints = {{"aa", "/tandem", "/odom", "nav_msgs/msg/Odometry", false, {1, 0}, "h1"},
+                      {"bb", "/robot", "/odom", "nav_msgs/msg/Odometry", true, {1, 0}, "h1"}};
+  return domain;
+}
+
+bool finds(const std::vector<Finding>& found, const std::string& what) {
+  for (const auto& finding : found)
+    if (finding.what.find(what) != std::string::npos) return !finding.remedy.empty();
+  return false;
+}
+
+TEST(Doctor, FindsNothingWhereAllFits) { EXPECT_TRUE(examine(domain()).empty()); }
+
+TEST(Doctor, NamesBothSidesOfQosThatDoesNotFit) {
+  auto sick = domain();
+  sick.endpoints[1].policies.reliability = 0;
+  const auto found = examine(sick);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what,
+            "/odom: /robot offers reliability best effort, /tandem requests reliable: no message "
+            "passes");
+}
+
+TEST(Doctor, LetsPassWhatASecondSubscriptionHears) {
+  auto well = domain();
+  well.endpoints[1].policies.reliability = 0;
+  well.endpoints.push_back(
+      {"aa", "/tandem", "/odom", "nav_msgs/msg/Odometry", false, {0, 0}, "h1"});
+  EXPECT_TRUE(examine(well).empty());
+}
+
+TEST(Doctor, FindsTypesAndHashesThatDiffer) {
+  auto sick = domain();
+  sick.endpoints[1].type_hash = "h2";
+  EXPECT_TRUE(finds(examine(sick), "mean different nav_msgs/msg/Odometry"));
+  sick.endpoints[1].type = "nav_msgs/msg/Path";
+  EXPECT_TRUE(finds(examine(sick), "/robot sends nav_msgs/msg/Path, /tandem takes"));
+  sick = domain();
+  sick.endpoints[1].type_hash.clear();  // Humble tells none
+  EXPECT_TRUE(examine(sick).empty());
+}
+
+TEST(Doctor, FindsTwinsStrangersAndHumbleBesideOthers) {
+  auto sick = domain();
+  sick.participants[1].nodes = {"/tandem"};
+  EXPECT_TRUE(finds(examine(sick), "2 nodes are called /tandem"));
+  sick = domain();
+  sick.participants[1].form = GraphForm::kHumble;
+  EXPECT_TRUE(finds(examine(sick), "Humble"));
+  sick.participants[1] = {"bb", false, GraphForm::kNone, {}};
+  EXPECT_TRUE(finds(examine(sick), "tells of no nodes"));
+  sick = domain();
+  sick.malformed = 3;
+  EXPECT_TRUE(finds(examine(sick), "3 samples of ros_discovery_info"));
+}
+
+TEST(Doctor, SaysThatNobodyIsThere) {
+  auto lonely = domain();
+  lonely.participants.pop_back();
+  lonely.endpoints.pop_back();
+  EXPECT_TRUE(finds(examine(lonely), "nobody else"));
+}
+
+TEST(Doctor, FindsSegmentsThatNobodyHasMapped) {
+  char name[] = "/tmp/tandem_doctor_XXXXXX";
+  const fs::path root = mkdtemp(name), shm = root / "shm", proc = root / "proc";
+  fs::create_directories(shm);
+  fs::create_directories(proc / "12");
+  for (const char* file : {"fastrtps_dead", "fastrtps_alive", "other"}) std::ofstream{shm / file};
+  std::ofstream{proc / "12" / "maps"} << "7f00-7f01 rw-s 00000000 00:19 5   "
+                                      << (shm / "fastrtps_alive").string() << '\n';
+  EXPECT_EQ(stale_segments(shm, proc),
+            (std::vector<std::string>{(shm / "fastrtps_dead").string()}));
+  fs::create_directories(proc / "13");  // whose maps may not be read
+  EXPECT_TRUE(stale_segments(shm, proc).empty());
+  fs::remove_all(root);
+}
+
+}  // namespace
+}  // namespace tandem

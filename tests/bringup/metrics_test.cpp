@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// The measures of drives that can be worked out by hand.
+#include "bringup/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+
+namespace tandem {
+namespace {
+
+constexpr double kTick = 0.01;
+const MetricsSetting kSetting{
+    .goal = RegionGoal{{0.99, -1.0}, {9.0, 1.0}}, .v_max = 1.0, .w_max = 2.0, .shortest_way = 0.8};
+
+// What is measured of `seconds` of a drive whose samples are made by `at`.
+DriveResult measure(double seconds, const std::function<DriveSample(double)>& at,
+                    const MetricsSetting& setting = kSetting) {
+  Metrics metrics{setting};
+  for (long n = 0; n <= std::lround(seconds / kTick); ++n) {
+    const double t = kTick * static_cast<double>(n);
+    DriveSample sample = at(t);
+    sample.t = t;
+    metrics.add(sample);
+  }
+  DriveResult result;
+  metrics.write(result);
+  return result;
+}
+
+DriveSample steady(const Twist2& user, const Twist2& robot, double clearance = 1.0) {
+  return {.twist = robot, .user = user, .clearance = clearance};
+}
+
+TEST(Metrics, OfADriveThatDoesWhatIsAsked) {
+  const auto r = measure(2.0, [](double t) {
+    DriveSample sample = steady({0.5, 0.0}, {0.5, 0.0});
+    sample.X_MB.x = 0.5 * t;
+    return sample;
+  });
+  EXPECT_TRUE(r.reached);
+  EXPECT_NEAR(r.time_to_goal_s, 1.98, 1e-9);
+  EXPECT_NEAR(r.path_length_m, 1.0, 1e-12);
+  EXPECT_NEAR(r.path_ratio.value(), 1.0 / 0.8, 1e-12);
+  EXPECT_EQ(r.obedience_rms, 0.0);
+  EXPECT_NEAR(r.agreement_direction.value(), 1.0, 1e-12);
+  EXPECT_NEAR(r.agreement_magnitude.value(), 1.0, 1e-12);
+  EXPECT_NEAR(r.jerk_rms.value(), 0.0, 1e-9);
+  EXPECT_EQ(r.stuck_s, 0.0);
+  EXPECT_EQ(r.stick_travel_per_s, 0.0);
+  EXPECT_EQ(r.stick_reversals, 0);
+}
+
+TEST(Metrics, HasNoPathRatioForADriveThatDidNotArrive) {
+  const auto r = measure(1.0, [](double) { return steady({0.5, 0.0}, {0.5, 0.0}); });
+  EXPECT_FALSE(r.reached);
+  EXPECT_FALSE(r.path_ratio.has_value());
+}
+
+TEST(Metrics, AgreementComparesDirectionsInSharesOfTheLimits) {
+  // (0.5, 0.5) of the limits against (0.5, 0): 45°, and 1/√2 as much.
+  const auto r = measure(1.0, [](double) { return steady({0.5, 1.0}, {0.5, 0.0}); });
+  EXPECT_NEAR(r.agreement_direction.value(), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(r.agreement_magnitude.value(), std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(r.obedience_rms, std::sqrt(0.125), 1e-12);
+}
+
+TEST(Metrics, AgreementIsMinusOneForTheOppositeAndNoneForAPersonWhoRests) {
+  EXPECT_NEAR(measure(1.0,
+                      [](double) {
+                        return steady({0.5, 0.0}, {-0.2, 0.0});
+                      })
+                  .agreement_direction.value(),
+              -1.0, 1e-12);
+  const auto rests = measure(1.0, [](double) { return steady({}, {0.5, 0.0}); });
+  EXPECT_FALSE(rests.agreement_direction.has_value());
+  EXPECT_FALSE(rests.agreement_magnitude.has_value());
+}
+
+TEST(Metrics, AgreementInTheFreeCountsWhereNothingIsNear) {
+  const auto r = measure(2.0, [](double t) {
+    return t <= 1.0 ? steady({0.5, 0.0}, {-0.5, 0.0}, 0.49) : steady({0.5, 0.0}, {0.5, 0.0}, 0.5);
+  });
+  EXPECT_NEAR(r.agreement_direction_free.value(), 1.0, 1e-12);
+  EXPECT_NEAR(r.agreement_direction.value(), 0.0, 1e-9);
+}
+
+TEST(Metrics, ARobotThatStandsWhileThePersonPushesIsStuck) {
+  const auto r = measure(3.0, [](double t) { return steady({t < 1.0 ? 0.0 : 0.5, 0.0}, {}); });
+  EXPECT_NEAR(r.stuck_s, 2.01, 1e-9);  // the sample at 1 s ends the step before it
+  EXPECT_FALSE(r.agreement_direction.has_value());
+  EXPECT_EQ(r.agreement_magnitude.value(), 0.0);
+}
+
+TEST(Metrics, ClearanceIsItsMinimumAndItsMeanUpToOneMetre) {
+  const auto r = measure(2.0, [](double t) { return steady({}, {}, t <= 1.0 ? 0.2 : 5.0); });
+  EXPECT_EQ(r.min_clearance_m, 0.2);
+  EXPECT_NEAR(r.mean_clearance_m, 0.6, 1e-12);
+}
+
+TEST(Metrics, StickTravelsAndReverses) {
+  // Every half second from one side to the other by the whole range: 2 of the limit, 7 times.
+  const auto r = measure(3.99, [](double t) {
+    return steady({0.0, static_cast<int>((t + 1e-9) / 0.5) % 2 == 0 ? 2.0 : -2.0}, {});
+  });
+  EXPECT_EQ(r.stick_reversals, 7);
+  EXPECT_NEAR(r.stick_travel_per_s, 14.0 / 3.99, 1e-9);
+}
+
+TEST(Metrics, SmallTurnsOfTheStickAreNoReversals) {
+  const auto r = measure(2.0, [](double t) {
+    return steady({0.5, std::fmod(t, 0.2) < 0.1 ? 0.15 : -0.15}, {});
+  });
+  EXPECT_EQ(r.stick_reversals, 0);
+}
+
+TEST(Metrics, LeavesOutASampleFromThePast) {
+  Metrics metrics{kSetting};
+  for (const double t : {1.0, 2.0, 0.5, 3.0}) {
+    DriveSample sample;
+    sample.t = t;
+    sample.X_MB.x = t == 0.5 ? -100.0 : 0.1 * t;
+    metrics.add(sample);
+  }
+  DriveResult r;
+  metrics.write(r);
+  EXPECT_NEAR(r.path_length_m, 0.2, 1e-12);
+  EXPECT_NEAR(r.simulated_s, 2.0, 1e-12);
+}
+
+TEST(Metrics, RoamingHasNoPlaceToReach) {
+  const auto r = measure(2.0,
+                         [](double t) {
+                           DriveSample sample = steady({0.5, 0.0}, {0.5, 0.0});
+                           sample.X_MB.x = 0.5 * t;
+                           return sample;
+                         },
+                         {.goal = RoamGoal{2.0, 0.9}, .v_max = 1.0, .w_max = 1.0});
+  EXPECT_TRUE(r.reached);
+  EXPECT_FALSE(r.path_ratio.has_value());
+  EXPECT_EQ(r.final_position_error_m, 0.0);
+}
+
+TEST(DriveCounts, CountsInterventionsAndUnbrokenRunsOfThem) {
+  DriveCounts counts;
+  for (const bool changed : {false, true, true, false, true, false, false})
+    counts.on_filtered(changed);
+  EXPECT_EQ(counts.filter_commands, 7);
+  EXPECT_EQ(counts.filter_interventions, 3);
+  EXPECT_EQ(counts.filter_episodes, 2);
+}
+
+TEST(Metrics, APlanLongerThanTheControlPeriodMissesItsDeadline) {
+  DriveResult r;
+  r.counts.plan_ms = {10.0, 60.0, 50.0, 50.1};
+  Metrics{kSetting}.write(r);
+  EXPECT_EQ(r.missed_deadlines, 2);
+  EXPECT_EQ(r.plan_ms.p50, 50.0);
+  EXPECT_EQ(r.plan_ms.max, 60.0);
+}
+
+TEST(DriveResult, ComesBackFromItsJson) {
+  auto r = measure(1.0, [](double t) { return steady({0.5, std::sin(t)}, {0.4, 0.0}); });
+  r.scenario = "s";
+  r.failures = {"a", "b"};
+  const nlohmann::json json = r;
+  EXPECT_TRUE(json.at("path_ratio").is_null());
+  const nlohmann::json again = nlohmann::json::parse(json.dump()).get<DriveResult>();
+  EXPECT_EQ(again, json);
+}
+
+}  // namespace
+}  // namespace tandem

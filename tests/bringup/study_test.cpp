@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+// Study files, the folder that keeps finished drives, and what is computed of them.
+#include "bringup/study.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <stdexcept>
+
+#include "bringup/study_folder.hpp"
+#include "bringup/study_summary.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kScenarios = TANDEM_SOURCE_DIR "/bringup/scenarios/";
+
+class StudyTest : public ::testing::Test {
+ protected:
+  StudyTest() { fs::create_directories(folder_); }
+  ~StudyTest() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Study load(const std::string& text) const {
+    std::ofstream{file_} << text;
+    return load_study(file_.string());
+  }
+  // What loading and checking it complains of; empty: nothing.
+  [[nodiscard]] std::string complaint(const std::string& text) const {
+    try {
+      check_study(load(text));
+      return {};
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+  }
+
+  const std::string text_ = "study: t\nscenarios: [" + kScenarios +
+                            "forest_task2.yaml]\nmethods: [manual, leader]\nseeds: 1-3\n";
+  fs::path folder_ = fs::temp_directory_path() / ("tandem_study_test_" + std::to_string(getpid()));
+  fs::path file_ = folder_ / "s.yaml";
+};
+
+using StudyFile = StudyTest;
+
+TEST_F(StudyFile, ListsEachScenarioMethodDriverAndSeed) {
+  const Study study = load(text_);
+  ASSERT_EQ(study.drives.size(), 6u);
+  EXPECT_EQ(name_of(study, study.drives.front()), "forest_task2/manual/navigator/1");
+  EXPECT_EQ(name_of(study, study.drives.back()), "forest_task2/leader/navigator/3");
+}
+
+TEST_F(StudyFile, WhatAPartDoesNotSayIsSaidAbove) {
+  const Study study = load(text_ +
+                           "parts:\n"
+                           "  - {seeds: 1}\n"
+                           "  - {methods: [path], seeds: [7, 9]}\n"
+                           "  - {methods: all, scenarios: [{file: " +
+                           kScenarios + "corridor.yaml, name: again, duration: 12}]}\n");
+  std::vector<std::string> names;
+  for (const auto& drive : study.drives) names.push_back(name_of(study, drive));
+  EXPECT_EQ(names.size(), 2u + 2u + 3 * load_scenario(kScenarios + "corridor.yaml").methods.size());
+  EXPECT_EQ(names[3], "forest_task2/path/navigator/9");
+  EXPECT_EQ(study.cells.back().scenario.name, "again");
+  EXPECT_EQ(study.cells.back().scenario.duration, 12.0);
+}
+
+TEST_F(StudyFile, OverridesReachTheComponentsAndTheNearestWins) {
+  const Study study =
+      load("study: t\nscenarios: [" + kScenarios +
+           "forest_task2.yaml]\nseeds: 1\n"
+           "overrides: {driver: {aim_noise: 0.5, preview: 0.7}, local_planner: {margin: 0.2}}\n"
+           "methods: [{name: bare, method: leader, enforce: false,"
+           " parameters: {local_planner: {margin: 0.1}}}]\n"
+           "drivers: [{name: steady, aim_noise: 0.0}]\n");
+  const StudyCell& cell = study.cells.front();
+  EXPECT_EQ(cell.method, "bare");
+  EXPECT_EQ(cell.driver, "steady");
+  EXPECT_FALSE(cell.options.enforce);
+  EXPECT_EQ(cell.scenario.parameters.at("driver").at("aim_noise").yaml, "0.0");
+  EXPECT_EQ(cell.scenario.parameters.at("driver").at("preview").yaml, "0.7");
+  EXPECT_EQ(cell.scenario.parameters.at("local_planner").at("margin").yaml, "0.1");
+}
+
+TEST_F(StudyFile, ThoseShippedAreSoundAndNeedOnlyTheMaps) {
+  for (const char* name : {"quick", "full"}) {
+    const Study study =
+        load_study(TANDEM_SOURCE_DIR "/bringup/studies/" + std::string{name} + ".yaml");
+    EXPECT_EQ(study.name, name);
+    check_study(study);
+  }
+}
+
+struct Mistake {
+  const char *name, *from, *to, *complaint;
+};
+
+class Mistaken : public StudyTest, public ::testing::WithParamInterface<Mistake> {};
+
+TEST_P(Mistaken, IsRefusedInOneLineThatNamesTheFile) {
+  std::string text = text_;
+  const std::string from = GetParam().from;
+  ASSERT_NE(text.find(from), std::string::npos);
+  const std::string line = complaint(text.replace(text.find(from), from.size(), GetParam().to));
+  EXPECT_NE(line.find("s.yaml:"), std::string::npos) << line;
+  EXPECT_NE(line.find(GetParam().complaint), std::string::npos) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, Mistaken,
+    ::testing::Values(
+        Mistake{"key", "seeds", "sedes", ":4: unknown key 'sedes'; known here: "},
+        Mistake{"yaml", "seeds: 1-3", "seeds: [1", "s.yaml:"},
+        Mistake{"no_name", "study: t\n", "", "'study' is missing"},
+        Mistake{"no_seeds", "seeds: 1-3\n", "", "`seeds` is missing"},
+        Mistake{"seeds_0", "1-3", "0", "`seeds` = 0: expected 20, 1-20 or [3, 5, 8]"},
+        Mistake{"seeds_word", "1-3", "many", "`seeds` = many: expected"},
+        Mistake{"seeds_minus", "1-3", "[-3]", "`seeds` = [-3]: expected"},
+        Mistake{"seeds_back", "1-3", "3-1", "seeds 3-1: expected A-B with 1 <= A <= B"},
+        Mistake{"no_seed", "1-3", "[]", "`seeds` = []: expected"},
+        Mistake{"method", "leader", "magic", ":3: method `magic` is none of manual, "},
+        Mistake{"methods", "[manual, leader]", "some",
+                "`methods` needs a list of methods, or `all`"},
+        Mistake{"no_scenarios", "scenarios: ", "about: ", "`scenarios` needs a list"},
+        Mistake{"twice", "[manual, leader]", "[manual, manual]", "is listed twice"},
+        Mistake{"component", "seeds: 1-3", "seeds: 1\noverrides: {planer: {margin: 0.1}}",
+                "parameters for `planer`, which is none of"},
+        Mistake{"parameter", "seeds: 1-3", "seeds: 1\noverrides: {local_planner: {magrin: 0.1}}",
+                "magrin"},
+        Mistake{"driver", "seeds: 1-3", "seeds: 1\ndrivers: [{nmae: x}]", "'name' is missing"},
+        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` needs a list"},
+        Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]", "unknown key 'sede'"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(StudyFile, NamesTheScenarioThatIsNotThere) {
+  EXPECT_NE(complaint("study: t\nscenarios: [nowhere.yaml]\nseeds: 1\n")
+                .find("s.yaml:2: no scenario file " + (folder_ / "nowhere.yaml").string()),
+            std::string::npos);
+}
+
+// What of a drive is not a clock's.
+nlohmann::json measures(DriveResult result) {
+  result.wall_s = result.cpu_s = 0.0;
+  result.part_s = {};
+  result.plan_ms = {};
+  result.missed_deadlines = 0;
+  return result;
+}
+
+TEST(Lockstep, KeepsWorldsWithoutChangingADrive) {
+  std::vector<Scenario> scenarios;
+  for (const char* name : {"forest_task2.yaml", "corridor.yaml"}) {
+    scenarios.push_back(load_scenario(kScenarios + name));
+    scenarios.back().duration = 6.0;
+  }
+  Lockstep kept;
+  for (const unsigned seed : {1U, 2U})
+    for (const Scenario& scenario : scenarios)
+      for (const bool obstacles : {false, true}) {
+        DriveOptions options;
+        options.seed = seed;
+        options.lockstep = true;
+        options.obstacles = obstacles;
+        EXPECT_EQ(measures(kept.drive(scenario, options).result),
+                  measures(drive_in_lockstep(scenario, options).result))
+            << scenario.name << seed << obstacles;
+      }
+}
+
+const nlohmann::json kStudy = {
+    {"study", "t"}, {"description", {{"a", 1}}}, {"drives", {"one", "two", "three"}}};
+
+nlohmann::json line_of(double time) {
+  DriveResult result;
+  result.time_to_goal_s = time;
+  return {{"drive", result}, {"track", nlohmann::json::array()}};
+}
+
+using Folder = StudyTest;
+
+TEST_F(Folder, KeepsWhatIsFinishedInTheStudysOrder) {
+  const std::string path = (folder_ / "out").string();
+  {
+    StudyFolder folder{path, kStudy};
+    folder.append("three", line_of(3.0));
+    folder.append("one", line_of(1.0));
+  }
+  const StudyFolder folder{path, kStudy};
+  const auto results = folder.results();
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0].time_to_goal_s, 1.0);
+  EXPECT_EQ(results[1].time_to_goal_s, 3.0);
+}
+
+// However much of a line a crash left, what was before it is kept and what comes after it is whole.
+TEST_F(Folder, DropsALastLineTornAnywhere) {
+  const std::string path = (folder_ / "out").string(), file = path + "/drives.jsonl";
+  StudyFolder{path, kStudy}.append("one", line_of(1.0));
+  const auto before = fs::file_size(file);
+  StudyFolder{path, kStudy}.append("two", line_of(2.0));
+  const auto after = fs::file_size(file);
+  std::ifstream in{file, std::ios::binary};
+  const std::string whole{std::istreambuf_iterator<char>{in}, {}};
+  for (auto size = before; size < after; size += 37) {
+    std::ofstream{file, std::ios::binary} << whole.substr(0, size);
+    {
+      StudyFolder folder{path, kStudy};
+      EXPECT_EQ(folder.finished().size(), 1u) << size;
+      folder.append("three", line_of(3.0));
+    }
+    EXPECT_EQ((StudyFolder{path, kStudy}.finished().size()), 2u) << size;
+  }
+}
+
+TEST_F(Folder, RefusesAnotherStudyAndSaysWhatDiffers) {
+  const std::string path = (folder_ / "out").string();
+  { const StudyFolder folder{path, kStudy}; }
+  auto other = kStudy;
+  other["description"]["a"] = 2;
+  try {
+    const StudyFolder folder{path, other};
+    FAIL() << "took another study";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string{error.what()}.find("holds another study (a differs)"), std::string::npos);
+  }
+}
+
+TEST_F(Folder, RefusesASecondProcessThatWrites) {
+  const std::string path = (folder_ / "out").string();
+  const StudyFolder folder{path, kStudy};
+  const pid_t other = fork();
+  if (other == 0) {
+    try {
+      const StudyFolder again{path, kStudy};
+      std::_Exit(1);
+    } catch (const std::runtime_error&) {
+      std::_Exit(0);
+    }
+  }
+  int status = -1;
+  waitpid(other, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+TEST_F(Folder, RefusesALineThatIsNoDrive) {
+  const std::string path = (folder_ / "out").string();
+  { const StudyFolder folder{path, kStudy}; }
+  std::ofstream{path + "/drives.jsonl"} << "nonsense\n";
+  EXPECT_THROW((StudyFolder{path, kStudy}), std::runtime_error);
+}
+
+TEST(Median, OfThreeHasTheBootstrapsIntervalFromTheLeastToTheGreatest) {
+  // P(median of a resample = least) = P(2 of 3 draws are it) = 7/27, far above 2.5 %.
+  const auto median = median_of({5.0, 1.0, 3.0}).value();
+  EXPECT_EQ(median.value, 3.0);
+  EXPECT_EQ(median.low, 1.0);
+  EXPECT_EQ(median.high, 5.0);
+}
+
+TEST(Median, OfOneValueIsItAndOfNoneNone) {
+  const auto median = median_of({2.0}).value();
+  EXPECT_EQ(median.low, 2.0);
+  EXPECT_EQ(median.high, 2.0);
+  EXPECT_FALSE(median_of({}).has_value());
+}
+
+// The bootstrap as it is usually done: by drawing.
+Estimate by_drawing(std::vector<double> values, std::mt19937& random) {
+  std::uniform_int_distribution<std::size_t> pick{0, values.size() - 1};
+  std::vector<double> medians;
+  for (int draw = 0; draw < 20000; ++draw) {
+    std::vector<double> again(values.size());
+    for (double& value : again) value = values[pick(random)];
+    medians.push_back(quantiles(again).p50);
+  }
+  std::sort(medians.begin(), medians.end());
+  return {quantiles(values).p50, medians[500], medians[19500]};
+}
+
+TEST(Median, HasTheIntervalThatDrawingGives) {
+  std::mt19937 random{5};
+  for (const std::size_t n : {5u, 10u, 21u, 50u}) {
+    std::vector<double> values(n);  // ranks, so that a rank off is 1
+    for (std::size_t i = 0; i < n; ++i) values[i] = static_cast<double>(i);
+    const auto exact = median_of(values).value(), drawn = by_drawing(values, random);
+    EXPECT_EQ(exact.value, drawn.value) << n;
+    EXPECT_NEAR(exact.low, drawn.low, 1.0) << n;
+    EXPECT_NEAR(exact.high, drawn.high, 1.0) << n;
+  }
+}
+
+TEST(Share, HasWilsonsInterval) {
+  // Wilson 1927 for 0 of n: from 0 to z² / (n + z²).
+  const auto none = share_of(0, 20).value();
+  EXPECT_EQ(none.value, 0.0);
+  EXPECT_NEAR(none.low, 0.0, 1e-12);
+  EXPECT_NEAR(none.high, 1.96 * 1.96 / (20.0 + 1.96 * 1.96), 1e-12);
+  const auto half = share_of(10, 20).value();
+  EXPECT_NEAR(0.5 * (half.low + half.high), 0.5, 1e-12);
+  EXPECT_FALSE(share_of(0, 0).has_value());
+}
+
+DriveResult drive_of(const std::string& method, int collisions, double time) {
+  DriveResult drive;
+  drive.scenario = "s";
+  drive.method = method;
+  drive.driver = "d";
+  drive.collisions = collisions;
+  drive.reached = time > 0.0;
+  drive.time_to_goal_s = time;
+  drive.simulated_s = 10.0;
+  drive.stuck_s = 1.0;
+  return drive;
+}
+
+TEST(Summary, AddsUpEachGroup) {
+  const auto summary = summary_of(groups_of({drive_of("a", 2, 5.0), drive_of("b", 0, 7.0),
+                                             drive_of("a", 1, -1.0), drive_of("a", 0, 9.0)}));
+  ASSERT_EQ(summary.size(), 2u);
+  const auto& a = summary[0];
+  EXPECT_EQ(a.at("method"), "a");
+  EXPECT_EQ(a.at("n"), 3);
+  EXPECT_EQ(a.at("reached"), 2);
+  EXPECT_EQ(a.at("collisions"), 3);
+  EXPECT_EQ(a.at("drives_with_a_collision"), 2);
+  EXPECT_NEAR(a.at("stuck_share").get<double>(), 0.1, 1e-12);
+  EXPECT_EQ(a.at("medians").at("time_to_goal_s").at("value"), 5.0);  // of those that arrived
+  EXPECT_TRUE(a.at("medians").at("path_ratio").is_null());
+  EXPECT_TRUE(a.at("intervention_rate").is_null());
+}
+
+TEST(Csv, HasARowPerDriveAndQuotesWhatNeedsIt) {
+  auto drive = drive_of("a,\"b\"", 0, 5.0);
+  drive.failures = {"one", "two"};
+  const std::string csv = csv_of({drive, drive});
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
+  EXPECT_NE(csv.find("\"a,\"\"b\"\"\""), std::string::npos);
+  EXPECT_NE(csv.find("one; two"), std::string::npos);
+  EXPECT_NE(csv.find("plan_ms.p99"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: Apache-2.0
+// People in a real browser: browser_test.mjs MODULES TANDEM SYSTEMS CHROMIUM [PICTURES]
+// Two robots share a domain. At one, which lives in a namespace, a person takes the user test, with the
+// stick on the screen and with the keyboard. At the other one drives in every view and by every hand,
+// stops in an emergency, loses the network, meets someone else who drives. Both at the same time.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import net from "node:net";
+import { tmpdir } from "node:os";
+import { setTimeout as pause } from "node:timers/promises";
+
+const [modules, tandem, systems, executablePath, pictures] = process.argv.slice(2);
+const { chromium } = createRequire(`${modules}/`)("playwright-core");
+
+const LONG = 60_000; // [ms] for a slow machine
+const STANDS = 0.02; // [m/s]
+
+// --- the robots --------------------------------------------------------------------------------
+const results = mkdtempSync(`${tmpdir()}/tandem_browser_`);
+const robots = [];
+process.on("exit", () => {
+  for (const robot of robots) robot.kill("SIGKILL");
+  rmSync(results, { recursive: true });
+});
+
+/** Starts a system, with ROS arguments; gives back the port of its page. */
+async function start(system, ...args) {
+  const all = ["run", `${systems}/${system}.yaml`, "--ros-args", "-p", "dashboard:port:=0", ...args];
+  const robot = spawn("setpriv", ["--pdeathsig", "KILL", tandem, ...all], { stdio: ["ignore", "inherit", "pipe"] });
+  robots.push(robot);
+  return new Promise((resolve, reject) => {
+    let log = "";
+    robot.stderr.on("data", (text) => {
+      process.stderr.write(text);
+      log += text;
+      const found = log.match(/the page is at http:\/\/127\.0\.0\.1:(\d+)\//);
+      if (found) resolve(Number(found[1]));
+    });
+    robot.on("exit", () => reject(new Error(`${system} did not start`)));
+  });
+}
+
+// The tested person starts half way to the region.
+const START = [1.6, -1.9, 1.3];
+const apart = ["__ns:=/robot1", "/tf:=tf", "/clock:=clock"].flatMap((r) => ["-r", r]);
+const testParameters = [`dashboard:user_tests:=${results}`, `diff_drive_sim:start:=[${START.join()}]`];
+const [address, testAddress] = await Promise.all([
+  start("teleop"),
+  start("user_test", ...apart, ...testParameters.flatMap((p) => ["-p", p])),
+]);
+
+// --- a network that can be cut -----------------------------------------------------------------
+const wires = new Set();
+let whole = true;
+const join = ([near, far]) => near.pipe(far).pipe(near);
+const network = net.createServer((near) => {
+  const far = net.connect(address, "127.0.0.1"), wire = [near, far];
+  for (const end of wire) {
+    end.on("error", () => {});
+    end.on("close", () => whole && wires.delete(wire) && wire.forEach((other) => other.destroy()));
+  }
+  wires.add(wire);
+  if (whole) join(wire);
+});
+await new Promise((resolve) => network.listen(0, "127.0.0.1", resolve));
+const through = network.address().port;
+function cut() {
+  whole = false;
+  for (const [near, far] of wires) near.unpipe(far), far.unpipe(near);
+}
+function mend() {
+  whole = true;
+  wires.forEach(join);
+}
+
+// --- the browser -------------------------------------------------------------------------------
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+
+async function open(port, viewport, query = "") {
+  const page = await (await browser.newContext({ viewport })).newPage();
+  page.on("pageerror", (error) => assert.fail(`the page fails: ${error}`));
+  const start = Date.now();
+  await page.goto(`http://127.0.0.1:${port}/${query}`);
+  const paint = await page.evaluate(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+  console.log(`loaded in ${Date.now() - start} ms, first paint ${paint?.toFixed(0)} ms`);
+  assert.ok(paint < 5000, "nothing is seen for long"); // a second on a machine that does nothing else
+  await until(page, () => window.tandem.robot.pose && window.tandem.robot.grid && window.tandem.robot.speed);
+  return page;
+}
+const until = (page, condition, argument) =>
+  page.waitForFunction(condition, argument, { timeout: LONG, polling: 50 });
+const pose = (page) => page.evaluate(() => window.tandem.robot.pose);
+const speed = (page) => page.evaluate(() => Math.abs(window.tandem.robot.speed?.v ?? NaN));
+const moves = (page) => until(page, () => Math.abs(window.tandem.robot.speed?.v ?? 0) > 0.2);
+const stands = (page, still) => until(page, (s) => Math.abs(window.tandem.robot.speed?.v ?? 1) < s, still ?? STANDS);
+const picture = (page, name) => (pictures ? page.screenshot({ path: `${pictures}/${name}.png` }) : undefined);
+const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+
+async function stick(page, forward, left) {
+  const box = await page.locator("#stick").boundingBox();
+  const reach = 0.3 * box.width;
+  await page.mouse.move(box.x + box.width / 2 - left * reach, box.y + box.height / 2 - forward * reach);
+}
+
+const LAPTOP = { width: 1280, height: 800 }, PHONE = { width: 390, height: 844 };
+const [page, watcher, testPage] = await Promise.all([
+  open(through, LAPTOP),
+  open(address, PHONE),
+  open(testAddress, PHONE, "?user_test=1,1,0"), // seconds: practice, task 1, countdown
+]);
+
+async function step(name, run) {
+  const start = Date.now();
+  await run();
+  console.log(`${name}: ${((Date.now() - start) / 1000).toFixed(1)} s`);
+}
+
+// --- hands --------------------------------------------------------------------------------------
+const stickOf = (page) => ({
+  hold: async () => (await stick(page, 0, 0), await page.mouse.down()),
+  steer: (turn) => stick(page, Math.max(0, Math.cos(turn)), Math.max(-1, Math.min(1, 1.5 * turn))),
+  letGo: () => page.mouse.up(),
+});
+const keysOf = (page) => ({
+  key: "",
+  hold: async () => {},
+  async steer(turn) {
+    const key = Math.abs(turn) < 0.15 ? "i" : Math.abs(turn) > 1 ? (turn > 0 ? "j" : "l") : turn > 0 ? "u" : "o";
+    if (key === this.key) return;
+    await page.keyboard.down(key);
+    await this.letGo();
+    this.key = key;
+  },
+  async letGo() {
+    if (this.key) await page.keyboard.up(this.key);
+    this.key = "";
+  },
+});
+
+/** Steers from START to the region of task 2; gives back how many plans were seen on the way. */
+async function driveToRegion(page, hands) {
+  const way = [[2.05, -0.3], [2.5, 1.25], [4.0, 2.5]];
+  const inside = (p) => p.x > 3 && p.x < 5 && p.y > 1.5 && p.y < 3.5;
+  const plans = new Set(), begun = Date.now(), drawn = await page.evaluate(() => window.tandem.view.drawn);
+  await hands.hold();
+  for (const end = Date.now() + 2 * LONG; ; ) {
+    const [p, plan] = await page.evaluate(() => [window.tandem.robot.pose, window.tandem.robot.get("plan")?.at(-1)]);
+    if (inside(p)) break;
+    assert.ok(Date.now() < end, `stuck at ${p.x}, ${p.y}`);
+    while (way.length > 1 && distance(p, { x: way[0][0], y: way[0][1] }) < 0.7) way.shift();
+    const bearing = Math.atan2(way[0][1] - p.y, way[0][0] - p.x) - p.heading;
+    await hands.steer(Math.atan2(Math.sin(bearing), Math.cos(bearing)));
+    plans.add(JSON.stringify(plan));
+    if (plans.size === 50) await picture(page, "user_test");
+    await pause(50);
+  }
+  const rate = ((await page.evaluate(() => window.tandem.view.drawn)) - drawn) / ((Date.now() - begun) / 1000);
+  console.log(`${rate.toFixed(0)} pictures a second`);
+  assert.ok(rate > 4, "the picture stutters"); // 20 and more where nothing else runs
+  const released = Date.now();
+  await hands.letGo();
+  await stands(page);
+  console.log(`stands ${Date.now() - released} ms after letting go`);
+  return plans.size;
+}
+
+// --- at the robot in a namespace ------------------------------------------------------------------
+const banner = (page, text) => until(page, (t) => document.getElementById("banner").textContent.startsWith(t), text);
+
+async function userTest(page) {
+  const begin = (hands) => {
+    const button = page.getByRole("button", { name: "Begin" });
+    return "key" in hands ? button.press("Enter", { timeout: LONG }) : button.click({ timeout: LONG });
+  };
+  assert.ok(distance(await pose(page), { x: START[0], y: START[1] }) < 0.01, "the page shows another robot");
+  await page.locator("#user-test > summary").click();
+  await page.locator("#person").fill("1");
+  await page.getByRole("button", { name: "Start the test" }).click();
+  for (const hands of [stickOf(page), keysOf(page)]) {
+    await begin(hands); // practice
+    await begin(hands); // task 1
+    await begin(hands); // task 2
+    await banner(page, "Task 2");
+    const plans = await driveToRegion(page, hands);
+    if ("key" in hands) assert.ok(plans > 20, "the plan does not move");
+  }
+  await page.locator("#results").waitFor({ timeout: LONG });
+  await until(page, () => document.getElementById("toast").textContent.startsWith("user test saved"));
+  await picture(page, "results");
+  checkResults(await page.locator("#results tr").allInnerTexts());
+}
+
+// The table on the page, and the files at the robot.
+function checkResults(rows) {
+  console.log(rows.join("\n"));
+  assert.equal(rows.length, 5);
+  assert.match(rows[1], /You, direct\s+\d+ in 1 s\s+\d+\.\d s/);
+  assert.match(rows[2], /You, shared\s+0 in 1 s\s+\d+\.\d s/);
+  const [heading, ...saved] = readFileSync(`${results}/user_tests.csv`, "utf8").trim().split("\n");
+  assert.equal(saved.length, 6);
+  assert.match(saved[5], /^1,shared,2,0,120\.0,[\d.]+,1,0,/);
+  const { person, trials } = JSON.parse(readFileSync(`${results}/user_test_1.json`, "utf8"));
+  assert.equal(person, 1);
+  const names = heading.split(",").slice(1);
+  const number = (text) => (text === "manual" || text === "shared" ? text : Number(text));
+  for (const [i, trial] of trials.entries())
+    assert.deepEqual(saved[i].split(",").slice(1).map(number), names.map((name) => number(trial[name])));
+  assert.deepEqual(trials.map((t) => `${t.method} ${t.task} ${t.practice}`), [
+    "manual 1 true", "manual 1 false", "manual 2 false", "shared 1 true", "shared 1 false", "shared 2 false",
+  ]);
+  assert.match(rows[2], new RegExp(`${trials[5].time.toFixed(1)} s`));
+  console.log(`${trials[5].path_length} m, clearance ${trials[5].min_clearance} m`);
+  assert.ok(trials[5].path_length > 3 && trials[5].min_clearance < 1); // between poles
+}
+
+// --- at the other one ---------------------------------------------------------------------------
+async function backToTheStart() {
+  await page.locator("#reset").click();
+  await until(page, () => window.tandem.robot.pose.x < -3.9);
+}
+
+// Where the robot, and what is a metre ahead of it, are on the picture [px].
+const seen = () =>
+  page.evaluate(() => {
+    const { view, robot } = window.tandem, { x, y, heading } = robot.pose;
+    const box = document.getElementById("view").getBoundingClientRect();
+    const ahead = view.place(x + Math.cos(heading), y + Math.sin(heading));
+    return { robot: view.place(x, y), ahead, middle: { x: box.width / 2, y: box.height / 2 }, heading };
+  });
+
+function checkView(mode, { robot, ahead, middle, heading }) {
+  const up = Math.atan2(robot.y - ahead.y, ahead.x - robot.x); // of what is ahead, on the picture
+  assert.ok(Math.abs(up - (mode === "map" ? heading : Math.PI / 2)) < 0.05, `${mode}: ahead is at ${up}`);
+  if (mode !== "map") assert.ok(distance(robot, middle) < 10, `${mode}: the robot is not in the middle`);
+}
+
+async function driveInEachView() {
+  for (const [view, key] of [["Follow", "ArrowUp"], ["Leader", "u"], ["Map", "u"]]) {
+    await page.getByText(view, { exact: true }).click(); // which does not take the arrows
+    await page.keyboard.down(key);
+    await moves(page);
+    if (view === "Leader")
+      await until(page, () => /^Leader 0\.[1-9]\d m ahead, \d\.\d\d m to the left/.test(document.getElementById("leader").textContent));
+    await picture(page, `view_${view.toLowerCase()}`);
+    await page.keyboard.up(key);
+    await stands(page);
+    checkView(view.toLowerCase(), await seen());
+  }
+}
+
+async function driveToAGoal() {
+  await backToTheStart();
+  const choose = async (group, name) => page.locator(group).getByText(name, { exact: true }).click();
+  await choose("#methods", "goal");
+  await until(page, () => window.tandem.robot.get("planner/status")?.method === "goal");
+  await choose("#modes", "Adaptive");
+  await until(page, () => window.tandem.robot.get("arbitration/status")?.policy === "adaptive");
+  const at = await page.evaluate(() => window.tandem.view.place(-3, -3.6));
+  await page.locator("#view").click({ position: { x: at.x, y: at.y } });
+  await choose("#modes", "Auto");
+  await until(page, () => Math.hypot(window.tandem.robot.pose.x + 3, window.tandem.robot.pose.y + 3.6) < 0.3);
+  await picture(page, "goal");
+  await choose("#modes", "Shared");
+  await choose("#methods", "leader");
+  await until(page, () => window.tandem.robot.get("planner/status")?.method === "leader");
+  await stands(page);
+}
+
+async function driveAndDisturb() {
+  await step("the keyboard drives in each view, and a key let go stops", driveInEachView);
+
+  await step("a page that loses the focus lets go", async () => {
+    await page.keyboard.down("i");
+    await moves(page);
+    await page.evaluate(() => window.dispatchEvent(new Event("blur")));
+    await stands(page);
+    await page.keyboard.up("i");
+  });
+
+  await step("a gamepad drives while its button is held", async () => {
+    await page.evaluate(() => {
+      window.pad = { connected: true, id: "pad", axes: [0, -0.6], buttons: [{ pressed: true }] };
+      navigator.getGamepads = () => [window.pad];
+    });
+    await moves(page);
+    await page.evaluate(() => (window.pad.buttons[0].pressed = false));
+    await stands(page);
+  });
+
+  await step("the emergency stop stops a robot that is driven, until it is released", async () => {
+    await page.keyboard.down("i");
+    await moves(page);
+    await page.keyboard.press("Escape");
+    await stands(page);
+    await page.keyboard.up("i");
+    await page.keyboard.down("i");
+    await until(page, () => window.tandem.robot.get("arbitration/status")?.emergency_stop);
+    await until(page, () => document.getElementById("notice").textContent.startsWith("Emergency stop"));
+    await picture(page, "emergency_stop");
+    assert.ok((await speed(page)) < STANDS);
+    await page.keyboard.up("i");
+    await page.locator("#release").click();
+    await until(page, () => window.tandem.robot.get("arbitration/status")?.emergency_stop === false);
+  });
+
+  await step("who only watches is told, and may take the wheel", async () => {
+    await page.keyboard.down("i");
+    await moves(page);
+    await until(watcher, () => window.tandem.robot.seat.driver === "other");
+    await picture(watcher, "phone_other_drives");
+    await watcher.locator("#take").click();
+    await until(page, () => window.tandem.robot.seat.driver === "other");
+    await stands(page);
+    await page.keyboard.up("i");
+    await page.locator("#take").click();
+    await until(page, () => window.tandem.robot.seat.driver === "you");
+  });
+
+  await step("the planner drives to a goal that is pointed out", driveToAGoal);
+
+  await step("losing the network stops the robot, and nothing of it comes late, nor does it start off again", async () => {
+    await backToTheStart();
+    await page.keyboard.down("i");
+    await moves(watcher);
+    cut();
+    const lost = Date.now();
+    await stands(watcher);
+    console.log(`stands ${Date.now() - lost} ms after the network was cut`);
+    await until(page, () => document.body.classList.contains("lost"));
+    await picture(page, "lost");
+    const place = await pose(watcher);
+    mend(); // what waited in the wires arrives now
+    await until(page, () => !document.body.classList.contains("lost") && window.tandem.robot.speed);
+    await pause(500);
+    assert.ok(distance(place, await pose(watcher)) < 0.02, "a stick from the past drives the robot");
+    await page.keyboard.up("i");
+    await until(page, () => !window.tandem.driver.dropped); // the page has seen it
+  });
+
+  await step("closing the page stops the robot", async () => {
+    await page.keyboard.down("i");
+    await moves(watcher);
+    await page.close();
+    await stands(watcher);
+  });
+
+  await step("a parameter's slider sets it", async () => {
+    await until(watcher, () => window.tandem.robot.seat.driver === "nobody");
+    await watcher.locator("#tuning > summary").click();
+    await watcher.locator("#node").selectOption("/teleop");
+    const leash = watcher.locator(".parameter", { hasText: "leash" }).locator("input[type=number]");
+    await leash.fill("1.5");
+    await leash.press("Enter");
+    await until(watcher, () => document.getElementById("toast").textContent === "leash is 1.5");
+    await picture(watcher, "phone_parameters");
+  });
+}
+
+await Promise.all([
+  step("a user test to its table: direct by the stick on the screen, shared by the keyboard", () => userTest(testPage)),
+  driveAndDisturb(),
+]);
+await browser.close();
+for (const robot of robots) robot.kill("SIGTERM");
+process.exit(0);

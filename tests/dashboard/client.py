@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A WebSocket client that is not ours beside a robot of ours: client.py TANDEM SYSTEM CHECK."""
+
+import json
+import os
+import random
+import re
+import resource
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+PROTOCOL = "foxglove.websocket.v1"
+LONG = 60.0  # [s] for a slow machine
+SANITIZED = "TANDEM_SANITIZED" in os.environ
+
+
+class Robot:
+    """The system in a process of its own, and the port of its dashboard."""
+
+    def __init__(self, tandem, system, *parameters):
+        options = [option for p in ("port:=0", *parameters) for option in ("-p", "dashboard:" + p)]
+        self.process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", tandem, "run", system, "--ros-args", *options],
+                                        stderr=subprocess.PIPE, text=True, errors="replace")
+        self.lines = []
+        for line in self.hear():
+            if found := re.search(r"the page is at http://[^:]+:(\d+)/", line):
+                self.port = int(found[1])
+                break
+        else:
+            raise AssertionError("the robot did not start")
+        threading.Thread(target=lambda: list(self.hear()), daemon=True).start()
+
+    def hear(self):
+        for line in self.process.stderr:
+            sys.stderr.write(line)
+            self.lines.append(line)
+            yield line
+
+    def memory(self):
+        """Resident memory [MB]."""
+        with open(f"/proc/{self.process.pid}/status", encoding="ascii") as status:
+            return int(re.search(r"VmRSS:\s+(\d+)", status.read())[1]) / 1024
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)
+        assert self.process.wait(20) == 0
+
+
+class Client:
+    """Speaks the protocol; messages decoded by the schemas that the server sends."""
+
+    def __init__(self, port, query="", **options):
+        self.socket = connect(f"ws://127.0.0.1:{port}/{query}", subprotocols=[PROTOCOL], max_size=None, **options)
+        self.channels, self.services, self.statuses, self.messages, self.answers = {}, {}, [], {}, {}
+        self.parameters, self.decodes = {}, True
+        self.types = get_typestore(Stores.EMPTY)
+        self.wanted = {}
+        self.info = json.loads(self.socket.recv(LONG))
+
+    def take(self, timeout=LONG):
+        frame = self.socket.recv(timeout)
+        if isinstance(frame, str):
+            self.on_text(json.loads(frame))
+        elif frame[0] == 1:
+            number, = struct.unpack_from("<I", frame, 1)
+            topic, name = self.wanted[number]
+            if self.decodes:
+                self.messages.setdefault(topic, []).append(self.types.deserialize_cdr(frame[13:], name))
+        elif frame[0] == 3:
+            _, call, size = struct.unpack_from("<III", frame, 1)
+            self.answers[call] = frame[13 + size:]
+
+    def on_text(self, frame):
+        if frame["op"] == "advertise":
+            self.channels.update({c["topic"]: c for c in frame["channels"]})
+        elif frame["op"] == "advertiseServices":
+            self.services.update({s["name"]: s for s in frame["services"]})
+        elif frame["op"] == "status":
+            self.statuses.append(frame["message"])
+        elif frame["op"] == "parameterValues":
+            self.parameters.update({p["name"]: p["value"] for p in frame["parameters"]})
+        elif frame["op"] == "serviceCallFailure":
+            self.answers[frame["callId"]] = frame["message"]
+
+    def until(self, done, beat=None, timeout=LONG):
+        end, next_beat = time.monotonic() + timeout, 0.0
+        while not done():
+            assert time.monotonic() < end, "in vain"
+            if beat and time.monotonic() > next_beat:
+                beat()
+                next_beat = time.monotonic() + 0.03
+            try:
+                self.take(0.01 if beat else LONG)
+            except TimeoutError:
+                pass
+
+    def say(self, **request):
+        self.socket.send(json.dumps(request))
+
+    def subscribe(self, topic):
+        self.until(lambda: topic in self.channels)
+        channel = self.channels[topic]
+        if self.decodes:
+            self.types.register(get_types_from_msg(channel["schema"], channel["schemaName"]))
+        number = len(self.wanted)
+        self.wanted[number] = (topic, channel["schemaName"])
+        self.say(op="subscribe", subscriptions=[{"id": number, "channelId": channel["id"]}])
+
+    def newest(self, topic):
+        return self.messages.get(topic, [None])[-1]
+
+    def advertise(self, number, topic, name):
+        self.say(op="advertise",
+                 channels=[{"id": number, "topic": topic, "encoding": "cdr", "schemaName": name}])
+
+    def publish(self, number, payload):
+        self.socket.send(struct.pack("<BI", 1, number) + payload)
+
+    def call(self, name, payload):
+        self.until(lambda: name in self.services)
+        number = len(self.answers) + 1
+        self.socket.send(struct.pack("<BIII", 2, self.services[name]["id"], number, 3) + b"cdr" + payload)
+        self.until(lambda: number in self.answers)
+        return self.answers[number]
+
+
+def joy(linear, angular, held):
+    """sensor_msgs/msg/Joy without a stamp."""
+    return (b"\0\1\0\0" + struct.pack("<iII", 0, 0, 1) + b"\0" + b"\0" * 3 +
+            struct.pack("<IffIi", 2, angular, linear, 1, held))
+
+
+def string(text):
+    data = text.encode() + b"\0"
+    return b"\0\1\0\0" + struct.pack("<I", len(data)) + data
+
+
+def drive(robot):
+    client = Client(robot.port)
+    assert client.socket.subprotocol == PROTOCOL
+    assert client.info["op"] == "serverInfo" and "clientPublish" in client.info["capabilities"]
+    for topic in ("/odom", "/map", "/plan", "/arbitration/status"):
+        client.subscribe(topic)
+    client.until(lambda: client.newest("/odom") and client.newest("/map"))
+    assert client.newest("/map").info.resolution > 0.0
+    client.advertise(1, "/joy", "sensor_msgs/msg/Joy")
+    client.until(lambda: client.newest("/odom").twist.twist.linear.x > 0.2,
+                 beat=lambda: client.publish(1, joy(1.0, 0.0, 1)))
+    client.until(lambda: len(client.newest("/plan").poses) > 1)
+    client.until(lambda: abs(client.newest("/odom").twist.twist.linear.x) < 0.01)  # silent: it stands
+    assert b"policy is now manual" in client.call("/arbitration/set_policy", string("manual"))
+    client.until(lambda: client.newest("/arbitration/status").policy == "manual")
+    client.say(op="getParameters", parameterNames=["/teleop.leash"], id="a")
+    client.until(lambda: client.parameters.get("/teleop.leash") == 1.2)
+    client.say(op="subscribeParameterUpdates", parameterNames=["/teleop.leash"])
+    client.say(op="setParameters", parameters=[{"name": "/teleop.leash", "value": 2, "type": "float64"}])
+    client.until(lambda: client.parameters["/teleop.leash"] == 2.0)
+    client.say(op="setParameters", parameters=[{"name": "/teleop.leash", "value": -1.0}])
+    client.until(lambda: any("leash" in status for status in client.statuses))
+    client.say(op="getParameters", parameterNames=[])
+    client.until(lambda: "/local_planner.weight_heading" in client.parameters)
+
+
+def seat(robot):
+    first, second = Client(robot.port), Client(robot.port)
+    for client in (first, second):
+        client.subscribe("/odom")
+        client.advertise(1, "/joy", "sensor_msgs/msg/Joy")
+    first.until(lambda: first.newest("/odom") and first.newest("/odom").twist.twist.linear.x > 0.2,
+                beat=lambda: first.publish(1, joy(1.0, 0.0, 1)))
+    second.publish(1, joy(-1.0, 0.0, 1))
+    second.until(lambda: "someone else is driving" in second.statuses)
+    assert second.call("/arbitration/set_policy", string("manual")) == "someone else is driving"
+    second.call("/dashboard/take_wheel", b"\0\1\0\0\0")
+    first.until(lambda: "someone else has taken the wheel" in first.statuses)
+    first.publish(1, joy(1.0, 0.0, 1))
+    first.until(lambda: "someone else is driving" in first.statuses)
+    second.publish(1, joy(0.0, 0.0, 1))
+    second.socket.close()
+    first.until(lambda: first.newest("/odom").twist.twist.linear.x > 0.2,
+                beat=lambda: first.publish(1, joy(1.0, 0.0, 1)))  # the seat is free again
+
+
+def ask(port, host):
+    """The first line of the answer to who asks for a WebSocket at that name."""
+    with socket.create_connection(("127.0.0.1", port), LONG) as raw:
+        raw.sendall((f"GET / HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                     f"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
+                     f"Sec-WebSocket-Protocol: {PROTOCOL}\r\n\r\n").encode())
+        return raw.makefile("rb").readline().decode()
+
+
+def door(robot):
+    try:
+        Client(robot.port, origin="https://elsewhere.example")
+        raise AssertionError("a page of another site came in")
+    except InvalidStatus as refused:
+        assert refused.response.status_code == 403
+    # Another site's name may lead here by its DNS.
+    assert ask(robot.port, "evil.example").startswith("HTTP/1.1 403")
+    assert ask(robot.port, f"localhost:{robot.port}").startswith("HTTP/1.1 101")
+    client = Client(robot.port, origin=f"http://127.0.0.1:{robot.port}")
+    client.advertise(4, "/\x1b[2J\nforged\u00e9", "a/msg/B")
+    client.until(lambda: any("forged" in line for line in robot.lines), beat=lambda: client.publish(9, b""))
+    assert any("/?[2J?forged??" in line for line in robot.lines), "a client writes to the terminal"
+    client.advertise(1, "/cmd_vel", "geometry_msgs/msg/Twist")
+    client.advertise(2, "/joy", "std_msgs/msg/Bool")
+    client.publish(3, b"")
+    for complaint in ("web clients may not publish /cmd_vel", "/joy takes sensor_msgs/msg/Joy in cdr",
+                      "a message on a channel that was not advertised"):
+        client.until(lambda: complaint in client.statuses)
+
+
+def knock(port, times):
+    """More connections than max_clients, as many at once as the machine allows, and none says a word."""
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, times + 200), most))
+    sockets = []
+    for _ in range(times):
+        try:
+            sockets.append(socket.create_connection(("127.0.0.1", port), 1.0))
+        except OSError:  # of files or ports there are no more
+            while sockets:
+                sockets.pop().close()
+    for one in sockets:
+        one.close()
+
+
+def hostile(robot):
+    driver = Client(robot.port)
+    driver.subscribe("/odom")
+    driver.advertise(1, "/joy", "sensor_msgs/msg/Joy")
+    rest = threading.Event()
+    holds = threading.Thread(
+        target=lambda: driver.until(rest.is_set, beat=lambda: driver.publish(1, joy(0.0, 0.5, 1))), daemon=True)
+    turns = lambda: driver.newest("/odom").twist.twist.angular.z > 0.2
+    driver.until(lambda: driver.newest("/odom") and turns(), beat=lambda: driver.publish(1, joy(0.0, 0.5, 1)))
+    holds.start()
+    before = robot.memory()
+    chance = random.Random(7)
+    for _ in range(20):
+        client = Client(robot.port, close_timeout=0.1)
+        try:
+            for _ in range(50):
+                garbage = chance.randbytes(chance.randrange(200))
+                client.socket.send(chance.choice([garbage, garbage.decode("latin1")]))
+        except ConnectionClosed:
+            pass
+        client.socket.close()
+        assert turns(), "garbage disturbed the robot"
+    client = Client(robot.port, close_timeout=0.1)
+    client.socket.send(b"\1" * 70_000)  # larger than max_message
+    expect_closed(client)
+    client = Client(robot.port, close_timeout=0.1)  # faster than max_rate
+    try:
+        for _ in range(5000):
+            client.socket.send(b"\0")
+    except ConnectionClosed:
+        pass
+    expect_closed(client)
+    knock(robot.port, 10_000)
+    assert holds.is_alive(), "the driver lost its connection"
+    rest.set()
+    holds.join()
+    count = len(driver.messages["/odom"])
+    driver.until(lambda: len(driver.messages["/odom"]) >= count + 20,
+                 beat=lambda: driver.publish(1, joy(0.0, 0.5, 1)))
+    assert turns(), "the robot was disturbed"
+    stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in driver.messages["/odom"]]
+    gap = max(after - at for at, after in zip(stamps, stamps[1:]))
+    print(f"{gap:.3f} s at most between two odometries")
+    assert SANITIZED or gap < 1.0, "the robot's loop stood"
+    print(f"{before:.0f} MB before, {robot.memory():.0f} MB after")
+    assert SANITIZED or robot.memory() < before + 60
+
+
+def token(robot):
+    client = Client(robot.port, "?token=secret")
+    client.subscribe("/rosout")
+    client.until(lambda: any("the page is at" in line.msg for line in client.messages.get("/rosout", [])))
+    told = [line.msg for line in client.messages["/rosout"] if "secret" in line.msg]
+    assert not told, f"the token is on /rosout: {told}"
+    assert any("?token=secret" in line for line in robot.lines), "the terminal does not tell the token"
+    for path, status in (("", 403), ("?token=guess", 403), ("?token=secre", 403), ("?token=secret", None)):
+        try:
+            Client(robot.port, path)
+            assert status is None, path
+        except InvalidStatus as refused:
+            assert refused.response.status_code == status, path
+
+
+def soak(robot):
+    """Five clients that hear everything, one of them driving; TANDEM_SOAK: for how long [s]."""
+    clients = [Client(robot.port) for _ in range(5)]
+    for client in clients:
+        client.decodes = False
+        client.until(lambda: len(client.channels) > 15)
+        for topic in list(client.channels):
+            if not topic.endswith("/seat"):
+                client.subscribe(topic)
+    clients[0].advertise(1, "/joy", "sensor_msgs/msg/Joy")
+    end, rest = time.monotonic() + float(os.environ.get("TANDEM_SOAK", "5" if SANITIZED else "120")), threading.Event()
+
+    def listen(client, beat):
+        try:
+            client.until(rest.is_set, beat, timeout=1e9)
+        except ConnectionClosed:
+            rest.set()
+
+    drives = lambda: clients[0].publish(1, joy(0.6, 0.4, 1))
+    threads = [threading.Thread(target=listen, args=(c, drives if c is clients[0] else None), daemon=True)
+               for c in clients]
+    for thread in threads:
+        thread.start()
+    memory = []
+    while time.monotonic() < end:
+        assert not rest.wait(1.0), "a client was dropped"
+        memory.append(robot.memory())
+    rest.set()
+    settled = memory[len(memory) // 2:]
+    print(f"{len(memory)} s: {memory[0]:.1f} MB at first, {settled[0]:.1f} MB half way, {settled[-1]:.1f} MB")
+    assert SANITIZED or settled[-1] < settled[0] + 3.0
+
+
+def expect_closed(client):
+    try:
+        while True:
+            client.socket.recv(LONG)
+    except ConnectionClosed:
+        pass
+
+
+def slow(robot):
+    """A client that takes nothing is dropped."""
+    lazy, other = Client(robot.port), Client(robot.port)
+    for topic in ("/odom", "/scan", "/map", "/octomap_binary"):
+        lazy.subscribe(topic)  # and never hears it
+    other.until(lambda: "/dashboard/seat" in other.channels)
+    seat_channel = other.channels["/dashboard/seat"]
+    other.say(op="subscribe", subscriptions=[{"id": 7, "channelId": seat_channel["id"]}])
+    end, clients = time.monotonic() + LONG, []
+    while clients[-1:] != [1]:
+        assert time.monotonic() < end, "the slow client is still there"
+        frame = other.socket.recv(LONG)
+        if frame[0] == 1:
+            clients.append(json.loads(frame[13:])["clients"])
+    assert 2 in clients
+
+
+CHECKS = {check.__name__: check for check in (drive, seat, door, token, hostile, slow, soak)}
+PARAMETERS = {"token": ("address:=0.0.0.0", "token:=secret")}
+
+if __name__ == "__main__":
+    program, system_file, wanted = sys.argv[1:]
+    the_robot = Robot(program, system_file, *PARAMETERS.get(wanted, ()))
+    try:
+        CHECKS[wanted](the_robot)
+    finally:
+        the_robot.stop()

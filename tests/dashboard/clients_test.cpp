@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The dashboard of a whole system, and people at it who are not ours: Python's websockets
+// (client.py) and a real browser (browser/browser_test.mjs). Built by tests/interop/build_peers;
+// what could not be is skipped.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+
+namespace tandem::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kTimeout = 500.0;  // [s] under a sanitizer
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+const fs::path kPeers = TANDEM_PEERS_DIR, kPython = kPeers / "python" / "bin" / "python";
+const std::string kTandem = TANDEM_BINARY_DIR "/tandem";
+const std::string kSystems = TANDEM_SOURCE_DIR "/bringup/systems";
+
+std::string beside_us(const fs::path& program) {
+  return program.lexically_relative(ChildProcess::folder());
+}
+
+std::vector<std::string> client_arguments(const std::string& check) {
+  return {TANDEM_SOURCE_DIR "/tests/dashboard/client.py", kTandem, kSystems + "/teleop.yaml",
+          check};
+}
+
+// Two minutes with five clients at a robot of their own, in a domain of its own: they begin with
+// the first test and are judged after the last one, so that they cost the others no time. Under a
+// sanitizer it is some seconds, after the others, for nothing would be in time beside them.
+class Soak : public testing::Environment {
+ public:
+  void SetUp() override {
+    if (kSanitized) setenv("TANDEM_SANITIZED", "1", 1);  // whose memory grows for its own reasons
+    if (!kSanitized) begin();
+  }
+  void TearDown() override {
+    if (kSanitized) begin();
+    if (!clients_) return;
+    EXPECT_EQ(clients_->wait(kTimeout), 0) << "five clients for a while";
+  }
+
+ private:
+  void begin() {
+    if (!fs::exists(kPython) || GTEST_FLAG_GET(filter) != "*") return;
+    const std::string outer = std::getenv("ROS_DOMAIN_ID");
+    domain_.emplace();
+    clients_.emplace(beside_us(kPython), client_arguments("soak"));
+    setenv("ROS_DOMAIN_ID", outer.c_str(), 1);
+  }
+
+  std::optional<PrivateDomain> domain_;
+  std::optional<ChildProcess> clients_;
+};
+
+[[maybe_unused]] const auto* const kSoak = testing::AddGlobalTestEnvironment(new Soak);
+
+void expect_client_passes(const std::string& check) {
+  if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
+  ChildProcess client{beside_us(kPython), client_arguments(check)};
+  EXPECT_EQ(client.wait(kTimeout), 0);
+}
+
+TEST(WebClient, SeesTopicsDrivesAndCallsServices) { expect_client_passes("drive"); }
+TEST(WebClient, DrivesAloneUntilAnotherTakesTheWheel) { expect_client_passes("seat"); }
+TEST(WebClient, IsKeptOutWhereItHasNoBusiness) { expect_client_passes("door"); }
+TEST(WebClient, NeedsTheTokenWhereOthersCanReachTheDoor) { expect_client_passes("token"); }
+TEST(WebClient, ThatIsHostileChangesNothingForTheRobot) { expect_client_passes("hostile"); }
+TEST(WebClient, ThatIsSlowIsDropped) { expect_client_passes("slow"); }
+
+TEST(Browser, DrivesTheRobotAndTakesTheUserTest) {
+  if (kSanitized) GTEST_SKIP() << "a browser beside a sanitizer: nothing of it would be in time";
+  const fs::path modules = kPeers / "browser", chromium = "/usr/bin/chromium",
+                 node = "/usr/bin/node";
+  for (const fs::path& needed : {modules / "node_modules", chromium, node})
+    if (!fs::exists(needed)) GTEST_SKIP() << "NOT TESTED: there is no " << needed;
+  ChildProcess browser{beside_us(node),
+                       {TANDEM_SOURCE_DIR "/tests/dashboard/browser/browser_test.mjs", modules,
+                        kTandem, kSystems, chromium}};
+  EXPECT_EQ(browser.wait(kTimeout), 0);
+}
+
+}  // namespace
+}  // namespace tandem::test

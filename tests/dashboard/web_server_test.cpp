@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dashboard/web_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include <stdexcept>
+
+#include "dashboard/page_files.hpp"
+
+namespace tandem {
+namespace {
+
+namespace asio = boost::asio;
+
+std::unique_ptr<WebServer> serve(const WebServerParams& params) {
+  return std::make_unique<WebServer>(params, "test", page_files(), [](const std::string&) {});
+}
+
+std::string why_not(const WebServerParams& params) {
+  try {
+    serve(params);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+// The whole answer to a request.
+std::string ask(const WebServer& server, const std::string& request) {
+  asio::io_context io;
+  asio::ip::tcp::socket socket{io};
+  socket.connect({asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(server.port())});
+  asio::write(socket, asio::buffer(request));
+  std::string answer;
+  boost::system::error_code end;
+  asio::read(socket, asio::dynamic_buffer(answer), end);
+  return answer;
+}
+
+TEST(WebServer, ServesThePageAndNothingElse) {
+  const auto server = serve({.port = 0});
+  const std::string page = ask(*server, "GET /?token=x HTTP/1.1\r\nHost: a\r\n\r\n");
+  EXPECT_TRUE(page.starts_with("HTTP/1.1 200")) << page;
+  EXPECT_NE(page.find("<title>Tandem</title>"), std::string::npos);
+  EXPECT_NE(page.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
+  for (const char* path : {"/../../etc/passwd", "/app.js/", "/x"})
+    EXPECT_TRUE(ask(*server, std::string{"GET "} + path + " HTTP/1.1\r\nHost: a\r\n\r\n")
+                    .starts_with("HTTP/1.1 404"));
+  EXPECT_TRUE(ask(*server, "PUT / HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n")
+                  .starts_with("HTTP/1.1 405"));
+}
+
+TEST(WebServer, WantsATokenWhereOthersCanReachIt) {
+  EXPECT_NE(why_not({.address = "0.0.0.0", .port = 0}).find("set a `token`"), std::string::npos);
+  EXPECT_NE(why_not({.address = "::", .port = 0}), "");
+  EXPECT_EQ(why_not({.address = "0.0.0.0", .port = 0, .token = "secret"}), "");
+  EXPECT_NE(why_not({.port = 0, .token = "a&b"}).find("letters"), std::string::npos);
+  EXPECT_NE(why_not({.address = "localhost", .port = 0}).find("no IP address"), std::string::npos);
+}
+
+TEST(WebServer, TakesTheNextPortIfItsOwnIsTaken) {
+  const auto first = serve({.port = 0});
+  const auto second = serve({.port = first->port()});
+  EXPECT_GT(second->port(), first->port());
+  EXPECT_LT(second->port(), first->port() + 10);
+}
+
+TEST(WebServer, EndsWhileClientsAreConnected) {
+  asio::io_context io;
+  asio::ip::tcp::socket socket{io};
+  {
+    const auto server = serve({.port = 0});
+    socket.connect(
+        {asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(server->port())});
+    asio::write(socket, asio::buffer(std::string{"GET / HT"}));
+  }
+  char rest = 0;
+  boost::system::error_code end;
+  asio::read(socket, asio::buffer(&rest, 1), end);
+  EXPECT_TRUE(end);
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two of our processes that know of each other by Fast DDS's discovery server only.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "runtime/node.hpp"
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr const char* kServer = "/usr/bin/fast-discovery-server";
+constexpr double kTimeout = 30.0;  // [s]
+
+// Hears what `robot` says without having asked on the domain: discovery is the server's.
+TEST(DiscoveryServer, BringsOurProcessesTogether) {
+  if (!std::filesystem::exists(kServer)) GTEST_SKIP() << kServer << " is not installed";
+  const std::string port = std::to_string(20'000 + getpid() % 10'000);
+  test::ChildProcess server{std::filesystem::relative(kServer, test::ChildProcess::folder()),
+                            {"-i", "0", "-l", "127.0.0.1", "-p", port}};
+  setenv("ROS_DISCOVERY_SERVER", ("127.0.0.1:" + port).c_str(), 1);
+  test::ChildProcess robot{
+      "../tandem",
+      {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--only", "diff_drive_sim"}};
+  rt::Node node{"tester"};
+  int heard = 0;
+  const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"/odom"},
+                                             [&](const auto&) { ++heard; });
+  EXPECT_TRUE(test::spin_until([&] { return heard > 3; }, kTimeout, node));
+  server.send(SIGKILL);  // who knows each other needs it no more
+  (void)server.wait(5.0);
+  heard = 0;
+  EXPECT_TRUE(test::spin_until([&] { return heard > 3; }, kTimeout, node));
+  unsetenv("ROS_DISCOVERY_SERVER");
+}
+
+// The proof that the test above tests something: without the server there is nothing to hear.
+TEST(DiscoveryServer, IsNeededByWhoNamesIt) {
+  setenv("ROS_DISCOVERY_SERVER", "127.0.0.1:19999", 1);
+  test::ChildProcess robot{
+      "../tandem",
+      {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--only", "diff_drive_sim"}};
+  rt::Node node{"tester"};
+  int heard = 0;
+  const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"/odom"},
+                                             [&](const auto&) { ++heard; });
+  EXPECT_FALSE(test::spin_until([&] { return heard > 0; }, 3.0, node));
+  unsetenv("ROS_DISCOVERY_SERVER");
+}
+
+}  // namespace
+}  // namespace tandem

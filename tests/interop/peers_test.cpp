@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Peers in other languages beside a teleoperated robot of ours: Python on Cyclone DDS, Rust on
+// ros2-client. Built by tests/interop/build_peers; where that could not be, they are skipped.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "bringup/bag.hpp"
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kTimeout = 90.0;  // [s]; the peers give up after 60
+
+const fs::path kPeers = TANDEM_PEERS_DIR;
+
+const std::string kSystem = TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml";
+
+std::string beside_us(const fs::path& program) {
+  return program.lexically_relative(test::ChildProcess::folder());
+}
+
+const fs::path kPython = kPeers / "python" / "bin" / "python";
+const std::string kScript = TANDEM_SOURCE_DIR "/tests/interop/python_peer/peer.py";
+
+// Policy manual behind the filter: the peer's Twist is the person's command.
+void expect_python_does(const std::string& check) {
+  if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
+  test::ChildProcess robot{"../tandem",
+                           {"run", kSystem, "--ros-args", "-p", "arbitration:policy:=manual"}};
+  test::ChildProcess peer{beside_us(kPython), {kScript, check}};
+  EXPECT_EQ(peer.wait(kTimeout), 0);
+  robot.send(SIGTERM);
+  EXPECT_EQ(robot.wait(10.0), 0);
+}
+
+TEST(PythonPeer, DrivesOurRobot) { expect_python_does("drive"); }
+TEST(PythonPeer, SeesOurNodes) { expect_python_does("graph"); }
+
+TEST(PythonPeer, ReadsOurRecordings) {
+  if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
+  char name[] = "/tmp/tandem_peers_XXXXXX";
+  const fs::path root = mkdtemp(name), folder = root / "drive";
+  {
+    BagWriter writer{folder};
+    const int topic = writer.add_topic({"/numbers", "std_msgs/msg/Float64"});
+    for (int i = 0; i < 10; ++i) {
+      const double number = i;
+      std::vector<std::uint8_t> bytes(4 + sizeof number);
+      bytes[1] = 1;  // little endian
+      std::memcpy(bytes.data() + 4, &number, sizeof number);
+      writer.write(topic, 1'000'000 * i, bytes);
+    }
+  }
+  test::ChildProcess peer{beside_us(kPython), {kScript, "bag", folder}};
+  EXPECT_EQ(peer.wait(kTimeout), 0);
+  fs::remove_all(root);
+}
+
+const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";
+
+void expect_rust_does(const std::string& check) {
+  if (!fs::exists(kRust)) GTEST_SKIP() << kRust << " was not built";
+  constexpr int kNoNamespace = 77;
+  test::ChildProcess both{beside_us(TANDEM_SOURCE_DIR "/tests/interop/rust_peer/beside_robot"),
+                          {TANDEM_BINARY_DIR "/tandem", kSystem, kRust, check}};
+  const auto status = both.wait(kTimeout);
+  if (status == kNoNamespace) GTEST_SKIP() << "no network namespace can be made here";
+  EXPECT_EQ(status, 0);
+}
+
+TEST(RustPeer, SeesOurNodes) { expect_rust_does("graph"); }
+TEST(RustPeer, DrivesOurRobot) { expect_rust_does("topics"); }
+TEST(RustPeer, CallsOurServices) { expect_rust_does("services"); }
+TEST(RustPeer, ListsGetsAndSetsOurParameters) { expect_rust_does("parameters"); }
+TEST(RustPeer, GetsNoAnswerInTheOtherConvention) { expect_rust_does("foreign_convention"); }
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "octomap_builder/local_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "map/slice.hpp"
+#include "map/static_map.hpp"
+#include "octomap_builder/pose_history.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kHeight = 0.3;  // of the sensor [m]
+constexpr int kBeams = 720;
+
+Eigen::Isometry3d at(const Pose2& X, double z = kHeight) {
+  return Eigen::Translation3d(X.x, X.y, z) * Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
+}
+
+StaticMap random_world(std::mt19937& random) {
+  Grid grid{0.05, {-5.0, -5.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
+  std::uniform_int_distribution<int> place(0, 190), size(1, 8);
+  for (int n = 0; n < 40; ++n) {
+    const int x0 = place(random), y0 = place(random), w = size(random), h = size(random);
+    if (std::abs(x0 - 100) < 12 && std::abs(y0 - 100) < 12) continue;  // the robot's place
+    for (int iy = y0; iy < y0 + h; ++iy)
+      for (int ix = x0; ix < x0 + w; ++ix) grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
+  }
+  return StaticMap{grid};
+}
+
+std::vector<float> look(const StaticMap& world, const Pose2& X, double range) {
+  std::vector<float> ranges;
+  for (int i = 0; i < kBeams; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kBeams;
+    const double d = world.cast_ray(X.position(), X.theta + angle, range);
+    ranges.push_back(d < range ? static_cast<float>(d) : std::numeric_limits<float>::infinity());
+  }
+  return ranges;
+}
+
+Echoes echoes(const StaticMap& world, const Pose2& X, double range = 6.0) {
+  const auto ranges = look(world, X, range);
+  return echoes_of(RangeScan{.angle_min = 0.0,
+                             .angle_increment = 2.0 * std::numbers::pi / kBeams,
+                             .range_min = 0.0,
+                             .range_max = range,
+                             .ranges = ranges});
+}
+
+Echoes one_echo(double x, double y, double z = 0.0) { return {{{x, y, z}}, {}, {}}; }
+
+bool is_occupied(const LocalMap& map, const Eigen::Vector3d& p) {
+  const auto* node = map.tree().search(p.x(), p.y(), p.z());
+  return node != nullptr && map.tree().isNodeOccupied(node);
+}
+bool is_free(const LocalMap& map, const Eigen::Vector3d& p) {
+  const auto* node = map.tree().search(p.x(), p.y(), p.z());
+  return node != nullptr && !map.tree().isNodeOccupied(node);
+}
+
+void insert(LocalMap& map, const Echoes& echoes, const Pose2& X, double t) {
+  ASSERT_TRUE(map.insert(echoes, at(X), t));
+}
+
+// A way through random worlds, a look from each place, other things there each time.
+TEST(LocalMap, EveryEchoIsAnObstacleWhateverWasThereBefore) {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> metres(-0.4, 0.4), angle(-3.0, 3.0);
+  LocalMap map({});
+  for (int n = 0; n < 30; ++n) {
+    const StaticMap world = random_world(random);
+    const Pose2 X{metres(random), metres(random), angle(random)};
+    const Echoes seen = echoes(world, X);
+    ASSERT_GT(seen.p_SQ.size(), 50U);
+    insert(map, seen, X, 0.1 * n);
+    for (const auto& p_SQ : seen.p_SQ) {
+      const Eigen::Vector3d p_MQ = at(X) * (p_SQ * (1.0 + 0.001 / p_SQ.norm()));
+      ASSERT_TRUE(is_occupied(map, p_MQ)) << n << ": " << p_MQ.transpose();
+    }
+  }
+}
+
+// The map's slice, as filter and extractor see it, has the world's cells where echoes came from,
+// and none where the world is free by more than the rounding of a range.
+TEST(LocalMap, ShowsTheWorldThatIsSeen) {
+  std::mt19937 random{2};
+  for (int n = 0; n < 8; ++n) {
+    const StaticMap world = random_world(random);
+    LocalMap map({});
+    const Pose2 X{0.013, 0.021, 0.3};
+    for (int i = 0; i < 3; ++i) insert(map, echoes(world, X), X, 0.1 * i);
+    const Grid grid = slice(map.tree(), {});
+    int occupied = 0;
+    for (int iy = 0; iy < grid.height; ++iy)
+      for (int ix = 0; ix < grid.width; ++ix) {
+        if (grid.at(ix, iy) != Cell::kOccupied) continue;
+        ++occupied;
+        EXPECT_LT(world.distance(grid.center(ix, iy)), 0.05) << grid.center(ix, iy).transpose();
+      }
+    EXPECT_GT(occupied, 20);
+    EXPECT_TRUE(is_free(map, {X.x, X.y, kHeight}));
+  }
+}
+
+TEST(LocalMap, WhatIsSeenThroughIsCleared) {
+  LocalMap map({});
+  const Echoes pole = one_echo(2.0, 0.0), beyond{{}, {{5.0, 0.0, 0.0}}, {}};
+  for (int i = 0; i < 50; ++i) insert(map, pole, {}, 0.1 * i);
+  ASSERT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
+  int looks = 0;
+  while (is_occupied(map, {2.01, 0.0, kHeight})) {
+    insert(map, beyond, {}, 5.0 + 0.1 * looks);
+    ASSERT_LT(++looks, 15);
+  }
+  EXPECT_GT(looks, 2);  // one miss does not wipe out what was long seen
+  // A single false echo in space known to be free is gone with the next look.
+  for (int i = 0; i < 20; ++i) insert(map, beyond, {}, 10.0);
+  insert(map, pole, {}, 10.0);
+  EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
+  insert(map, beyond, {}, 10.1);
+  EXPECT_TRUE(is_free(map, {2.01, 0.0, kHeight}));
+}
+
+TEST(LocalMap, ForgetsWhatItHasNotSeenForTheTimeOfDecay) {
+  LocalMap map({.decay = 2.0}), keeps({.decay = 0.0});
+  const Echoes other = one_echo(0.0, 3.0);
+  for (LocalMap* m : {&map, &keeps}) {
+    insert(*m, one_echo(2.0, 0.0), {}, 1.0);
+    insert(*m, other, {}, 2.9);
+    EXPECT_TRUE(is_occupied(*m, {2.01, 0.0, kHeight}));
+    insert(*m, other, {}, 3.1);
+    EXPECT_TRUE(is_occupied(*m, {0.01, 3.01, kHeight}));
+  }
+  EXPECT_FALSE(is_occupied(map, {2.01, 0.0, kHeight}));
+  EXPECT_TRUE(is_occupied(keeps, {2.01, 0.0, kHeight}));
+}
+
+TEST(LocalMap, SeeingAnObstacleAgainKeepsIt) {
+  LocalMap map({.decay = 2.0});
+  for (int i = 0; i < 100; ++i) {
+    insert(map, one_echo(2.0, 0.0), {}, 0.1 * i);
+    ASSERT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
+  }
+}
+
+TEST(LocalMap, RangesAndHeightsHaveTheirLimits) {
+  LocalMap map({.min_range = 0.5, .max_range = 4.0});
+  insert(map, one_echo(0.4, 0.0), {}, 0.0);        // the robot's own body
+  insert(map, one_echo(0.0, 5.0), {}, 0.0);        // too far to mark, near enough to clear
+  insert(map, one_echo(-2.0, 0.0, 2.0), {}, 0.0);  // a beam of the ceiling
+  EXPECT_FALSE(is_occupied(map, {0.41, 0.0, kHeight}));
+  EXPECT_FALSE(is_free(map, {0.2, 0.0, kHeight}));
+  EXPECT_FALSE(is_occupied(map, {0.0, 5.01, kHeight}));
+  EXPECT_TRUE(is_free(map, {0.01, 3.9, kHeight}));
+  EXPECT_FALSE(is_free(map, {0.01, 4.2, kHeight}));
+  EXPECT_FALSE(is_occupied(map, {-2.0, 0.0, 2.3}));
+  EXPECT_TRUE(is_free(map, {-0.5, 0.0, kHeight + 0.5}));
+}
+
+TEST(LocalMap, TakesNothingFromNowhere) {
+  LocalMap map({});
+  Eigen::Isometry3d X = at({});
+  X.translation().x() = std::nan("");
+  EXPECT_FALSE(map.insert(one_echo(1.0, 0.0), X, 0.0));
+  EXPECT_FALSE(map.insert(one_echo(1.0, 0.0), at({1e6, 0.0, 0.0}), 0.0));
+  EXPECT_EQ(map.tree().size(), 0U);
+}
+
+// One kilometre of new things to see.
+TEST(LocalMap, MemoryIsThatOfItsWindowHoweverFarTheRobotDrives) {
+  const LocalMapParams params{.window = 8.0, .max_range = 6.0, .decay = 5.0};
+  LocalMap map(params);
+  std::mt19937 random{3};
+  std::uniform_real_distribution<double> range(1.0, 8.0);
+  std::size_t most_early = 0, most = 0;
+  for (int n = 0; n < 500; ++n) {
+    Echoes seen;
+    for (int i = 0; i < 60; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / 60, r = range(random);
+      seen.p_SQ.emplace_back(r * std::cos(angle), r * std::sin(angle), 0.0);
+    }
+    insert(map, seen, {-500.0 + 2.0 * n, 0.2 * std::sin(n), 0.1 * n}, 2.0 * n);
+    (n < 50 ? most_early : most) = std::max(n < 50 ? most_early : most, map.tree().size());
+  }
+  EXPECT_LT(static_cast<double>(most), 1.2 * static_cast<double>(most_early));
+  for (auto leaf = map.tree().begin_leafs(); leaf != map.tree().end_leafs(); ++leaf) {
+    EXPECT_LT(std::abs(leaf.getX() - 498.0), 6.1);
+    EXPECT_LT(std::abs(leaf.getY()), 6.1);
+  }
+}
+
+TEST(LocalMap, BeginsAnewWhenTheRobotIsPutElsewhere) {
+  LocalMap map({});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  insert(map, one_echo(2.0, 0.0), {300.0, 0.0, 0.0}, 0.1);
+  EXPECT_TRUE(is_occupied(map, {302.01, 0.0, kHeight}));
+  const Grid grid = slice(map.tree(), {});
+  EXPECT_LT(grid.width, 50);  // nothing is left of the first place
+}
+
+TEST(LocalMap, ForgetsAllWhenToldTo) {
+  LocalMap map({.decay = 1.0});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  map.clear();
+  EXPECT_EQ(map.tree().size(), 0U);
+  insert(map, one_echo(0.0, 2.0), {}, 5.0);
+  EXPECT_FALSE(is_occupied(map, {2.01, 0.0, kHeight}));
+  EXPECT_TRUE(is_occupied(map, {0.01, 2.01, kHeight}));
+}
+
+TEST(LocalMap, RefusesParametersThatContradictEachOther) {
+  EXPECT_THROW(LocalMap({.min_range = 5.0, .max_range = 4.0}), std::invalid_argument);
+  EXPECT_THROW(LocalMap({.point_cloud_min_z = 2.0, .point_cloud_max_z = 1.0}),
+               std::invalid_argument);
+  EXPECT_THROW(LocalMap({.hit = 0.7}), std::invalid_argument);  // one echo would not be enough
+  EXPECT_THROW(LocalMap({.resolution = 0.0}), std::invalid_argument);
+}
+
+TEST(PoseHistory, CarriesTheLastPoseOnToTheStamp) {
+  PoseHistory poses;
+  EXPECT_FALSE(poses.at(1.0));
+  poses.add({0.0, 0.0, 0.0}, {1.0, 0.0}, 1.0);
+  poses.add({0.1, 0.0, 0.0}, {1.0, 0.5}, 1.1);
+  EXPECT_FALSE(poses.at(0.9));
+  EXPECT_NEAR(poses.at(1.05)->x, 0.05, 1e-12);
+  EXPECT_NEAR(poses.at(1.2)->theta, 0.05, 1e-12);
+  EXPECT_FALSE(poses.at(1.1 + PoseHistory::kMostAhead + 0.01));
+}
+
+TEST(PoseHistory, BeginsAnewWhenTimeDoes) {
+  PoseHistory poses;
+  poses.add({5.0, 0.0, 0.0}, {}, 100.0);
+  poses.add({1.0, 0.0, 0.0}, {}, 0.5);
+  EXPECT_FALSE(poses.at(100.0));
+  EXPECT_EQ(poses.at(0.6)->x, 1.0);
+}
+
+}  // namespace
+}  // namespace tandem

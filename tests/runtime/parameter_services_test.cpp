@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// A node's parameters, asked for over DDS as ros2 param does.
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "runtime/node.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+
+namespace tandem {
+namespace {
+
+using rcl_interfaces::msg::Parameter;
+using rcl_interfaces::msg::ParameterEvent;
+namespace srv = rcl_interfaces::srv;
+namespace types = rcl_interfaces::msg::ParameterType_Constants;
+using test::spin_until;
+
+constexpr double kTimeout = 10.0;  // [s]
+
+struct DriveParams {
+  double gain = 1.0;
+  bool enabled = true;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("gain", gain, Range{0.0, 2.0}, "[1] of the stick");
+    field("enabled", enabled, "whether");
+  }
+};
+
+struct LateParams {
+  int count = 3;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("count", count, Range{0, 9}, "how many");
+  }
+};
+
+Parameter gain(double value) {
+  Parameter parameter;
+  parameter.name("gain");
+  parameter.value().type(types::PARAMETER_DOUBLE);
+  parameter.value().double_value(value);
+  return parameter;
+}
+
+class ParameterServices : public testing::Test {
+ protected:
+  // The node's answer to one request.
+  template <class S>
+  typename S::Response ask(const char* service, const typename S::Request& request) {
+    const auto client = tool_.create_client(rt::ServiceName<S>{service});
+    std::optional<typename S::Response> answer;
+    client.call(
+        request, [&](const auto& response) { answer = response; }, kTimeout);
+    EXPECT_TRUE(spin_until([&] { return answer.has_value(); }, kTimeout, node_, tool_)) << service;
+    return answer.value_or(typename S::Response{});
+  }
+
+  double get_gain() {
+    srv::GetParameters::Request request;
+    request.names({"gain"});
+    const auto values = ask<srv::GetParameters>("/robot/drive/get_parameters", request).values();
+    return values.size() == 1 ? values[0].double_value() : -1.0;
+  }
+
+  auto set(std::vector<Parameter> parameters) {
+    srv::SetParameters::Request request;
+    request.parameters(std::move(parameters));
+    return ask<srv::SetParameters>("/robot/drive/set_parameters", request).results();
+  }
+
+  rt::Node node_{rt::NodeOptions{.name = "drive", .ns = "/robot"}};
+  rt::Node tool_{rt::NodeOptions{.name = "tool", .serves_tools = false}};
+  rt::Parameters<DriveParams> params_ = node_.declare_parameters<DriveParams>(
+      {}, [](auto& all) -> auto& { return all; }, [](const auto&) {});
+};
+
+TEST_F(ParameterServices, GetAndSetANumber) {
+  EXPECT_EQ(get_gain(), 1.0);
+  const auto results = set({gain(1.5)});
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_TRUE(results[0].successful());
+  EXPECT_EQ(params_->gain, 1.5);
+  EXPECT_EQ(get_gain(), 1.5);
+}
+
+TEST_F(ParameterServices, SetEachForItselfButAtomicallyAllOrNone) {
+  const auto results = set({gain(9.0), gain(1.25)});
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_FALSE(results[0].successful());
+  EXPECT_NE(results[0].reason().find("[0, 2]"), std::string::npos) << results[0].reason();
+  EXPECT_TRUE(results[1].successful());
+  EXPECT_EQ(params_->gain, 1.25);
+
+  srv::SetParametersAtomically::Request request;
+  request.parameters({gain(0.5), gain(9.0)});
+  const auto answer =
+      ask<srv::SetParametersAtomically>("/robot/drive/set_parameters_atomically", request);
+  EXPECT_FALSE(answer.result().successful());
+  EXPECT_EQ(params_->gain, 1.25);
+}
+
+TEST_F(ParameterServices, ListDescribeAndNameTypes) {
+  const auto list = ask<srv::ListParameters>("/robot/drive/list_parameters", {}).result();
+  EXPECT_EQ(list.names(), (std::vector<std::string>{"use_sim_time", "gain", "enabled"}));
+
+  srv::DescribeParameters::Request describe;
+  describe.names({"gain", "use_sim_time"});
+  const auto descriptors =
+      ask<srv::DescribeParameters>("/robot/drive/describe_parameters", describe).descriptors();
+  ASSERT_EQ(descriptors.size(), 2U);
+  EXPECT_EQ(descriptors[0].description(), "[1] of the stick");
+  EXPECT_FALSE(descriptors[0].read_only());
+  EXPECT_TRUE(descriptors[1].read_only());
+
+  srv::GetParameterTypes::Request name_types;
+  name_types.names({"enabled", "nobody"});
+  EXPECT_EQ(ask<srv::GetParameterTypes>("/robot/drive/get_parameter_types", name_types).types(),
+            (std::vector<std::uint8_t>{types::PARAMETER_BOOL, types::PARAMETER_NOT_SET}));
+}
+
+TEST_F(ParameterServices, AnswerNothingToMoreNamesThanAnyoneHas) {
+  srv::GetParameters::Request request;
+  request.names(std::vector<std::string>(5000, "g"));
+  EXPECT_TRUE(ask<srv::GetParameters>("/robot/drive/get_parameters", request).values().empty());
+  EXPECT_EQ(get_gain(), 1.0);
+}
+
+TEST_F(ParameterServices, TellOfChangesOnParameterEvents) {
+  std::vector<ParameterEvent> events;
+  const auto subscription =
+      tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},
+                                [&](const auto& event) { events.push_back(event); });
+  ASSERT_TRUE(spin_until([&] { return subscription.matched() == 1; }, kTimeout, node_, tool_));
+  EXPECT_FALSE(set({gain(9.0)})[0].successful());
+  EXPECT_TRUE(set({gain(0.75)})[0].successful());
+  ASSERT_TRUE(spin_until([&] { return !events.empty(); }, kTimeout, node_, tool_));
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].node(), "/robot/drive");
+  ASSERT_EQ(events[0].changed_parameters().size(), 1U);
+  EXPECT_EQ(events[0].changed_parameters()[0].value().double_value(), 0.75);
+  EXPECT_TRUE(events[0].new_parameters().empty());
+  EXPECT_GT(events[0].stamp().sec(), 0);
+}
+
+TEST_F(ParameterServices, TellOfParametersThatAreDeclaredLater) {
+  std::vector<ParameterEvent> events;
+  const auto subscription =
+      tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},
+                                [&](const auto& event) { events.push_back(event); });
+  ASSERT_TRUE(spin_until([&] { return subscription.matched() == 1; }, kTimeout, node_, tool_));
+  const auto late = node_.declare_parameters<LateParams>();
+  ASSERT_TRUE(spin_until([&] { return !events.empty(); }, kTimeout, node_, tool_));
+  ASSERT_EQ(events[0].new_parameters().size(), 1U);
+  EXPECT_EQ(events[0].new_parameters()[0].value().integer_value(), 3);
+}
+
+}  // namespace
+}  // namespace tandem

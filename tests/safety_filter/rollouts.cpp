@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// safety_filter_rollouts [STEPS [FIRST_SEED]]: the property test for as long as wanted, on all
+// cores; 1e8 steps unless told, and a tenth of that among people. Then what happens beyond the
+// bounds. Exit status 1 on a contact within them.
+#include "people_rollouts.hpp"
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+
+namespace tandem::test {
+namespace {
+
+constexpr double kStepsBeyond = 5e4;
+
+template <class Scene>
+Tally run(double steps, unsigned first_seed, Scene scene) {
+  Tally all;
+  std::mutex mutex;
+  std::atomic<unsigned> next{first_seed};
+  const auto work = [&] {
+    for (;;) {
+      const Tally tally = scene(next++);
+      const std::lock_guard lock{mutex};
+      all.add(tally);
+      if (static_cast<double>(all.steps) >= steps) return;
+    }
+  };
+  std::vector<std::jthread> workers;
+  for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+    workers.emplace_back(work);
+  workers.clear();
+  return all;
+}
+
+void print(const char* what, const Tally& tally) {
+  std::printf(
+      "%-34s %10ld steps %8ld rollouts  contacts %ld (%.3f %%)  smallest clearance %.4f m (scene "
+      "%u)\n",
+      what, tally.steps, tally.rollouts, tally.contacts,
+      100.0 * static_cast<double>(tally.contacts) / static_cast<double>(tally.rollouts),
+      tally.min_clearance, tally.closest_seed);
+  if (tally.contacts > 0) std::printf("%-34s one in scene %u\n", "", tally.contact_seed);
+  std::fflush(stdout);
+}
+
+void print_beyond() {
+  std::printf("\nbeyond the bounds (contacts per rollout):\n");
+  for (const double factor : {1.5, 2.0, 4.0, 8.0}) {
+    const auto row = [&](const char* what, const Beyond& beyond) {
+      char text[64];
+      std::snprintf(text, sizeof text, "%s %.1f times the bound", what, factor);
+      print(text, run(kStepsBeyond, 1, [&](unsigned seed) { return run_scene(seed, beyond); }));
+    };
+    row("slip", {.slip = factor});
+    row("lag", {.lag = factor});
+    row("delays", {.delay = factor});
+    row("pose error", {.pose_error = factor});
+    row("braking weaker,", {.braking = factor});
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
+
+int main(int argc, char** argv) {
+  using namespace tandem::test;
+  const double steps = argc > 1 ? std::atof(argv[1]) : 1e8;
+  const unsigned first = argc > 2 ? static_cast<unsigned>(std::atol(argv[2])) : 1;
+  if (!(steps >= 1.0)) {
+    std::fprintf(stderr, "safety_filter_rollouts [STEPS [FIRST_SEED]]: STEPS must be 1 or more\n");
+    return 2;
+  }
+  const Tally tally = run(steps, first, [](unsigned seed) { return run_scene(seed); });
+  print("within the bounds", tally);
+  const Tally people =
+      run(0.1 * steps, first, [](unsigned seed) { return run_people_scene(seed); });
+  print("among people", people);
+  std::printf("%-34s walked into %ld times while it stood, %.1f m per scene\n", "",
+              people.walked_into, people.travel / static_cast<double>(people.rollouts));
+  if (steps >= 1e6) print_beyond();
+  return tally.contacts + people.contacts == 0 && tally.unfinished == 0 ? 0 : 1;
+}

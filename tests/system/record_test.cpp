@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tandem record` and `tandem play` in their own processes.
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+
+#include "bringup/bag.hpp"
+#include "support/child_process.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kLong = 30.0;  // [s] for a slow machine under a sanitizer
+constexpr const char* kForeignHash =
+    "RIHS01_00000000000000000000000000000000000000000000000000000000000000aa";
+
+// How many messages of each topic a recording holds.
+std::map<std::string, int> messages_by_topic(const fs::path& folder) {
+  std::map<std::string, int> counts;
+  BagReader bag{folder};
+  for (BagMessage message; bag.next(message);) ++counts[bag.topics()[message.topic].name];
+  return counts;
+}
+
+class Recording : public testing::Test {
+ protected:
+  Recording() {
+    char name[] = "/tmp/tandem_record_XXXXXX";
+    root_ = mkdtemp(name);
+    folder_ = root_ / "drive";
+  }
+  ~Recording() override { fs::remove_all(root_); }
+
+  template <class Predicate>
+  bool wait_until(Predicate predicate) {
+    return spin_until(predicate, kLong, node_);
+  }
+
+  fs::path root_, folder_;
+  rt::Node node_{"tester"};
+};
+
+TEST_F(Recording, PlaysBackWhatItHeardOfKnownAndUnknownTypes) {
+  const rt::Topic<std_msgs::msg::Float64> kNumbers{"numbers"};
+  const std::vector<std::uint8_t> foreign_bytes{0, 1, 0, 0, 4, 0, 0, 0, 9, 9, 9, 9};
+  {
+    const auto numbers = node_.create_publisher(kNumbers);
+    const auto foreign =
+        node_.create_generic_publisher("odd", "alien_msgs/msg/Odd", rt::kSensorData, kForeignHash);
+    ChildProcess record{"../tandem", {"record", "-o", folder_}};
+    ASSERT_TRUE(wait_until([&] { return numbers.matched() == 1 && foreign.matched() == 1; }));
+    for (int i = 0; i < 10; ++i) {
+      std_msgs::msg::Float64 msg;
+      msg.data(i);
+      numbers.publish(msg);
+    }
+    // It has heard all when what it commits, once a second, holds all. Best effort may be lost:
+    // the odd ones go on until one is in.
+    ASSERT_TRUE(wait_until([&] {
+      foreign.publish(foreign_bytes);
+      const auto heard = messages_by_topic(folder_);
+      return heard.count("/numbers") && heard.at("/numbers") == 10 && heard.count("/odd");
+    }));
+    record.send(SIGINT);
+    ASSERT_EQ(record.wait(kLong), 0);
+  }
+  std::vector<double> got;
+  std::vector<std::vector<std::uint8_t>> got_foreign;
+  const auto numbers =
+      node_.create_subscription(kNumbers, [&](const auto& msg) { got.push_back(msg.data()); });
+  const auto foreign =
+      node_.create_generic_subscription("odd", "alien_msgs/msg/Odd", rt::kSensorData,
+                                        [&](const auto& bytes) { got_foreign.push_back(bytes); });
+  // Until both are matched, however slow the machine, and again for what best effort may lose.
+  ChildProcess play{"../tandem",
+                    {"play", folder_, "--topics", "/numbers", "/odd", "--wait", "60", "--loop"}};
+  ASSERT_TRUE(wait_until([&] { return got.size() >= 10 && !got_foreign.empty(); }))
+      << got.size() << " " << got_foreign.size();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(got[static_cast<std::size_t>(i)], i);
+  EXPECT_EQ(got_foreign.front(), foreign_bytes);
+  play.send(SIGTERM);
+  EXPECT_EQ(play.wait(kLong), 0);
+}
+
+TEST_F(Recording, RemapsAndRepeatsWhatItPlays) {
+  {
+    BagWriter writer{folder_};
+    const int topic = writer.add_topic({"/stop", "std_msgs/msg/Bool"});
+    writer.write(topic, 0, {0, 1, 0, 0, 1, 0, 0, 0});
+    writer.write(topic, 20'000'000, {0, 1, 0, 0, 0, 0, 0, 0});
+  }
+  int on = 0, off = 0;
+  const auto subscription = node_.create_subscription(
+      rt::Topic<std_msgs::msg::Bool>{"/halt"}, [&](const auto& msg) { ++(msg.data() ? on : off); });
+  ChildProcess play{"../tandem",
+                    {"play", folder_, "--loop", "--rate", "2", "--ros-args", "-r", "/stop:=/halt"}};
+  ASSERT_TRUE(wait_until([&] { return on >= 3 && off >= 2; }));
+  play.send(SIGTERM);
+  EXPECT_EQ(play.wait(kLong), 0);
+}
+
+}  // namespace
+}  // namespace tandem::test

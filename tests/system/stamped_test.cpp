@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole loop with TwistStamped at both ends: the person's commands and what the robot is told.
+#include "support/child_process.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
+constexpr double kWay = 0.3;    // [m]
+
+TEST(StampedCommands, DriveTheRobotAndReachIt) {
+  ChildProcess robot{"../tandem",
+                     {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--ros-args", "-p",
+                      "arbitration:policy:=manual", "-p", "safety_filter:stamped:=true"}};
+  rt::Node node{"tester"};
+  const auto user =
+      node.create_publisher(rt::Topic<geometry_msgs::msg::TwistStamped>{"/cmd_vel_user"});
+  const auto beat = node.create_wall_timer(0.05, [&] {
+    geometry_msgs::msg::TwistStamped msg;  // a stamp of zero: none
+    msg.twist(to_msg(Twist2{0.3, 0.0}));
+    user.publish(msg);
+  });
+  geometry_msgs::msg::TwistStamped told;
+  const auto cmd_vel =
+      node.create_subscription(topics::cmd_vel_stamped, [&](const auto& msg) { told = msg; });
+  std::optional<Pose2> start, now;
+  const auto truth = node.create_subscription(topics::ground_truth, [&](const auto& msg) {
+    now = from_msg(msg).value_or(Odometry{}).X;
+    if (!start) start = now;
+  });
+  ASSERT_TRUE(spin_until(
+      [&] { return start && (now->position() - start->position()).norm() > kWay; }, kLong, node));
+  EXPECT_TRUE(spin_until([&] { return is_near(told.twist().linear().x(), 0.3); }, kLong, node));
+  EXPECT_EQ(told.header().frame_id(), "base_link");
+  EXPECT_GT(rt::to_seconds(told.header().stamp()), 0.0);
+}
+
+}  // namespace
+}  // namespace tandem::test

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `tandem study` as its user runs it, on the study that is shipped for a first look.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "support/captured_log.hpp"
+#include "support/child_process.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // ten times slower: a part of it
+constexpr bool kWhole = false;
+constexpr std::size_t kDrives = 6, kGroups = 2;
+#else
+constexpr bool kWhole = true;
+constexpr std::size_t kDrives = 24, kGroups = 8;
+#endif
+constexpr double kLong = 300.0;  // [s] for a sanitizer on a busy machine
+
+class StudyProgram : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder() = fs::temp_directory_path() / ("tandem_study_" + std::to_string(getpid()));
+    fs::create_directories(folder());
+    if (!kWhole)
+      std::ofstream{out("part.yaml")} << "study: quick\nscenarios: [" TANDEM_SOURCE_DIR
+                                         "/bringup/scenarios/forest_task2.yaml]\n"
+                                         "methods: [safety_filter, leader]\nseeds: 1-3\n";
+    ASSERT_EQ(run({study(), "--out", out("whole")}), 0);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
+
+  static fs::path& folder() {
+    static fs::path folder;
+    return folder;
+  }
+  static std::string out(const std::string& name) { return (folder() / name).string(); }
+
+  static std::string study() {
+    return kWhole ? TANDEM_SOURCE_DIR "/bringup/studies/quick.yaml" : out("part.yaml");
+  }
+  // Runs `tandem study` with two processes and returns its exit status.
+  static int run(std::vector<std::string> words, double timeout = kLong) {
+    words.insert(words.begin(), "study");
+    if (words[1] != "merge") words.insert(words.end(), {"--jobs", "2"});
+    words.emplace_back("--no-report");
+    test::ChildProcess program{"../tandem", words};
+    return program.wait(timeout).value_or(-1);
+  }
+  static std::size_t lines(const std::string& name) {
+    std::ifstream in{out(name) + "/drives.jsonl", std::ios::binary};
+    const std::string text{std::istreambuf_iterator<char>{in}, {}};
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+  // The drives without what a clock measured.
+  static json drives(const std::string& name) {
+    std::ifstream in{out(name) + "/drives.json"};
+    json drives = json::parse(in);
+    for (json& drive : drives)
+      for (const char* key : {"wall_s", "cpu_s", "part_s", "plan_ms", "missed_deadlines"})
+        drive.erase(key);
+    return drives;
+  }
+};
+
+TEST_F(StudyProgram, WritesAnObjectPerDriveATableAndASummary) {
+  const json all = drives("whole");
+  ASSERT_EQ(all.size(), kDrives);
+  for (const json& drive : all) {
+    EXPECT_GT(drive.at("path_length_m"), 0.0);
+    EXPECT_GT(drive.at("free_time_s"), 0.0);
+    EXPECT_TRUE(drive.at("agreement_direction").is_number());
+    EXPECT_TRUE(drive.at("method") == "manual" || drive.at("collisions") == 0) << drive.dump();
+    EXPECT_TRUE(drive.at("reached") == false || drive.at("path_ratio") >= 0.98) << drive.dump();
+  }
+  std::ifstream in{out("whole") + "/summary.json"};
+  const json summary = json::parse(in);
+  ASSERT_EQ(summary.size(), kGroups);
+  for (const json& group : summary) EXPECT_EQ(group.at("n"), 3);
+  EXPECT_GT(fs::file_size(out("whole") + "/drives.csv"), 1000u);
+  EXPECT_GT(fs::file_size(out("whole") + "/worlds.json"), 1000u);
+}
+
+TEST_F(StudyProgram, ResumesAfterAKillWithoutLosingADriveAndEndsWithTheSameResults) {
+  {
+    test::ChildProcess program{
+        "../tandem", {"study", study(), "--out", out("killed"), "--jobs", "2", "--no-report"}};
+    while (lines("killed") < kDrives / 6) ASSERT_FALSE(program.wait(0.01).has_value());
+    program.send(SIGKILL);
+    EXPECT_EQ(program.wait(20.0), 128 + SIGKILL);
+  }
+  const std::size_t kept = lines("killed");
+  EXPECT_LT(kept, kDrives);
+  const test::CapturedLog log;
+  ASSERT_EQ(run({study(), "--out", out("killed")}), 0);
+  EXPECT_EQ(log.lines(std::to_string(kept) + " made before"), 1) << log.text();
+  EXPECT_EQ(lines("killed"), kDrives);
+  EXPECT_EQ(drives("killed"), drives("whole"));
+}
+
+TEST_F(StudyProgram, ShardsMergedAreTheWhole) {
+  for (const std::string shard : {"1", "2", "3"})
+    ASSERT_EQ(run({study(), "--out", out("shard" + shard), "--shard", shard + "/3"}), 0);
+  EXPECT_EQ(drives("shard2").size(), kDrives / 3);
+  ASSERT_EQ(run({"merge", out("merged"), out("shard1"), out("shard2"), out("shard3")}), 0);
+  EXPECT_EQ(drives("merged"), drives("whole"));
+}
+
+TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
+  if (std::system("/usr/bin/python3 -c 'import matplotlib'") != 0)
+    GTEST_SKIP() << "NO REPORT TESTED: python3-matplotlib is not installed";
+  test::ChildProcess program{"../tandem", {"study", "merge", out("reported"), out("whole")}};
+  ASSERT_EQ(program.wait(kLong), 0);
+  std::ifstream in{out("reported") + "/report.html"};
+  const std::string page{std::istreambuf_iterator<char>{in}, {}};
+  for (const char* what :
+       {"<h1>Study quick</h1>", "Devalla 2020: direct", kWhole ? "<h2>corridor</h2>" : "<h2>",
+        "paths in forest.bt", "data:image/png;base64,"})
+    EXPECT_NE(page.find(what), std::string::npos) << what;
+  EXPECT_GT(fs::file_size(out("reported") + "/paths_forest_task2_forest.png"), 10'000u);
+}
+
+TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
+  const fs::path other = folder() / "other.yaml";
+  std::ofstream{other} << "study: other\nscenarios: [" TANDEM_SOURCE_DIR
+                          "/bringup/scenarios/forest_task2.yaml]\nseeds: 1\n";
+  {
+    const test::CapturedLog log;
+    EXPECT_EQ(run({other.string(), "--out", out("whole")}, 30.0), 1);
+    EXPECT_EQ(log.lines("holds another study (study differs)"), 1) << log.text();
+  }
+  for (const std::string shard : {"0/3", "4/3", "1", "a/b", "1/2x"}) {
+    const test::CapturedLog log;
+    EXPECT_EQ(run({study(), "--out", out("none"), "--shard", shard}, 30.0), 1);
+    EXPECT_EQ(log.lines("--shard " + shard + ": expected i/n"), 1) << log.text();
+  }
+  EXPECT_FALSE(fs::exists(out("none")));
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// `tandem teleop` in a terminal that this test plays, beside a system.
+#include <pty.h>
+
+#include "system/system_under_test.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
+
+// A program in a terminal of its own.
+class InTerminal {
+ public:
+  InTerminal() {
+    pid_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
+    if (pid_ != 0) return;
+    execl(TANDEM_BINARY_DIR "/tandem", "tandem", "teleop", nullptr);
+    _exit(127);
+  }
+  ~InTerminal() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    close(terminal_);
+  }
+  InTerminal(const InTerminal&) = delete;
+  InTerminal& operator=(const InTerminal&) = delete;
+
+  void type(const std::string& keys) const {
+    EXPECT_EQ(write(terminal_, keys.data(), keys.size()), std::ssize(keys));
+  }
+  /// What the program has shown, one reading of it.
+  [[nodiscard]] std::string read_screen() const {
+    char text[4096];
+    const auto size = read(terminal_, text, sizeof text);
+    return {text, size > 0 ? static_cast<std::size_t>(size) : 0};
+  }
+
+ private:
+  int terminal_ = -1;
+  pid_t pid_;
+};
+
+TEST(TeleopCommand, DrivesWhileAKeyRepeatsAndShowsWhatTheRobotDoes) {
+  SystemUnderTest system{TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml"};
+  ChildProcess robot{"../tandem", {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml"}};
+  const InTerminal keyboard;
+  double typed = 0.0;
+  const auto hold = [&] {
+    if (rt::steady_seconds() - typed > 0.03) keyboard.type("i");
+    if (rt::steady_seconds() - typed > 0.03) typed = rt::steady_seconds();
+    return system.truth.twist.v > 0.3;
+  };
+  ASSERT_TRUE(system.wait_until(hold, kLong));
+  ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, kLong));
+  std::string screen;
+  for (const double end = rt::steady_seconds() + kLong;
+       screen.find("shared, ") == std::string::npos && rt::steady_seconds() < end;)
+    screen += keyboard.read_screen();
+  EXPECT_NE(screen.find("clearance"), std::string::npos);
+  EXPECT_NE(screen.find("shared, "), std::string::npos) << screen;
+  keyboard.type(" ");
+  EXPECT_TRUE(system.wait_until([&] { return system.reason == "emergency stop"; }, kLong));
+}
+
+}  // namespace
+}  // namespace tandem::test

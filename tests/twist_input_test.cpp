@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "twist_input.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "support/captured_log.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+
+namespace tandem {
+namespace {
+
+using geometry_msgs::msg::Twist;
+using geometry_msgs::msg::TwistStamped;
+using test::spin_until;
+
+constexpr double kTimeout = 10.0;  // [s]
+constexpr rt::Topic<Twist> kTopic{"cmd_vel"};
+constexpr rt::Topic<TwistStamped> kStamped{"cmd_vel"};
+
+class TwistInputTest : public testing::Test {
+ protected:
+  // Stamped `age` [s] ago.
+  TwistStamped stamped(double v, double age) const {
+    TwistStamped msg;
+    const auto now = sender_.stamp();
+    msg.header().stamp(rt::to_stamp(now.sec() * std::int64_t{1'000'000'000} + now.nanosec() -
+                                    static_cast<std::int64_t>(age * 1e9)));
+    msg.twist().linear().x(v);
+    return msg;
+  }
+  bool await(const std::function<bool()>& done, double timeout = kTimeout) {
+    return spin_until(done, timeout, receiver_, sender_);
+  }
+
+  rt::Node sender_{"sender"}, receiver_{"receiver"};
+  std::vector<double> got_;
+  TwistInput input_{receiver_, kTopic, TwistInputParams{},
+                    [this](const Twist& msg) { got_.push_back(msg.linear().x()); }};
+};
+
+TEST_F(TwistInputTest, HearsBothTypesUnderOneName) {
+  const auto plain = sender_.create_publisher(kTopic);
+  ASSERT_TRUE(await([&] { return plain.matched() == 1; }));
+  const auto with_stamp = sender_.create_publisher(kStamped);
+  ASSERT_TRUE(await([&] { return with_stamp.matched() == 1; }));
+  Twist msg;
+  msg.linear().x(1.0);
+  plain.publish(msg);
+  ASSERT_TRUE(await([&] { return got_.size() == 1; }));
+  with_stamp.publish(stamped(2.0, 0.0));
+  ASSERT_TRUE(await([&] { return got_.size() == 2; }));
+  EXPECT_EQ(got_, (std::vector<double>{1.0, 2.0}));
+}
+
+TEST_F(TwistInputTest, DropsWhatIsStampedLongAgoOrAhead) {
+  const auto publisher = sender_.create_publisher(kStamped);
+  ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
+  test::CapturedLog log;
+  publisher.publish(stamped(1.0, 5.0));
+  publisher.publish(stamped(2.0, -5.0));
+  const auto fresh = sender_.create_wall_timer(
+      0.05, [&] { publisher.publish(stamped(3.0, 0.0)); });  // one of them is on time
+  ASSERT_TRUE(await([&] { return !got_.empty(); }));
+  EXPECT_EQ(got_.front(), 3.0);
+  EXPECT_EQ(log.lines("s ago was dropped (max_stamp_age 0.5 s)"), 1);  // the second: held back
+}
+
+TEST_F(TwistInputTest, TakesAStampOfZeroForNone) {
+  const auto publisher = sender_.create_publisher(kStamped);
+  ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
+  TwistStamped msg;
+  msg.twist().linear().x(4.0);
+  publisher.publish(msg);
+  ASSERT_TRUE(await([&] { return !got_.empty(); }));
+  EXPECT_EQ(got_, (std::vector<double>{4.0}));
+}
+
+}  // namespace
+}  // namespace tandem
