@@ -78,11 +78,9 @@ class Search {
       for (int dx = -1; dx <= 1; ++dx) {
         if ((dx == 0 && dy == 0) || !grid_.contains(x + dx, y + dy)) continue;
         const std::size_t next = index(x + dx, y + dy);
-        const double room = map_.distance(center(next)) - radius_;
-        if (room < 0.0) continue;
-        const double narrow = std::max(0.0, 1.0 - room / kWide);
         const double length = grid_.resolution * std::hypot(dx, dy);
-        reach(next, cost_[cell] + length * (1.0 + narrow_cost_ * narrow * narrow), cell);
+        const double each = cost_of_a_metre(map_, center(next), radius_, narrow_cost_);
+        reach(next, cost_[cell] + length * each, cell);
       }
   }
 
@@ -96,6 +94,14 @@ class Search {
 };
 
 }  // namespace
+
+double cost_of_a_metre(const StaticMap& map, const Eigen::Vector2d& p_MC, double radius,
+                       double narrow_cost) {
+  const double room = map.distance(p_MC) - radius;
+  if (room < 0.0) return std::numeric_limits<double>::infinity();
+  const double narrow = std::max(0.0, 1.0 - room / kWide);
+  return 1.0 + narrow_cost * narrow * narrow;
+}
 
 std::vector<Eigen::Vector2d> find_way(const StaticMap& map, const Eigen::Vector2d& p_MA,
                                       const Eigen::Vector2d& p_MZ, double radius,
