@@ -9,8 +9,10 @@
 #include "local_planner/cycle.hpp"
 #include "local_planner/delay_estimator.hpp"
 #include "local_planner/solver.hpp"
+#include "local_planner/stalemate.hpp"
 #include "local_planner/trail.hpp"
 #include "local_planner/warm_start.hpp"
+#include "model/diff_drive.hpp"
 
 namespace tandem {
 namespace {
@@ -41,6 +43,7 @@ struct Nmpc::State {
   DelayEstimator loop{robot};
   std::vector<Sent> sent = {};  // of the last `delay` seconds
   Trail trail = {};             // of the leader
+  Stalemate stalemate = {};
   double iteration_time = 0.0;
   double solve_time = 0.0;  // of one solve, recent mean [s]
   int timeouts = 0;         // in a row
@@ -68,6 +71,7 @@ struct Nmpc::State {
   bool is_usable(const Cycle& cycle, const Candidate& best) const;
   Plan finish(const Cycle& cycle, const Candidate& best);
   Plan fall_back(const Cycle& cycle, PlanStatus status) const;
+  Plan yield(const Cycle& cycle, Plan plan) const;
   Plan refuse(const PlanRequest& bad);
 };
 
@@ -264,6 +268,18 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
   return plan;
 }
 
+// What the person asks for, in the place of a plan that the safety filter does not let pass.
+Plan Nmpc::State::yield(const Cycle& cycle, Plan plan) const {
+  const Twist2 user = limit(cycle.request.user, robot);
+  const Forecast wish =
+      forecast_of(user, cycle.request, {cycle.start.X_MB, cycle.start.moves}, params, robot);
+  plan.source = PlanSource::kYielded;
+  plan.command = wish.twist.front();
+  plan.X_MB = wish.X_MB;
+  plan.twist = wish.twist;
+  return plan;
+}
+
 // Nothing in a request that is not finite can be trusted: brake from the command, if that is one.
 Plan Nmpc::State::refuse(const PlanRequest& bad) {
   last.reset();
@@ -327,6 +343,10 @@ Plan Nmpc::solve(const PlanRequest& request) {
     state.explore(cycle, best);
     state.certify(cycle, best);
     plan = state.finish(cycle, best);
+    const bool steered = request.method != Method::kGoal && request.user != Twist2{};
+    if (state.stalemate.holds(plan.command, request.command, request.measured, request.t) &&
+        steered)
+      plan = state.yield(cycle, std::move(plan));
     plan.iterations = state.iterations;
     plan.guesses = state.guesses;
     plan.solves = state.solves;
@@ -344,6 +364,7 @@ void Nmpc::reset() {
   state_->good = {};
   state_->sent.clear();
   state_->trail.clear();
+  state_->stalemate = {};
   state_->timeouts = 0;
   state_->turn = 0;
 }

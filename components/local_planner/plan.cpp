@@ -57,6 +57,8 @@ const char* name(PlanSource source) {
       return "previous";
     case PlanSource::kBraking:
       return "braking";
+    case PlanSource::kYielded:
+      return "yielded";
   }
   return "?";
 }

@@ -49,6 +49,7 @@ enum class PlanSource {
   kSolution,  ///< of this cycle
   kPrevious,  ///< rest of the last good plan, checked again
   kBraking,   ///< slowing to rest along the current arc
+  kYielded,   ///< the person's own wish, unchecked: the plans were refused, see stalemate.hpp
 };
 
 [[nodiscard]] const char* name(Method method);

@@ -192,6 +192,41 @@ TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
   EXPECT_FALSE(touches(body, plan.X_MB.back(), obstacles.front()));
 }
 
+// Whatever is planned, something behind does not let it pass, and the robot stands.
+TEST(Nmpc, YieldsToThePersonWhileItsPlansAreRefused) {
+  for (const Method method : {Method::kIntention, Method::kGoal}) {
+    Nmpc planner(unlimited(), RobotParams{});
+    PlanRequest request = goal_request({4, 0, 0});
+    request.method = method;
+    request.user = {-0.2, 0.3};
+    double yielded_at = -1.0;
+    for (; request.t < 2.0; request.t += 0.05) {
+      const Plan plan = planner.solve(request);
+      if (plan.source != PlanSource::kYielded || yielded_at >= 0.0) continue;
+      yielded_at = request.t;
+      EXPECT_LT(plan.command.v, 0.0);
+      EXPECT_GT(plan.command.w, 0.0);
+    }
+    if (method == Method::kGoal)
+      EXPECT_LT(yielded_at, 0.0);
+    else
+      EXPECT_NEAR(yielded_at, 0.6, 0.11);
+  }
+}
+
+TEST(Nmpc, DoesNotYieldWhileItsPlansComeThrough) {
+  Nmpc planner(unlimited(), RobotParams{});
+  PlanRequest request = goal_request({4, 0, 0});
+  request.method = Method::kIntention;
+  request.user = {0.5, 0.0};
+  for (; request.t < 2.0; request.t += 0.05) {
+    const Plan plan = planner.solve(request);
+    EXPECT_EQ(plan.source, PlanSource::kSolution);
+    request.command = request.measured = plan.command;
+    request.X_MB = integrate(request.X_MB, plan.command, 0.05);
+  }
+}
+
 // A shape may reach into the outline, as fitted shapes are larger than what they hold.
 TEST(Nmpc, InsideAShapeItMovesOutAndNeverDeeper) {
   const Body body{footprint_of(RobotParams{}), {}};
