@@ -14,6 +14,7 @@
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "driver/driver_node.hpp"
 #include "haptics/haptics_node.hpp"
+#include "hindsight/hindsight_node.hpp"
 #include "joystick/joystick_node.hpp"
 #include "local_planner/local_planner_node.hpp"
 #include "map_server/map_server_node.hpp"
@@ -90,6 +91,9 @@ const std::map<std::string, Description>& descriptions() {
       {"shared_dwa",
        describe<SharedDwaNodeParams>("cmd_vel_user, octomap_binary, octomap_local, odom, "
                                      "tf -> cmd_vel_shared, planner/status")},
+      {"hindsight",
+       describe<HindsightNodeParams>("cmd_vel_user, octomap_binary, odom, tf -> cmd_vel_assisted, "
+                                     "hindsight/markers")},
       {"local_planner",
        describe<LocalPlannerNodeParams>(
            "odom, tf, obstacles, cmd_vel, leader_pose | cmd_vel_user | goal_pose -> "

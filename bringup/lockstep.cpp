@@ -18,6 +18,7 @@
 #include "bringup/shortest_way.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "driver/driver_node.hpp"
+#include "hindsight/hindsight_node.hpp"
 #include "local_planner/local_planner_node.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "octomap_builder/octomap_builder_node.hpp"
@@ -86,6 +87,11 @@ class Loop {
       const auto dwa = parameters_of<SharedDwaNodeParams>(system, "shared_dwa");
       dwa_.emplace(dwa.dwa, dwa.robot);
       planning_period_ = dwa.dwa.control_period;
+    }
+    if (has(system, "hindsight")) {
+      const auto params = parameters_of<HindsightNodeParams>(system, "hindsight");
+      hindsight_.emplace(params.hindsight, params.robot);
+      hindsight_->on_map(*map_);
     }
     if (options.obstacles) sim_.put(people_of(sim_params_));
     sim_.reset(scenario.start, scenario.seed);
@@ -188,7 +194,8 @@ class Loop {
     const auto intent =
         teleop_.on_stick({hand.linear, hand.angular, hand.holds, false}, robot->X_MB, t_);
     if (!intent) return;
-    user_ = intent->twist;
+    user_ = asked_ = intent->twist;
+    if (hindsight_) asked_ = hindsight_->assist(robot->X_MB, user_, t_).command;
     leader_ = intent->X_ML;
     arbiter_.on_user(user_, t_);
   }
@@ -212,7 +219,7 @@ class Loop {
     request.X_MB = robot->X_MB;
     request.command = sent_;
     request.measured = robot->twist;
-    request.user = user_;
+    request.user = asked_;
     request.obstacles = obstacles_;
     request.guidance = guidance_;
     if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) request.X_MG = goal->X_MG;
@@ -286,13 +293,14 @@ class Loop {
   std::vector<GuidanceLine> guidance_;
   std::optional<Nmpc> nmpc_;
   std::optional<SharedDwa> dwa_;
+  std::optional<Hindsight> hindsight_;
   double planning_period_ = planner_params_.live.nmpc.control_period;
   std::shared_ptr<const StaticMap> known_;  // the map that the filter goes by
   Arbiter arbiter_;
   SafetyFilter filter_;
 
   double t_ = 0.0;
-  Twist2 user_, sent_;
+  Twist2 user_, asked_, sent_;  // by the person; of the planner; to the base
   std::optional<Pose2> leader_;
   std::vector<Obstacle> obstacles_;
   Metrics metrics_;

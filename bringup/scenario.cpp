@@ -144,20 +144,34 @@ Pose2 pose(const std::vector<double>& v, const std::string& where) {
   return {v[0], v[1], v[2]};
 }
 
-Goal read_goal(const YAML::Node& node, const std::string& path) {
+std::vector<Pose2> read_poses(Section& section, const char* key) {
+  const auto numbers = section.optional<std::vector<double>>(key, {});
+  if (numbers.size() % 3 != 0)
+    section.fail(key, std::string("`") + key + "` needs x1, y1, heading1, x2, … [m, rad]");
+  std::vector<Pose2> poses;
+  for (std::size_t i = 0; i < numbers.size(); i += 3)
+    poses.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  return poses;
+}
+
+Goal read_goal(const YAML::Node& node, const std::string& path, std::vector<Pose2>& poses) {
   Section goal{node, path};
+  poses = read_poses(goal, "poses");
   const auto region = goal.optional<std::vector<double>>("region", {});
   const auto at = goal.optional<std::vector<double>>("pose", {});
   const double tolerance = goal.optional("tolerance", 0.2);
   const double time = goal.optional("roam_time", 0.0);
   const double distance = goal.optional("roam_distance", 0.0);
   goal.finish();
-  if ((region.empty() ? 0 : 1) + (at.empty() ? 0 : 1) + (time > 0.0 ? 1 : 0) != 1)
+  if ((region.empty() ? 0 : 1) + (at.empty() ? 0 : 1) + (poses.empty() ? 0 : 1) +
+          (time > 0.0 ? 1 : 0) !=
+      1)
     fail(path, node,
-         "goal needs one of region: [x1, y1, x2, y2], pose: [x, y, heading], roam_time");
-  if (!at.empty()) {
+         "goal needs one of region: [x1, y1, x2, y2], pose: [x, y, heading], "
+         "poses: [x1, y1, heading1, …], roam_time");
+  if (!at.empty() || !poses.empty()) {
     if (!(tolerance > 0.0)) goal.fail("tolerance", "`tolerance` must be above 0");
-    return PoseGoal{pose(at, path + ": goal.pose"), tolerance};
+    return PoseGoal{poses.empty() ? pose(at, path + ": goal.pose") : poses.front(), tolerance};
   }
   if (region.empty()) return RoamGoal{time, distance};
   if (region.size() != 4 || region[0] >= region[2] || region[1] >= region[3])
@@ -242,8 +256,9 @@ Values read_values(const YAML::Node& node, const std::string& path) {
 
 std::map<std::string, Values> read_parameters(const YAML::Node& node, const std::string& path) {
   static const std::vector<std::string> components{
-      "map_server",  "driver",        "teleop",         "obstacle_extractor", "local_planner",
-      "arbitration", "safety_filter", "diff_drive_sim", "octomap_builder",    "shared_dwa"};
+      "map_server",      "driver",      "teleop",        "obstacle_extractor",
+      "local_planner",   "arbitration", "safety_filter", "diff_drive_sim",
+      "octomap_builder", "shared_dwa",  "hindsight"};
   std::map<std::string, Values> all;
   if (!node || node.IsNull()) return all;
   for (const auto& name : keys_of(node, path)) {
@@ -266,6 +281,9 @@ void check_methods(const Scenario& scenario) {
   if (scenario.method == "goal" && !std::holds_alternative<PoseGoal>(scenario.goal))
     throw std::invalid_argument(scenario.path +
                                 ": method `goal` needs goal: {pose: [x, y, heading]}");
+  if (scenario.method == "hindsight" && scenario.goals.empty())
+    throw std::invalid_argument(scenario.path +
+                                ": method `hindsight` needs goal: {poses: [x1, y1, heading1, …]}");
 }
 
 bool is_replayed(const Scenario& scenario) {
@@ -297,6 +315,18 @@ std::string list(const std::vector<double>& values) {
   return out + "]";
 }
 
+// The planner's method behind a method of the scenario.
+std::string planner_method(const std::string& method) {
+  const bool obeys = method == "blend" || method == "adaptive" || method == "hindsight";
+  return obeys ? "intention" : method;
+}
+
+std::vector<double> flat(const std::vector<Pose2>& poses) {
+  std::vector<double> numbers;
+  for (const Pose2& X : poses) numbers.insert(numbers.end(), {X.x, X.y, X.theta});
+  return numbers;
+}
+
 bool plans(const std::string& method) { return method != "manual" && method != "safety_filter"; }
 
 // What the method, the seed and the place mean for each component; the scenario's own values win.
@@ -314,8 +344,7 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
   all["driver"] = {{"driver", value(s.driver)},
                    {"seed", value(s.seed)},
                    {"steers_leader", value(s.method == "leader" || s.method == "path")}};
-  all["local_planner"] = {
-      {"method", value(s.method == "blend" || s.method == "adaptive" ? "intention" : s.method)}};
+  all["local_planner"] = {{"method", value(planner_method(s.method))}};
   if (const auto* goal = std::get_if<PoseGoal>(&s.goal))
     all["local_planner"]["goal"] = value(list({goal->X_MG.x, goal->X_MG.y, goal->X_MG.theta}));
   all["arbitration"] = {{"policy", value(policy)}};
@@ -337,6 +366,10 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
   if (!s.fixtures.empty()) map_reader["fixtures"] = value(s.fixtures);
   if (s.map_source != "static") all["octomap_builder"] = {};
   if (s.method == "dwa") all["shared_dwa"] = map_reader;
+  if (s.method == "hindsight") {
+    all["hindsight"] = s.slice;
+    all["hindsight"]["goals"] = value(list(flat(s.goals)));
+  }
   if (!plans(s.method) || s.method == "dwa") all.erase("local_planner");
   if (!s.people.empty() || !s.crossings.empty()) {
     all["diff_drive_sim"]["people"] = value(list(to_numbers(people_in(s))));
@@ -370,7 +403,8 @@ void hand_over_recording(const Scenario& scenario, System& system) {
 
 const std::vector<std::string>& all_methods() {
   static const std::vector<std::string> methods{
-      "manual", "safety_filter", "leader", "intention", "path", "blend", "adaptive", "dwa", "goal"};
+      "manual", "safety_filter", "leader", "intention", "path",
+      "blend",  "adaptive",      "dwa",    "hindsight", "goal"};
   return methods;
 }
 
@@ -413,7 +447,7 @@ Scenario load_scenario(const std::string& path) {
     s.fixtures = beside(path, fixtures);
   s.map_source = file.optional<std::string>("map_source", s.map_source);
   s.start = pose(file.required<std::vector<double>>("start"), path + ": start");
-  s.goal = read_goal(file.required_child("goal"), path);
+  s.goal = read_goal(file.required_child("goal"), path, s.goals);
   s.method = file.required<std::string>("method");
   s.methods = file.optional<std::vector<std::string>>("methods", {s.method});
   s.driver = file.optional("driver", s.driver);
@@ -447,7 +481,8 @@ Scenario with_options(Scenario scenario, const DriveOptions& options) {
                                 " is above the largest, " + text(kLargestSeed));
   check_methods(scenario);
   check_driver(scenario);
-  return is_family(scenario.map) ? in_its_world(std::move(scenario)) : scenario;
+  if (is_family(scenario.map)) return in_its_world(std::move(scenario));
+  return scenario.goals.empty() ? scenario : with_its_goal(std::move(scenario));
 }
 
 System system_of(const Scenario& scenario, const DriveOptions& options) {
@@ -466,6 +501,8 @@ System system_of(const Scenario& scenario, const DriveOptions& options) {
     node.use_sim_time = component != "diff_drive_sim";
     node.parameters.files = {scenario.robot};
     node.parameters.values = values;
+    if (component == "local_planner" && scenario.method == "hindsight")
+      node.remappings = {{"cmd_vel_user", "cmd_vel_assisted"}};
     system.nodes.push_back({component, std::move(node)});
   }
   if (!scenario.recording.empty()) hand_over_recording(scenario, system);

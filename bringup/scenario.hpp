@@ -34,6 +34,7 @@ struct Scenario {
   std::string map_source = "static";  ///< of extractor and filter; else an octomap_builder runs too
   Pose2 start;
   Goal goal;
+  std::vector<Pose2> goals;          ///< if there are several poses: the seed says whose turn it is
   std::string method;                ///< unless the command line names another
   std::vector<std::string> methods;  ///< those the scenario makes sense for
   std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them

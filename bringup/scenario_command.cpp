@@ -149,10 +149,11 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_option("files", request->files, "scenario files")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--method", request->method,
-                      "manual, safety_filter, leader, intention, path, blend, adaptive, dwa, goal; "
-                      "all: every method "
-                      "the scenario lists");
+  command->add_option(
+      "--method", request->method,
+      "manual, safety_filter, leader, intention, path, blend, adaptive, dwa, hindsight, goal; "
+      "all: every method "
+      "the scenario lists");
   command->add_option(
       "--driver", request->driver,
       "who sits at the stick: navigator, pointer, reckless, adversary, replay, each "

@@ -28,7 +28,13 @@ json cells_of(const Grid& grid) {
   return {{"resolution", grid.resolution}, {"cells", cells}};
 }
 
-json goal_of(const Goal& goal) {
+json goal_of(const Scenario& scenario) {
+  const Goal& goal = scenario.goal;
+  if (!scenario.goals.empty()) {
+    json poses = json::array();
+    for (const Pose2& X : scenario.goals) poses.push_back({X.x, X.y, X.theta});
+    return {{"poses", poses}, {"tolerance", std::get<PoseGoal>(goal).tolerance}};
+  }
   if (const auto* region = std::get_if<RegionGoal>(&goal))
     return {{"region", {region->low.x(), region->low.y(), region->high.x(), region->high.y()}}};
   if (const auto* at = std::get_if<PoseGoal>(&goal))
@@ -41,7 +47,7 @@ json scene_of(const Scenario& scenario, const DiffDriveSimNodeParams& sim) {
   for (const auto& p_BV : footprint_of(sim.robot).p_BV) outline.push_back({p_BV.x(), p_BV.y()});
   return {{"start", {scenario.start.x, scenario.start.y, scenario.start.theta}},
           {"outline", outline},
-          {"goal", goal_of(scenario.goal)},
+          {"goal", goal_of(scenario)},
           {"worlds", json::object()}};
 }
 

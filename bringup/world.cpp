@@ -47,10 +47,9 @@ fs::path save(const octomap::OcTree& tree, const std::string& name) {
   return file;
 }
 
-std::string route(const octomap::OcTree& tree, const Pose2& start, const Goal& goal) {
+std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
   const auto place = place_of(goal);
   if (!place) throw std::invalid_argument("a world by seed needs a goal with a place");
-  const StaticMap map{slice(tree, {})};
   std::vector<Eigen::Vector2d> way;
   for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kStep)
     way = find_way(map, start.position(), *place, radius);
@@ -59,6 +58,13 @@ std::string route(const octomap::OcTree& tree, const Pose2& start, const Goal& g
   for (const auto& p : way)
     text += fmt::format("{}{:.3f}, {:.3f}", text.empty() ? "[" : ", ", p.x(), p.y());
   return text + "]";
+}
+
+// Unless the scenario gives a route.
+void tell_the_way(Scenario& scenario, const StaticMap& map) {
+  auto& driver = scenario.parameters["driver"];
+  if (!driver.contains("route"))
+    driver["route"] = {route(map, scenario.start, scenario.goal), scenario.path};
 }
 
 }  // namespace
@@ -71,9 +77,17 @@ Scenario in_its_world(Scenario scenario) {
   const World world = world_of(scenario.map, scenario.seed);
   const auto tree = build_octomap(world.description);
   scenario.map = save(*tree, world.name).string();
-  auto& driver = scenario.parameters["driver"];
-  if (!driver.contains("route"))
-    driver["route"] = {route(*tree, scenario.start, scenario.goal), scenario.path};
+  tell_the_way(scenario, StaticMap{slice(*tree, {})});
+  return scenario;
+}
+
+Scenario with_its_goal(Scenario scenario) {
+  const std::size_t turn = (scenario.seed + scenario.goals.size() - 1) % scenario.goals.size();
+  std::get<PoseGoal>(scenario.goal).X_MG = scenario.goals[turn];
+  SliceParams params;
+  rt::ParameterStore store{"/slice", {.values = scenario.slice}};
+  params.visit(store);
+  tell_the_way(scenario, StaticMap{slice(*load_octomap(scenario.map), params)});
   return scenario;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a scenario whose map is a family of worlds. Out: the scenario in one of them.
+// In: a scenario of many worlds or many goals. Out: the scenario in one of them, to one of them.
 #pragma once
 
 #include <string>
@@ -18,5 +18,9 @@ namespace tandem {
 /// to the middle of the goal. Throws std::runtime_error or std::invalid_argument: one line that
 /// says why.
 [[nodiscard]] Scenario in_its_world(Scenario scenario);
+
+/// A scenario of several goals with the one whose turn it is by the seed, counted round; the driver
+/// knows the widest way there unless the scenario gives a route. Throws as in_its_world.
+[[nodiscard]] Scenario with_its_goal(Scenario scenario);
 
 }  // namespace tandem

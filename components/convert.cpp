@@ -2,6 +2,7 @@
 #include "convert.hpp"
 
 #include <cmath>
+#include <string>
 
 namespace tandem {
 namespace {
@@ -270,6 +271,30 @@ visualization_msgs::msg::MarkerArray leader_markers(const Pose2& X_ML, const Pos
   leash.scale(vector(0.03, 0.0, 0.0));
   leash.color(color(0.0f, 0.45f, 0.70f, 0.6f));
   msg.markers().push_back(std::move(leash));
+  return msg;
+}
+
+visualization_msgs::msg::MarkerArray goal_markers(std::span<const Pose2> X_MG,
+                                                  std::span<const double> belief,
+                                                  const std_msgs::msg::Header& header) {
+  using visualization_msgs::msg::Marker_Constants::ARROW;
+  using visualization_msgs::msg::Marker_Constants::TEXT_VIEW_FACING;
+  visualization_msgs::msg::MarkerArray msg;
+  for (std::size_t i = 0; i < X_MG.size() && i < belief.size(); ++i) {
+    const auto share = static_cast<float>(belief[i]);
+    auto arrow = marker(header, "goals", static_cast<int>(i), ARROW);
+    arrow.pose(to_msg(X_MG[i]));
+    arrow.scale(vector(0.6, 0.12, 0.12));
+    arrow.color(color(0.0f, 0.62f, 0.45f, 0.2f + 0.8f * share));
+    msg.markers().push_back(std::move(arrow));
+    auto text = marker(header, "belief", static_cast<int>(i), TEXT_VIEW_FACING);
+    text.pose(to_msg(X_MG[i]));
+    text.pose().position().z(0.4);
+    text.scale(vector(0.0, 0.0, 0.25));
+    text.color(color(0.0f, 0.0f, 0.0f, 1.0f));
+    text.text(std::to_string(std::lround(100.0 * belief[i])) + " %");
+    msg.markers().push_back(std::move(text));
+  }
   return msg;
 }
 

@@ -91,5 +91,9 @@ struct Obstacles {
 /// An arrow for the leader and a line for its leash.
 [[nodiscard]] visualization_msgs::msg::MarkerArray leader_markers(
     const Pose2& X_ML, const Pose2& X_MB, const std_msgs::msg::Header& header);
+/// An arrow at each goal, as solid as it is likely, and its likelihood in percent.
+[[nodiscard]] visualization_msgs::msg::MarkerArray goal_markers(
+    std::span<const Pose2> X_MG, std::span<const double> belief,
+    const std_msgs::msg::Header& header);
 
 }  // namespace tandem

@@ -22,6 +22,9 @@ inline constexpr runtime::QoS kCommand{.depth = 1, .lifespan = 0.2};
 inline constexpr Topic<sensor_msgs::msg::Joy> joy{"joy"};
 inline constexpr Topic<sensor_msgs::msg::JoyFeedback> joy_feedback{"joy/set_feedback"};
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_user{"cmd_vel_user", kCommand};
+/// The person's command as `hindsight` would have it, for the planner in the place of cmd_vel_user.
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assisted", kCommand};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
 inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};

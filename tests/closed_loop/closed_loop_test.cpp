@@ -84,6 +84,15 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Planned, ::testing::Combine(kNarrow, kMethod
                                   std::get<1>(test.param);
                          });
 
+// Two of the six places are on the two sides of one bed-room.
+TEST(Hindsight, BringsAPersonToEachPlaceWithoutContact) {
+  for (unsigned seed = 1; seed <= (kSeeds == 1 ? 1 : 6); ++seed) {
+    const DriveResult result = drive(file("ward_goals"), "hindsight", seed);
+    EXPECT_TRUE(result.reached) << "place " << seed;
+    EXPECT_EQ(result.collisions, 0) << "place " << seed;
+  }
+}
+
 int turns_back(const DriveLog& log) {
   int count = 0;
   double turn = 0.0;

@@ -208,13 +208,14 @@ window.addEventListener("keydown", (event) => {
   }
 });
 
-// What was clicked does not keep the keys: the arrows drive, and the space bar stops.
-window.addEventListener("click", (event) => {
-  if (event.detail === 0) return; // by the keyboard
-  setTimeout(() => {
-    const chosen = document.activeElement;
-    if (chosen instanceof HTMLElement && chosen.matches(KEY_TAKERS)) chosen.blur();
-  });
+// What is clicked does not take the keys, not for a moment: the arrows drive, and the space bar stops.
+let pointing = false;
+window.addEventListener("pointerdown", () => (pointing = true), true);
+for (const end of ["click", "pointercancel"]) window.addEventListener(end, () => setTimeout(() => (pointing = false)), true);
+window.addEventListener("keydown", () => (pointing = false), true);
+window.addEventListener("focusin", (event) => {
+  const chosen = event.target;
+  if (pointing && chosen instanceof HTMLElement && chosen.matches(KEY_TAKERS)) chosen.blur();
 });
 const KEY_TAKERS = "button, summary, input[type=radio], input[type=checkbox]";
 

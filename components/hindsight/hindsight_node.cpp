@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hindsight/hindsight_node.hpp"
+
+#include <stdexcept>
+
+#include "runtime/component.hpp"
+#include "topics.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr unsigned kMarkersEvery = 4;  // commands
+
+}  // namespace
+
+HindsightNode::HindsightNode(rt::Node& node)
+    : node_{node},
+      params_{node.declare_parameters<HindsightNodeParams>()},
+      hindsight_{params_->hindsight, params_->robot},
+      map_{node, params_->map},
+      robot_{node, params_->input},
+      assisted_{node.create_publisher(topics::cmd_vel_assisted)},
+      markers_{node.create_publisher(topics::hindsight_markers)},
+      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->twist_input,
+               [this](const auto& msg) {
+                 if (const auto twist = from_msg(msg)) on_user(*twist);
+               }} {
+  if (params_->map.map_source != "static")
+    throw std::invalid_argument(
+        "map_source: hindsight finds its ways on the finished map, `static`");
+}
+
+void HindsightNode::on_user(const Twist2& user) {
+  const auto robot = robot_.state();
+  if (const auto map = map_.map(robot); map && map != known_) {
+    hindsight_.on_map(*map);
+    known_ = map;
+  }
+  if (!robot || !known_) {
+    node_.log().warn_every(1.0, "no help yet: {}", known_ ? "not localised" : "no map");
+    return assisted_.publish(to_msg(user));
+  }
+  const Assistance assistance = hindsight_.assist(robot->X_MB, user, node_.now());
+  assisted_.publish(to_msg(assistance.command));
+  if (markers_.matched() == 0 || commands_++ % kMarkersEvery != 0) return;
+  markers_.publish(goal_markers(hindsight_.goals(), assistance.belief,
+                                header(node_.stamp(), params_->input.frames.map)));
+}
+
+}  // namespace tandem
+
+TANDEM_COMPONENT(tandem::HindsightNode, "hindsight")
