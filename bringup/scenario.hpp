@@ -78,6 +78,10 @@ struct DriveOptions {
 /// Throws std::invalid_argument naming file, line and key for whatever is not of a scenario's form.
 [[nodiscard]] Scenario load_scenario(const std::string& path);
 
+/// Throws std::invalid_argument that names the file if the method or the driver is none, or lacks
+/// what it needs.
+void check_scenario(const Scenario& scenario);
+
 /// The scenario with the options applied, in the world of its seed if it has many. Throws
 /// std::invalid_argument for an unknown method or driver, and what in_its_world throws.
 [[nodiscard]] Scenario with_options(Scenario scenario, const DriveOptions& options);

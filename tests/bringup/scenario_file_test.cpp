@@ -9,6 +9,7 @@
 
 #include "bringup/lockstep.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
+#include "hindsight/hindsight_node.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "runtime/parameters.hpp"
 #include "safety_filter/safety_filter_node.hpp"
@@ -77,6 +78,22 @@ TEST_F(ScenarioFile, MayHavePeopleWhomFilterAndPlannerThenWatch) {
   EXPECT_TRUE(parameters_of<ObstacleExtractorNodeParams>(system, "obstacle_extractor").people);
 }
 
+TEST_F(ScenarioFile, WithSeveralGoalsGivesEachSeedOne) {
+  std::string by_hindsight = text_;
+  by_hindsight.replace(by_hindsight.find("leader"), 6, "hindsight");
+  write(by_hindsight, "region: [3.0, 1.5, 5.0, 3.5]", "poses: [4, 2.5, 0, -4, 0, 1.5]");
+  EXPECT_EQ(complaint(), "");
+  const Scenario scenario = load_scenario(file_.string());
+  const double x[] = {4.0, -4.0, 4.0};
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const Scenario drive = with_options(scenario, {.seed = seed});
+    EXPECT_EQ(std::get<PoseGoal>(drive.goal).X_MG.x, x[seed - 1]);
+    const System system = system_of(drive, {});
+    EXPECT_EQ(parameters_of<HindsightNodeParams>(system, "hindsight").hindsight.goals,
+              (std::vector<double>{4.0, 2.5, 0.0, -4.0, 0.0, 1.5}));
+  }
+}
+
 struct Mistake {
   const char *name, *from, *to, *complaint;
 };
@@ -102,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"wrong_type", "60", "long", ":7: `duration` = long is not a finite number"},
         Mistake{"duration_nan", "60", ".nan", "`duration` = .nan is not a finite number"},
         Mistake{"duration_inf", "60", ".inf", "`duration` = .inf is not a finite number"},
-        Mistake{"duration_negative", "60", "-5", "`duration` = -5 outside (0, 1e+06]"},
+        Mistake{"duration_negative", "60", "-5", "`duration` = -5 outside (0, 1000000]"},
         Mistake{"start_nan", "[-4.0, ", "[.nan, ", "is not a list of finite numbers"},
         Mistake{"start_short", "-4.0, 0.0]", "-4.0]", "start needs three numbers"},
         Mistake{"start_in_a_pole", "[-4.0, -4.0, ", "[-2.0, -2.0, ",
@@ -113,6 +130,10 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"two_goals", "{region", "{pose: [1, 1, 0], region", "goal needs one of"},
         Mistake{"no_tolerance", "region: [3.0, 1.5, 5.0, 3.5]", "pose: [1, 1, 0], tolerance: 0",
                 "`tolerance` must be above 0"},
+        Mistake{"poses_short", "region: [3.0, 1.5, 5.0, 3.5]", "poses: [1, 1, 0, 2]",
+                "`poses` needs x1, y1, heading1, x2"},
+        Mistake{"hindsight_without_poses", "leader", "hindsight",
+                "`hindsight` needs goal: {poses:"},
         Mistake{"goal_without_pose", "leader", "goal", "method `goal` needs goal: {pose:"},
         Mistake{"method", "leader", "magic", "method `magic` is none of manual, safety_filter"},
         Mistake{"except", "true}", "true, except: [magic]}", "method `magic` is none of"},
