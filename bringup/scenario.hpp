@@ -53,10 +53,10 @@ struct Scenario {
 
 /// What the command line may change.
 struct DriveOptions {
-  std::string method;   ///< empty: the scenario's
-  unsigned seed = 0;    ///< 0: the scenario's
-  std::string map;      ///< empty: the scenario's
-  bool enforce = true;  ///< false: the filter only watches, to see what the planner does alone
+  std::string method{};  ///< empty: the scenario's
+  unsigned seed = 0;     ///< 0: the scenario's
+  std::string map{};     ///< empty: the scenario's
+  bool enforce = true;   ///< false: the filter only watches, to see what the planner does alone
   bool lockstep = false;
   double speed = 1.0;       ///< simulated per real time, over DDS
   std::string driver{};     ///< empty: the scenario's

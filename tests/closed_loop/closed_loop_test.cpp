@@ -35,8 +35,7 @@ std::string file(const std::string& name) {
 
 DriveResult drive(const std::string& path, const std::string& method, unsigned seed,
                   bool enforce = true) {
-  const DriveOptions options{
-      .method = method, .seed = seed, .map = {}, .enforce = enforce, .lockstep = true};
+  const DriveOptions options{.method = method, .seed = seed, .enforce = enforce, .lockstep = true};
   return drive_in_lockstep(load_scenario(path), options).result;
 }
 
@@ -111,7 +110,7 @@ TEST_P(Delayed, ForestIsDrivenAsCalmlyAsWithoutTheDelay) {
   double quick_way = 0.0, slow_way = 0.0;
   int quick_turns = 0, slow_turns = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    const DriveOptions options{.method = GetParam(), .seed = seed, .map = {}, .lockstep = true};
+    const DriveOptions options{.method = GetParam(), .seed = seed, .lockstep = true};
     const DriveLog quick = drive_in_lockstep(load_scenario(file("forest_task2")), options);
     const DriveLog slow = drive_in_lockstep(load_scenario(file("forest_delay")), options);
     EXPECT_TRUE(slow.result.reached);
@@ -133,7 +132,7 @@ TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
   double told_time = 0.0, untold_time = 0.0, told_changes = 0.0, untold_changes = 0.0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     Scenario scenario = load_scenario(file("forest_lag"));
-    const DriveOptions options{.method = "leader", .seed = seed, .map = {}, .lockstep = true};
+    const DriveOptions options{.method = "leader", .seed = seed, .lockstep = true};
     const DriveResult told = drive_in_lockstep(scenario, options).result;
     EXPECT_TRUE(told.reached);
     EXPECT_EQ(told.collisions, 0);
@@ -173,7 +172,7 @@ TEST_P(Forbidden, RegionsAreNeverEntered) {
   const Grid empty{0.02, {-5.0, -5.0}, 500, 500, std::vector<Cell>(250000, Cell::kFree)};
   const StaticMap region{with_forbidden(empty, fixtures)};
   const Footprint mir = rectangle(0.89, 0.58, 0.038);
-  const DriveOptions options{.method = GetParam(), .seed = 1, .map = {}, .lockstep = true};
+  const DriveOptions options{.method = GetParam(), .seed = 1, .lockstep = true};
   const DriveLog log = drive_in_lockstep(load_scenario(folder + "forest_forbidden.yaml"), options);
   EXPECT_TRUE(log.result.reached);
   double nearest = 1.0;
