@@ -25,7 +25,9 @@ inline constexpr QoS kDefault{};
 inline constexpr QoS kSensorData{Reliability::kBestEffort, Durability::kVolatile, 5};
 inline constexpr QoS kLatched{Reliability::kReliable, Durability::kTransientLocal, 1};
 inline constexpr QoS kServices{};
-inline constexpr QoS kClock{Reliability::kBestEffort, Durability::kVolatile, 1};
+/// The lifespan is for a process that stood still: it must not live through the time it missed, in
+/// which what it last heard is still news.
+inline constexpr QoS kClock{.reliability = Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
 
 /// Best effort, volatile, keep last `depth`.
 constexpr QoS kBestEffort(int depth) {
