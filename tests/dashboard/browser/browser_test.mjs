@@ -240,7 +240,7 @@ function checkView(mode, { robot, ahead, middle, heading }) {
 async function driveInEachView() {
   for (const [view, key] of [["Follow", "ArrowUp"], ["Leader", "u"], ["Map", "u"]]) {
     await page.getByText(view, { exact: true }).click(); // which does not take the arrows
-    assert.ok(await page.locator(`input[value=${view.toLowerCase()}]`).isChecked(), `${view} was not chosen`);
+    assert.ok(await page.locator(`input[name=frame][value=${view.toLowerCase()}]`).isChecked(), `${view} was not chosen`);
     await page.keyboard.down(key);
     await moves(page);
     if (view === "Leader")
