@@ -220,7 +220,8 @@ def draw_scene(axes, scene, world):
     if "region" in scene["goal"]:
         x1, y1, x2, y2 = scene["goal"]["region"]
         axes.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, **goal))
-    for x, y, _ in scene["goal"].get("poses", [scene["goal"]["pose"]] if "pose" in scene["goal"] else []):
+    one = [scene["goal"]["pose"]] if "pose" in scene["goal"] else []
+    for x, y, _ in scene["goal"].get("poses", one):
         axes.add_patch(Circle((x, y), scene["goal"]["tolerance"], **goal))
     x, y, theta = scene["start"]
     c, s = math.cos(theta), math.sin(theta)

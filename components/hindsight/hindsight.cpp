@@ -119,16 +119,21 @@ void Hindsight::learn(const std::vector<Option>& options, double dt) {
   for (double& b : belief_) b = sum > 0.0 ? (1.0 - back) * b / sum + back * alike : alike;
 }
 
-// (4). A twist after which the likeliest goals cannot be reached is none of the best.
+// (4). Of the goals that can be reached from here: a place that is walled up costs the others
+// nothing.
 Twist2 Hindsight::best(const std::vector<Option>& options) const {
   const Twist2 user = options.front().twist;
   Twist2 best = user;
+  std::vector<bool> reachable(goals_.size(), false);
+  for (const Option& option : options)
+    for (std::size_t g = 0; g < goals_.size(); ++g)
+      if (std::isfinite(option.time_to_go[g])) reachable[g] = true;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& [twist, time_to_go] : options) {
     double cost = params_.weight_user * (square((twist.v - user.v) / robot_.v_max) +
                                          square((twist.w - user.w) / robot_.w_max));
     for (std::size_t g = 0; g < goals_.size(); ++g)
-      if (belief_[g] > 1e-6) cost += belief_[g] * time_to_go[g];
+      if (reachable[g]) cost += belief_[g] * time_to_go[g];
     if (cost >= least) continue;
     least = cost;
     best = twist;

@@ -127,6 +127,14 @@ TEST(Hindsight, PassesOnWhatItCannotJudge) {
   EXPECT_EQ(nowhere.assist({}, {0.5, 0.1}, 0.0).command, (Twist2{0.5, 0.1}));
 }
 
+TEST(Hindsight, AGoalThatNoWayLeadsToDisturbsNoOther) {
+  HindsightParams params;
+  params.goals = {3.0, 2.0, 0.0, 70.0, 0.0, 0.0};
+  Hindsight hindsight = in_the_hall(params);
+  const Pose2 X = drive(hindsight, {0.0, 0.0, 0.45}, {0.7, 0.0}, 4.5);
+  EXPECT_LT((X.position() - Eigen::Vector2d{3.0, 2.0}).norm(), 0.5);
+}
+
 TEST(Hindsight, ASilenceCountsAsOneSample) {
   Hindsight quick = in_the_hall(), slow = in_the_hall();
   (void)quick.assist({}, {0.4, 0.6}, 0.0);
