@@ -11,6 +11,12 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
   return {a.v + share_of_b * (b.v - a.v), a.w + share_of_b * (b.w - a.w)};
 }
 
+constexpr double kLetsGo = 0.5;  // [s] of silence: no gap in a stream, the stick is let go
+
+bool is_rest(const Twist2& twist, double threshold) {
+  return std::abs(twist.v) <= threshold && std::abs(twist.w) <= threshold;
+}
+
 Decision stop(ArbitrationReason reason) { return {{}, Source::kNone, reason, 0.0}; }
 
 }  // namespace
@@ -57,6 +63,8 @@ const char* name(ArbitrationReason reason) {
       return "the person takes over";
     case ArbitrationReason::kEmergencyStop:
       return "emergency stop";
+    case ArbitrationReason::kLetGoFirst:
+      return "let go of the stick first";
     case ArbitrationReason::kUserSilent:
       return "cmd_vel_user is silent";
     case ArbitrationReason::kSharedSilent:
@@ -108,7 +116,9 @@ void Arbiter::on_clearance(double clearance, double t) {
 
 void Arbiter::on_emergency_stop(bool pressed) {
   stop_pressed_ = pressed;
-  stop_latched_ = stop_latched_ || pressed;
+  if (!pressed) return;
+  stop_latched_ = must_let_go_ = true;
+  if (policy_ == Policy::kAutonomous) policy_ = Policy::kShared;
 }
 
 bool Arbiter::release_emergency_stop() {
@@ -125,7 +135,15 @@ Decision Arbiter::decide(double now) {
   return decision;
 }
 
+bool Arbiter::steers(double now) const {
+  return user_.fresh(now, params_.user_timeout) &&
+         !is_rest(user_.twist, params_.takeover_threshold);
+}
+
 Decision Arbiter::choose(double now) {
+  const bool silent = !user_.fresh(now, std::max(kLetsGo, params_.user_timeout));
+  if (silent || is_rest(user_.twist, params_.takeover_threshold)) must_let_go_ = false;
+  if (must_let_go_) return stop(ArbitrationReason::kLetGoFirst);
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
   if (!user_.fresh(now, params_.user_timeout)) return stop(ArbitrationReason::kUserSilent);
   if (policy_ == Policy::kManual)
@@ -147,10 +165,7 @@ Decision Arbiter::adapt(double now) {
 }
 
 Decision Arbiter::choose_autonomous(double now) const {
-  const bool steers = std::abs(user_.twist.v) > params_.takeover_threshold ||
-                      std::abs(user_.twist.w) > params_.takeover_threshold;
-  if (user_.fresh(now, params_.user_timeout) && steers)
-    return {user_.twist, Source::kUser, ArbitrationReason::kUserTakesOver, 0.0};
+  if (steers(now)) return {user_.twist, Source::kUser, ArbitrationReason::kUserTakesOver, 0.0};
   if (nav_.fresh(now, params_.nav_timeout))
     return {nav_.twist, Source::kNav, ArbitrationReason::kFollowsSource, 0.0};
   if (shared_.fresh(now, params_.shared_timeout))

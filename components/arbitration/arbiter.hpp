@@ -26,6 +26,7 @@ enum class ArbitrationReason {
   kHandover,       ///< authority just changed: ramping from the old command to the new
   kUserTakesOver,  ///< autonomous, but the person steers
   kEmergencyStop,
+  kLetGoFirst,  ///< an emergency stop was released while the person still steers
   kUserSilent,
   kSharedSilent,
   kAllSilent,
@@ -105,7 +106,9 @@ class Arbiter {
   /// Distance of the robot to the nearest obstacle [m], which drives `blend`.
   void on_clearance(double clearance, double t);
 
-  /// Latches: only release_emergency_stop() frees, and only after the last word was `false`.
+  /// Latches: only release_emergency_stop() frees, and only after the last word was `false`. It
+  /// ends policy kAutonomous (kShared follows), and the person has to let go before they drive on:
+  /// to release a stop is no command to start (ISO 13850, 4.1.4).
   void on_emergency_stop(bool pressed);
   /// Whether the stop is released now.
   [[nodiscard]] bool release_emergency_stop();
@@ -131,6 +134,7 @@ class Arbiter {
   };
 
   [[nodiscard]] Decision choose(double now);
+  [[nodiscard]] bool steers(double now) const;
   [[nodiscard]] Decision choose_autonomous(double now) const;
   [[nodiscard]] Decision blend(double now, double least, double disagreement);
   [[nodiscard]] Decision adapt(double now);
@@ -143,6 +147,7 @@ class Arbiter {
   bool clearance_heard_ = false;
   Performance performance_;
   bool stop_pressed_ = false, stop_latched_ = false;
+  bool must_let_go_ = false;
 
   Decision last_;
   double last_time_ = 0.0;

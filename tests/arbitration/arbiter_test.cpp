@@ -64,6 +64,36 @@ TEST(Arbiter, IgnoresACommandThatIsNotFinite) {
   EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kUserSilent);  // the NaN did not refresh
 }
 
+TEST(Arbiter, ReleasingAnEmergencyStopStartsNothing) {
+  Arbiter it = arbiter("manual");
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  for (double t = 1.0; t < 3.0; t += 0.3) {  // gaps in the stream are no letting go
+    it.on_user({0.5, 0.0}, t);
+    EXPECT_EQ(it.decide(t).reason, ArbitrationReason::kLetGoFirst);
+    EXPECT_EQ(it.decide(t + 0.2).command, Twist2{});
+  }
+  Arbiter silent = it;
+  silent.on_user({0.5, 0.0}, 5.0);
+  EXPECT_EQ(it.decide(4.9).reason, ArbitrationReason::kUserSilent);
+  it.on_user({0.5, 0.0}, 5.0);
+  EXPECT_EQ(it.decide(5.0).command, (Twist2{0.5, 0.0}));
+  silent.on_user({}, 5.1);
+  EXPECT_EQ(silent.decide(5.1).reason, ArbitrationReason::kFollowsSource);
+}
+
+TEST(Arbiter, EmergencyStopEndsAutonomy) {
+  Arbiter it = arbiter("autonomous");
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  EXPECT_EQ(it.policy(), Policy::kShared);
+  it.on_nav({0.5, 0.0}, 1.0);
+  it.on_shared({0.5, 0.0}, 1.0);
+  EXPECT_EQ(it.decide(1.0).command, Twist2{});
+}
+
 TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
   Arbiter it = arbiter("manual");
   it.on_emergency_stop(true);
@@ -73,7 +103,10 @@ TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
   it.on_emergency_stop(false);
   EXPECT_EQ(it.decide(1.0).command, Twist2{});  // `false` alone does not free
   EXPECT_TRUE(it.release_emergency_stop());
-  EXPECT_EQ(it.decide(1.0).command.v, 0.5);
+  it.on_user({}, 1.05);
+  EXPECT_EQ(it.decide(1.05).source, Source::kUser);
+  it.on_user({0.5, 0.0}, 1.1);
+  EXPECT_EQ(it.decide(1.1).command.v, 0.5);
 }
 
 TEST(Arbiter, AutonomyYieldsToThePersonsStick) {

@@ -70,6 +70,11 @@ TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
       });
       ASSERT_TRUE(wait_until([&] { return answered; }));
     }
+    EXPECT_TRUE(wait_until([&] { return reason_ == "let go of the stick first"; }));
+    EXPECT_EQ(v_, 0.0);
+    push_v_ = 0.0;
+    ASSERT_TRUE(wait_until([&] { return reason_ == "follows the source"; }));
+    push_v_ = 0.5;
   }
 }
 
