@@ -222,6 +222,7 @@ class Loop {
     request.user = asked_;
     request.obstacles = obstacles_;
     request.guidance = guidance_;
+    request.refused = refused_;
     if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) request.X_MG = goal->X_MG;
     if (request.method == Method::kLeader || request.method == Method::kPath) {
       if (!leader_) return;
@@ -261,6 +262,7 @@ class Loop {
 
   void send(const Filtered& out) {
     sent_ = out.twist;
+    refused_ = out.refused;
     sim_.command(out.twist, t_);
   }
 
@@ -301,6 +303,7 @@ class Loop {
 
   double t_ = 0.0;
   Twist2 user_, asked_, sent_;  // by the person; of the planner; to the base
+  bool refused_ = false;        // by the filter
   std::optional<Pose2> leader_;
   std::vector<Obstacle> obstacles_;
   Metrics metrics_;

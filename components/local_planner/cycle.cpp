@@ -101,6 +101,7 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
               .costs = {},
               .to_avoid = {},
               .limits = {.margin = params.margin,
+                         .moving = params.margin_moving,
                          .start = params.delay,
                          .dt = params.dt,
                          .max_pairs = params.max_pairs},

@@ -70,6 +70,9 @@ void LocalPlannerNode::subscribe() {
     else
       node_.log().warn_every(1.0, "goal_pose is not finite: dropped");
   });
+  on_filter_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
+    refused_ = {msg.refused(), node_.now()};
+  });
 }
 
 const char* LocalPlannerNode::missing(double now) const {
@@ -98,6 +101,7 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   request.user = user_.value;
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;
+  request.refused = refused_.value && now - refused_.t <= params_->command_timeout;
   return request;
 }
 

@@ -60,7 +60,7 @@ struct LocalPlannerNodeParams {
 }
 
 /// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
-/// user_path, planner/status.
+/// user_path, planner/status. safety_filter/status, where there is one, says whether plans pass.
 ///
 /// Plans every control period, and is drawn to the guidance lines of the file `fixtures`. While an
 /// input that it needs is silent it says zero, and why; it notices between two plans too.
@@ -96,6 +96,7 @@ class LocalPlannerNode {
   RobotStateInput robot_;
   Heard<std::vector<Obstacle>> obstacles_;
   Heard<Twist2> user_, command_;
+  Heard<bool> refused_;
   Heard<Pose2> leader_;
   std::optional<Pose2> X_MG_;
   tandem_msgs::msg::PlannerStatus status_;
@@ -104,7 +105,7 @@ class LocalPlannerNode {
   rt::Publisher<nav_msgs::msg::Path> plan_, user_path_;
   rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
   TwistInput on_user_, on_command_;
-  rt::Subscription on_obstacles_, on_leader_, on_goal_;
+  rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
   rt::Timer timer_, watchdog_;
 };

@@ -344,8 +344,7 @@ Plan Nmpc::solve(const PlanRequest& request) {
     state.certify(cycle, best);
     plan = state.finish(cycle, best);
     const bool steered = request.method != Method::kGoal && request.user != Twist2{};
-    if (state.stalemate.holds(plan.command, request.command, request.measured, request.t) &&
-        steered)
+    if (state.stalemate.holds(request.refused, request.measured, request.t) && steered)
       plan = state.yield(cycle, std::move(plan));
     plan.iterations = state.iterations;
     plan.guesses = state.guesses;

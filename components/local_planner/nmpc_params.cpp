@@ -18,7 +18,7 @@ NmpcParams script_exact(bool with_obstacles) {
   params.weight_smooth = 0.0;
   params.terminal_weight = 0.0;
   params.heading_fade = 0.0;
-  params.margin = params.margin_v = params.margin_w = 0.0;
+  params.margin = params.margin_moving = params.margin_v = params.margin_w = 0.0;
   params.disc_radius = 0.45;
   params.workspace = 4.2;
   return params;

@@ -44,6 +44,7 @@ struct NmpcParams {
   double margin = 0.04;
   double margin_v = 0.18;
   double margin_w = 0.02;
+  double margin_moving = 0.35;
   double weight_slack = 3.0;
   int discs = 5;
   double disc_radius = 0.0;
@@ -101,6 +102,8 @@ struct NmpcParams {
     field("intention_position", intention_position, Range{0.0, 1e4},
           "rollout form: distance from the forecast path");
     field("margin", margin, Range{0.0, 1.0}, "[m] gap kept between the discs and obstacles");
+    field("margin_moving", margin_moving, Range{0.0, 2.0},
+          "[m] the gap kept from an obstacle that moves is larger by this");
     field("margin_v", margin_v, Range{0.0, 2.0}, "[s²/m] the margin grows by this times v²");
     field("margin_w", margin_w, Range{0.0, 2.0}, "[m s²/rad²] the margin grows by this times w²");
     field("weight_slack", weight_slack, Range{1.0, 1e3},

@@ -9,14 +9,18 @@
 namespace tandem {
 namespace {
 
+constexpr double kMoves = 0.05;  // [m/s] an obstacle that is faster moves
+
 // Body and obstacles, asked for their distances at many poses. Most pairs are far apart: the box
 // around an ellipse tells so at once.
 class Surroundings {
  public:
   Surroundings(const Body& body, std::span<const Obstacle> obstacles, const PairLimits& limits)
       : body_{body}, obstacles_{obstacles}, limits_{limits} {
-    for (const Obstacle& obstacle : obstacles)
+    for (const Obstacle& obstacle : obstacles) {
       axes_.emplace_back(std::cos(obstacle.angle), std::sin(obstacle.angle));
+      margins_.push_back(limits.margin + (obstacle.v_MO.norm() > kMoves ? limits.moving : 0.0));
+    }
   }
 
   // Calls found(clearance, pair) for the pairs of the stage that ends at X_MB, `t` seconds after
@@ -30,7 +34,7 @@ class Surroundings {
         const Disc& disc = body_.discs[i];
         const Eigen::Vector2d p_MC{X_MB.x + c * disc.p_BC.x() - s * disc.p_BC.y(),
                                    X_MB.y + s * disc.p_BC.x() + c * disc.p_BC.y()};
-        const double gap = disc.radius + limits_.margin;
+        const double gap = disc.radius + margins_[j];
         if (is_beyond(most + gap, there, axes_[j], p_MC - there.p_MO)) continue;
         const double clearance = signed_distance(there, p_MC).value - gap;
         if (clearance < most) found(clearance, Pair{disc.p_BC, gap, there, i});
@@ -60,6 +64,7 @@ class Surroundings {
   std::span<const Obstacle> obstacles_;
   const PairLimits& limits_;
   std::vector<Eigen::Vector2d> axes_;  // cosine and sine of each obstacle's angle
+  std::vector<double> margins_;        // [m]
 };
 
 struct Candidate {

@@ -13,6 +13,7 @@ namespace tandem {
 /// Which pairs are looked at, and how many are kept.
 struct PairLimits {
   double margin = 0.05;  ///< [m] added to each disc
+  double moving = 0.0;   ///< [m] added for an obstacle that moves
   double start = 0.0;    ///< [s] from the obstacles' time to stage 0
   double dt = 0.25;      ///< [s]
   double reach = 0.8;    ///< [m] pairs with more clearance than this along the guess are left out

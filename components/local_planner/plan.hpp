@@ -33,6 +33,7 @@ struct PlanRequest {
   Twist2 user = {};                             ///< the person's twist; read by kIntention
   std::span<const Obstacle> obstacles = {};     ///< places and velocities at time t
   std::span<const GuidanceLine> guidance = {};  ///< see guided()
+  bool refused = false;  ///< the safety filter lets nothing of the plans pass, for what is near
 };
 
 /// How planning ended. Negative: the twists are a fallback, not a new solution.

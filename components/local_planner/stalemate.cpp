@@ -16,8 +16,8 @@ bool stands(const Twist2& twist) {
 
 }  // namespace
 
-bool Stalemate::holds(const Twist2& planned, const Twist2& sent, const Twist2& measured, double t) {
-  const bool refused = !stands(planned) && stands(sent) && stands(measured);
+bool Stalemate::holds(bool refused, const Twist2& measured, double t) {
+  refused = refused && stands(measured);
   if (!refused || t < refused_since_) refused_since_ = -1.0;
   if (refused && refused_since_ < 0.0) refused_since_ = t;
   if (refused && t - refused_since_ >= kPatience) {

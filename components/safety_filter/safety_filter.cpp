@@ -19,7 +19,13 @@ constexpr double kPathGap = 0.3;   // [m] between the ends of two motions that a
 constexpr double kTurnGap = 0.10;  // [m] … and across their way
 constexpr int kMostShares = 8;
 
+constexpr double kMoves = 0.005;  // [m/s, rad/s] a command from here on moves the robot
+
 constexpr Twist2 kRest{};
+
+bool moves(const Twist2& twist) {
+  return std::abs(twist.v) >= kMoves || std::abs(twist.w) >= kMoves;
+}
 
 // Into how many parts a range of speeds is cut.
 int shares(double parts) { return std::clamp(static_cast<int>(std::ceil(parts)), 1, kMostShares); }
@@ -97,6 +103,7 @@ Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now
   const bool drives =
       out.reason != FilterReason::kNoCommand && out.reason != FilterReason::kNotFinite;
   out.twist = !params_.enforce && drives ? out.requested : out.safe;
+  out.refused = out.reason < FilterReason::kNoCommand && moves(out.requested) && !moves(out.twist);
   remember(out.twist, now);
   return out;
 }
@@ -149,9 +156,9 @@ Filtered SafetyFilter::filter(const Twist2& command, const RobotState& state, co
     out.reason = FilterReason::kNotLocalized;
     return out;
   }
-  const Scene scene = look_at(state, map, now);
-  out.clearance = scene.clearance;
   const Twist2 wanted = limit(command, robot_);
+  const Scene scene = look_at(state, map, wanted, now);
+  out.clearance = scene.clearance;
   if (wanted == kRest) {
     out.scale = 1.0;
     out.reason = FilterReason::kClear;
@@ -163,7 +170,7 @@ Filtered SafetyFilter::filter(const Twist2& command, const RobotState& state, co
 }
 
 SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticMap& map,
-                                          double now) const {
+                                          const Twist2& wanted, double now) const {
   Scene scene;
   scene.X_MB = state.X_MB;
   scene.start.measured = state.twist;
@@ -175,7 +182,10 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   scene.clearance = map.clearance(body_.footprint, state.X_MB, kClearanceCap);
 
   const double full = hard_margin_ + params_.band;
-  scene.required.level = scene.clearance >= full ? full : std::min(scene.clearance, hard_margin_);
+  const bool manoeuvres =
+      std::abs(wanted.v) + body_.radius * std::abs(wanted.w) <= params_.manoeuvre_speed;
+  scene.required.level =
+      scene.clearance >= full && !manoeuvres ? full : std::min(scene.clearance, hard_margin_);
   // On contact the outline says nothing about the way out; a smaller one does.
   for (const double scale : {0.95, 0.85, 0.7, 0.5, 0.2}) {
     if (scene.required.level > 0.0) break;

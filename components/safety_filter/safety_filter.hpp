@@ -37,6 +37,7 @@ struct SafetyFilterParams {
   double heading_error = 0.01;
   double reserve = 0.005;
   double band = 0.01;
+  double manoeuvre_speed = 0.1;
   double slip = 0.02;
   double brake_spread = 1.5;
   double jump_distance = 0.2;
@@ -58,7 +59,9 @@ struct SafetyFilterParams {
     field("position_error", position_error, Range{0.0, 0.5}, "[m] bound on the pose's error");
     field("heading_error", heading_error, Range{0.0, 0.5}, "[rad] bound on the pose's error");
     field("reserve", reserve, Range{0.0, 0.5}, "[m] added to the margin");
-    field("band", band, Range{0.0, 0.5}, "[m] beyond the margin, where approaching ends");
+    field("band", band, Range{0.0, 0.5}, "[m] beyond the margin, where approaching ends …");
+    field("manoeuvre_speed", manoeuvre_speed, Range{0.0, 1.0},
+          "[m/s] … but for a command that asks for no more of the outline's fastest point");
     field("slip", slip, Range{0.0, 0.3}, "[1] bound on a wheel's travel being off");
     field("brake_spread", brake_spread, Range{1.0, 10.0},
           "[1] real braking is at most this times the robot's a_brake, alpha_brake");
@@ -94,6 +97,7 @@ struct Filtered {
   FilterReason reason = FilterReason::kNoCommand;
   double scale = 0.0;      ///< fraction of the requested command that is safe
   double clearance = 0.0;  ///< of the outline at the measured pose [m], at most 1
+  bool refused = false;    ///< it would move the robot, and for what is near nothing of it passed
 };
 
 /// The last word before the wheels: trusts nobody upstream.
@@ -106,8 +110,9 @@ struct Filtered {
 /// watches people touches nobody while it moves itself.
 ///
 /// Inside the margin only motion that gains clearance passes. Between the hard margin and the
-/// band's end the robot may come down to the hard margin, as a tail that swings out must. Times are
-/// seconds on one monotonic clock.
+/// band's end the robot may come down to the hard margin, as a tail that swings out must; from
+/// beyond the band only a command that asks for a slow manoeuvre may, so that whoever pushes
+/// against a wall keeps the band for the way out. Times are seconds on one monotonic clock.
 class SafetyFilter {
  public:
   /// Throws std::invalid_argument on parameters out of range.
@@ -135,7 +140,8 @@ class SafetyFilter {
 
   void watch_pose(const RobotState& state, double now);
   [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
-  [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, double now) const;
+  [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
+                              double now) const;
   [[nodiscard]] bool is_safe(const Twist2& command, double hold, const Scene& scene) const;
   template <class Clear>
   [[nodiscard]] bool are_clear(const MotionStart& start, const Reach& way,

@@ -76,6 +76,7 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
   msg.scale(out.scale);
   msg.clearance(out.clearance);
   msg.enforcing(params_->filter.enforce);
+  msg.refused(out.refused);
   msg.requested(to_msg(out.requested));
   msg.passed(to_msg(out.twist));
   msg.interventions(interventions_);

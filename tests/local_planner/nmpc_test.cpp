@@ -192,13 +192,16 @@ TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
   EXPECT_FALSE(touches(body, plan.X_MB.back(), obstacles.front()));
 }
 
-// Whatever is planned, something behind does not let it pass, and the robot stands.
+// Whatever is planned, the robot stands; only where the filter says that it refuses the plans, for
+// what is near, is that a stalemate.
 TEST(Nmpc, YieldsToThePersonWhileItsPlansAreRefused) {
-  for (const Method method : {Method::kIntention, Method::kGoal}) {
+  for (const auto& [method, refused] :
+       {std::pair{Method::kIntention, true}, {Method::kIntention, false}, {Method::kGoal, true}}) {
     Nmpc planner(unlimited(), RobotParams{});
     PlanRequest request = goal_request({4, 0, 0});
     request.method = method;
     request.user = {-0.2, 0.3};
+    request.refused = refused;
     double yielded_at = -1.0;
     for (; request.t < 2.0; request.t += 0.05) {
       const Plan plan = planner.solve(request);
@@ -207,11 +210,31 @@ TEST(Nmpc, YieldsToThePersonWhileItsPlansAreRefused) {
       EXPECT_LT(plan.command.v, 0.0);
       EXPECT_GT(plan.command.w, 0.0);
     }
-    if (method == Method::kGoal)
-      EXPECT_LT(yielded_at, 0.0);
-    else
+    if (method == Method::kIntention && refused)
       EXPECT_NEAR(yielded_at, 0.6, 0.11);
+    else
+      EXPECT_LT(yielded_at, 0.0);
   }
+}
+
+TEST(Nmpc, KeepsFartherFromWhatMoves) {
+  const auto least_gap = [](double speed) {
+    Nmpc planner(unlimited(), RobotParams{});
+    PlanRequest request = goal_request({4, 0, 0});
+    double least = 1e9;
+    for (; request.t < 6.0; request.t += 0.05) {
+      Obstacle walker = pole(2.0 + speed * request.t, -0.6);
+      walker.v_MO = {speed, 0.0};
+      request.obstacles = std::span(&walker, 1);
+      const Plan plan = planner.solve(request);
+      request.command = request.measured = plan.command;
+      request.X_MB = integrate(request.X_MB, plan.command, 0.05);
+      least = std::min(least, (walker.p_MO - request.X_MB.position()).norm());
+    }
+    EXPECT_GT(request.X_MB.x, 3.0);
+    return least;
+  };
+  EXPECT_GT(least_gap(0.06), least_gap(0.04) + 0.2);  // from 0.05 m/s on an obstacle moves
 }
 
 TEST(Nmpc, DoesNotYieldWhileItsPlansComeThrough) {

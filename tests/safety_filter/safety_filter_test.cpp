@@ -66,6 +66,19 @@ TEST(SafetyFilter, SlowsAlongTheSameArc) {
   EXPECT_NEAR(out.twist.v, out.scale * command.v, 1e-12);
 }
 
+// Pushing ends before the band, which a slow manoeuvre may use: a corner that has to swing out.
+TEST(SafetyFilter, KeepsTheBandForManoeuvres) {
+  const SafetyFilterParams params;
+  const RobotState state = facing_wall(0.0247 + params.band);
+  EXPECT_EQ(once({0.8, 0.0}, state).twist, Twist2{});
+  EXPECT_EQ(once({0.11, 0.0}, state).twist, Twist2{});
+  const Filtered slow = once({0.0, 0.1}, state);
+  EXPECT_GT(slow.twist.w, 0.02);
+  const Filtered forward = once({0.05, 0.0}, state);
+  EXPECT_GT(forward.twist.v, 0.005);
+  EXPECT_LT(forward.twist.v, 0.05) << "down to the hard margin, and no further";
+}
+
 TEST(SafetyFilter, AllowsMoreSpeedFurtherAway) {
   double last = 0.0;
   for (double gap = 0.03; gap < 1.0; gap += 0.01) {
@@ -86,6 +99,18 @@ TEST(SafetyFilter, CountsTheMeasuredSpeedNotOnlyTheCommand) {
   const RobotState slow = facing_wall(0.3), fast = facing_wall(0.3, {0.8, 0.0});
   EXPECT_EQ(once({0.3, 0.0}, slow).reason, FilterReason::kClear);
   EXPECT_EQ(once({0.3, 0.0}, fast).reason, FilterReason::kStopped);
+}
+
+TEST(SafetyFilter, SaysThatItRefusesOnlyWhereWhatIsNearIsWhy) {
+  const RobotState state = facing_wall(0.026);
+  EXPECT_TRUE(once({0.8, 0.0}, state).refused);
+  EXPECT_FALSE(once({0.0, 0.0}, state).refused) << "an emergency stop, a stick let go";
+  EXPECT_FALSE(once({-0.4, 0.0}, state).refused);
+  EXPECT_FALSE(once({0.8, 0.0}, facing_wall(0.15)).refused) << "slowed";
+  EXPECT_FALSE(once({0.8, 0.0}, state, nullptr).refused) << "no map";
+  SafetyFilter watching = filter_on(wall_ahead(), {.enforce = false});
+  watching.on_command({0.8, 0.0}, 0.0);
+  EXPECT_FALSE(watching.update(state, 0.0).refused);
 }
 
 TEST(SafetyFilter, LimitsTurningInPlaceBesideAWall) {
