@@ -291,7 +291,7 @@ visualization_msgs::msg::MarkerArray goal_markers(std::span<const Pose2> X_MG,
     text.pose(to_msg(X_MG[i]));
     text.pose().position().z(0.4);
     text.scale(vector(0.0, 0.0, 0.25));
-    text.color(color(0.0f, 0.0f, 0.0f, 1.0f));
+    text.color(color(1.0f, 1.0f, 1.0f, 1.0f));
     text.text(std::to_string(std::lround(100.0 * belief[i])) + " %");
     msg.markers().push_back(std::move(text));
   }

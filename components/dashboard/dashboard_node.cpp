@@ -69,20 +69,20 @@ DashboardNode::DashboardNode(rt::Node& node)
                 [this](ClientId client) { return take_wheel(client); }},
       parameters_{node, web_},
       publish_{node, params_->max_age},
-      seat_{params_->seat_timeout} {
+      seat_{params_->seat_timeout},
+      autonomy_{node} {
   publish_.open_own(
       node.fully_qualified_name() + "/user_test", "tandem.UserTest",
       [this](ClientId client, const auto& bytes) { return save_user_test(client, bytes); });
   ticks_ = node.create_wall_timer(kTick, [this] { tick(); });
   looks_ = node.create_wall_timer(kLook, [this] { look(); });
   time_ = node.create_wall_timer(kTimePeriod, [this] {
-    const auto stamp = node_.stamp();
-    const auto now = static_cast<std::uint64_t>(stamp.sec()) * 1'000'000'000 + stamp.nanosec();
-    for (const ClientId client : clients_) web_.send(client, {false, foxglove::time(now)});
+    for (const ClientId client : clients_) tell_time(client);
   });
   node.log().info("the page is at {} ; Foxglove and Lichtblick connect there too (ws://)",
                   web_.url());
-  if (const auto& token = params_->web.token; !token.empty())  // to the terminal, not to /rosout
+  // To the terminal, not to /rosout; one from a file is known already.
+  if (const auto& token = web_.token(); !token.empty() && params_->web.token_file.empty())
     std::cerr << "    its token: " << web_.url() << "?token=" << token << std::endl;
 }
 
@@ -124,15 +124,23 @@ void DashboardNode::on_join(ClientId client) {
   const auto session = std::to_string(rt::system_nanoseconds());
   web_.send(client,
             {true, foxglove::server_info("Tandem" + node_.fully_qualified_name(), session)});
+  tell_time(client);  // before anything that has a time
   topics_.greet(client);
   services_.greet(client);
   told_.clear();
   node_.log().info("web client {} is here ({} in all)", client, clients_.size());
 }
 
+void DashboardNode::tell_time(ClientId client) {
+  const auto stamp = node_.stamp();
+  const auto now = static_cast<std::uint64_t>(stamp.sec()) * 1'000'000'000 + stamp.nanosec();
+  web_.send(client, {false, foxglove::time(now)});
+}
+
 void DashboardNode::on_leave(ClientId client) {
   if (seat_.driver(node_.steady_now()) == client) publish_.release_stick();
   seat_.leave(client);
+  autonomy_.on_leave(client);
   clients_.erase(client);
   topics_.forget(client);
   services_.forget(client);
@@ -156,10 +164,10 @@ void DashboardNode::on_message(ClientId client, const foxglove::Message& message
 }
 
 void DashboardNode::on_call(ClientId client, const foxglove::ServiceCall& call) {
-  if (services_.only_reads(call.service) || seat_.may_write(client, node_.steady_now()))
-    services_.call(client, call);
-  else
-    web_.send(client, {true, foxglove::call_failure(call, "someone else is driving")});
+  if (!services_.only_reads(call.service) && !seat_.may_write(client, node_.steady_now()))
+    return web_.send(client, {true, foxglove::call_failure(call, "someone else is driving")});
+  autonomy_.on_call(client, services_.name(call.service), call.payload);
+  services_.call(client, call);
 }
 
 void DashboardNode::on_set(ClientId client, const foxglove::SetParameters& request) {
@@ -185,6 +193,12 @@ std_srvs::srv::Trigger::Response DashboardNode::take_wheel(ClientId client) {
 
 PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
                                                     const std::vector<std::uint8_t>& bytes) {
+  const double now = node_.steady_now();
+  if (now - saved_ < kSavePeriod) {
+    complain(client, "not saved: a user test was saved a moment ago");
+    return PublishRelay::Outcome::kPublished;
+  }
+  saved_ = now;
   try {
     const auto test = parse_user_test({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const auto path = save(test, params_->user_tests);

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "dashboard/autonomy_guard.hpp"
 #include "dashboard/foxglove.hpp"
 #include "dashboard/parameter_relay.hpp"
 #include "dashboard/publish_relay.hpp"
@@ -43,6 +44,7 @@ class DashboardNode {
   static constexpr double kTick = 0.005;       // [s] between looks at what clients say
   static constexpr double kLook = 0.5;         // [s] between looks at the domain
   static constexpr double kTimePeriod = 0.05;  // [s]
+  static constexpr double kSavePeriod = 1.0;   // [s] at least between two user tests
 
   explicit DashboardNode(rt::Node& node);
 
@@ -52,6 +54,7 @@ class DashboardNode {
   void on_event(const WebEvent& event);
   void on_join(ClientId client);
   void on_leave(ClientId client);
+  void tell_time(ClientId client);
   void on_message(ClientId client, const foxglove::Message& message);
   void on_call(ClientId client, const foxglove::ServiceCall& call);
   void on_set(ClientId client, const foxglove::SetParameters& request);
@@ -69,6 +72,8 @@ class DashboardNode {
   ParameterRelay parameters_;
   PublishRelay publish_;
   Seat seat_;
+  AutonomyGuard autonomy_;
+  double saved_ = -kSavePeriod;  // [s] when a user test was
   std::set<ClientId> clients_;
   std::string told_;                    // who sat there when it was last told
   std::map<ClientId, double> refused_;  // [s] when they were last told that a message was

@@ -175,8 +175,6 @@ std::string advertise_services(std::span<const Service> services) {
     all.push_back({{"id", s.id},
                    {"name", s.name},
                    {"type", s.type},
-                   {"requestSchema", s.request_schema},
-                   {"responseSchema", s.response_schema},
                    {"request", schema_of(s.type + "_Request", s.request_schema)},
                    {"response", schema_of(s.type + "_Response", s.response_schema)}});
   return dump({{"op", "advertiseServices"}, {"services", std::move(all)}});

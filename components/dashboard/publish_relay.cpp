@@ -6,6 +6,19 @@
 #include "topics.hpp"
 
 namespace tandem {
+namespace {
+
+constexpr const char* kSender = "dashboard";  // whoever of the web clients holds the stick
+
+// "geometry_msgs/Twist", as Lichtblick's panels say, means "geometry_msgs/msg/Twist".
+std::string full_type(const std::string& type) {
+  const auto slash = type.find('/');
+  const bool is_short =
+      slash != std::string::npos && type.find('/', slash + 1) == std::string::npos;
+  return is_short ? type.substr(0, slash) + "/msg" + type.substr(slash) : type;
+}
+
+}  // namespace
 
 PublishRelay::PublishRelay(rt::Node& node, double max_age)
     : node_{node}, max_age_{max_age}, joy_{node.create_publisher(topics::joy)} {
@@ -18,7 +31,10 @@ PublishRelay::PublishRelay(rt::Node& node, double max_age)
   open(topics::goal_pose, true);
   open(topics::initial_pose, true);
   open(topics::end_sim, true);
-  open(topics::e_stop, false);  // whoever sees danger may stop the robot
+  inlets_[namespace_ + "/" + topics::e_stop.name] = {
+      // whoever sees danger may stop the robot
+      rt::type_ref<std_msgs::msg::Bool>().name, false,
+      [this](ClientId, const auto& bytes) { return publish_stop(bytes); }};
 }
 
 template <class M>
@@ -45,7 +61,8 @@ std::vector<std::string> PublishRelay::advertise(ClientId client,
                                                  const foxglove::Advertise& request) {
   std::vector<std::string> complaints;
   auto& channels = channels_[client];
-  for (const auto& [channel, topic, encoding, type] : request.all) {
+  for (const auto& [channel, topic, encoding, short_type] : request.all) {
+    const std::string type = encoding == "cdr" ? full_type(short_type) : short_type;
     const auto inlet = inlets_.find(topic.starts_with("/") ? topic : namespace_ + "/" + topic);
     if (inlet == inlets_.end())
       complaints.push_back("web clients may not publish " + topic.substr(0, 100));
@@ -82,10 +99,26 @@ PublishRelay::Outcome PublishRelay::publish_joy(const std::vector<std::uint8_t>&
   const double age = 1e-9 * static_cast<double>(rt::system_nanoseconds()) - stamp;
   if (max_age_ > 0.0 && stamp > 0.0 && age > max_age_) return Outcome::kOld;
   joy->header().stamp(node_.stamp());
+  joy->header().frame_id(kSender);
   joy_.publish(*joy);
   return Outcome::kPublished;
 }
 
-void PublishRelay::release_stick() { joy_.publish({}); }
+void PublishRelay::release_stick() {
+  sensor_msgs::msg::Joy joy;
+  joy.header().frame_id(kSender);
+  joy_.publish(joy);
+}
+
+// `false` takes back what was pressed here, and nobody else's stop.
+PublishRelay::Outcome PublishRelay::publish_stop(const std::vector<std::uint8_t>& bytes) {
+  const auto stop = rt::decode<std_msgs::msg::Bool>(bytes);
+  if (!stop) return Outcome::kMalformed;
+  if (!stop->data() && !stop_pressed_) return Outcome::kPublished;
+  if (!stop_) stop_.emplace(node_.create_publisher(topics::e_stop));
+  stop_->publish(*stop);
+  stop_pressed_ = stop->data();
+  return Outcome::kPublished;
+}
 
 }  // namespace tandem

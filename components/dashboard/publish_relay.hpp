@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,7 @@ class PublishRelay {
   template <class M>
   void open(const rt::Topic<M>& topic, bool drives);
   [[nodiscard]] Outcome publish_joy(const std::vector<std::uint8_t>& bytes);
+  [[nodiscard]] Outcome publish_stop(const std::vector<std::uint8_t>& bytes);
 
   rt::Node& node_;
   double max_age_;
@@ -58,6 +60,8 @@ class PublishRelay {
   std::map<std::string, Inlet> inlets_;
   std::map<ClientId, std::map<std::uint32_t, const Inlet*>> channels_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
+  std::optional<rt::Publisher<std_msgs::msg::Bool>> stop_;
+  bool stop_pressed_ = false;
 };
 
 }  // namespace tandem

@@ -70,6 +70,11 @@ ServiceRelay::Relayed* ServiceRelay::find(std::uint32_t service) {
   return const_cast<Relayed*>(std::as_const(*this).find(service));
 }
 
+std::string ServiceRelay::name(std::uint32_t service) const {
+  const Relayed* relayed = find(service);
+  return relayed == nullptr ? "" : relayed->service.name;
+}
+
 bool ServiceRelay::only_reads(std::uint32_t service) const {
   const Relayed* relayed = find(service);
   if (relayed == nullptr || service == kOwn) return true;

@@ -31,6 +31,8 @@ class ServiceRelay {
   /// Whether a service of that number only tells, or is the own one: open to those who do not
   /// drive.
   [[nodiscard]] bool only_reads(std::uint32_t service) const;
+  /// Of a service of the domain; empty: there is none of that number.
+  [[nodiscard]] std::string name(std::uint32_t service) const;
   void call(ClientId client, const foxglove::ServiceCall& call);
 
  private:

@@ -17,16 +17,16 @@ namespace tandem::web_door {
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
-/// Listens where the parameters say. Throws std::invalid_argument in one line if it cannot, or if
-/// others could reach it without a token.
+/// Listens where the parameters say. Throws std::invalid_argument in one line if it cannot.
 [[nodiscard]] boost::asio::ip::tcp::acceptor listen(boost::asio::io_context& io,
                                                     const WebServerParams& params);
 
 struct Rules {
   const WebServerParams& params;
   const std::string& subprotocol;
-  bool loopback = true;  ///< only this machine can reach the door
-  int clients = 0;       ///< that are inside
+  const std::string& token;  ///< empty: none is needed
+  bool loopback = true;      ///< only this machine can reach the door
+  int clients = 0;           ///< that are inside
 };
 
 /// Why the request may not become a WebSocket: the host or the site it comes from, the token, the

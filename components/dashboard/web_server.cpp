@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dashboard/web_server.hpp"
 
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -18,6 +22,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "dashboard/access_token.hpp"
 #include "dashboard/web_door.hpp"
 
 namespace tandem {
@@ -32,7 +37,7 @@ using Response = web_door::Response;
 using Steady = std::chrono::steady_clock;
 
 constexpr auto kRequestTime = std::chrono::seconds(5);   // to say what it wants
-constexpr auto kSilence = std::chrono::seconds(6);       // without a sign of life: gone
+constexpr auto kSilence = std::chrono::seconds(5);       // without a sign of life: gone
 constexpr auto kPause = std::chrono::milliseconds(100);  // after an accept that failed
 constexpr std::size_t kLargestHead = 8192;               // [B] of an HTTP request
 constexpr std::size_t kMaxEvents = 20'000;               // that nobody took
@@ -55,6 +60,21 @@ class RateLimit {
   Steady::time_point last_ = Steady::now();
 };
 
+// Where others of the network find this machine; a phone seldom knows its name.
+std::string own_address() {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return asio::ip::host_name();
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner{all, &freeifaddrs};
+  for (const ifaddrs* at = all; at != nullptr; at = at->ifa_next) {
+    const bool usable = (at->ifa_flags & IFF_UP) != 0 && (at->ifa_flags & IFF_LOOPBACK) == 0;
+    if (!usable || at->ifa_addr == nullptr || at->ifa_addr->sa_family != AF_INET) continue;
+    char text[INET_ADDRSTRLEN];
+    const auto* address = reinterpret_cast<const sockaddr_in*>(at->ifa_addr);
+    if (inet_ntop(AF_INET, &address->sin_addr, text, sizeof text) != nullptr) return text;
+  }
+  return asio::ip::host_name();
+}
+
 }  // namespace
 
 struct WebServer::State {
@@ -69,7 +89,7 @@ struct WebServer::State {
   void accept();
   void report(WebEvent event);
   [[nodiscard]] web_door::Rules rules() const {
-    return {params, subprotocol, loopback, static_cast<int>(clients.size())};
+    return {params, subprotocol, token, loopback, static_cast<int>(clients.size())};
   }
 
   class Connection;
@@ -79,6 +99,7 @@ struct WebServer::State {
   const std::map<std::string, WebFile> files;
   const Log log;
 
+  std::string token;
   bool loopback = true;
   int port = 0;
   std::map<ClientId, std::weak_ptr<Connection>> clients;
@@ -238,6 +259,10 @@ void WebServer::State::listen() {
   acceptor = web_door::listen(io, params);
   const auto endpoint = acceptor.local_endpoint();
   loopback = endpoint.address().is_loopback();
+  if (!params.token_file.empty())
+    token = token_from(params.token_file);
+  else if (!loopback)
+    token = new_token();
   port = endpoint.port();
   accept();
 }
@@ -292,11 +317,13 @@ void WebServer::send(ClientId client, WebFrame frame) {
 
 int WebServer::port() const { return state_->port; }
 
+const std::string& WebServer::token() const { return state_->token; }
+
 std::string WebServer::url() const {
   const auto& params = state_->params;
   std::string host =
       params.address.find(':') == std::string::npos ? params.address : "[" + params.address + "]";
-  if (params.address == "0.0.0.0" || params.address == "::") host = asio::ip::host_name();
+  if (params.address == "0.0.0.0" || params.address == "::") host = own_address();
   return "http://" + host + ":" + std::to_string(port()) + "/";
 }
 

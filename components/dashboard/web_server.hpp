@@ -18,7 +18,7 @@ namespace tandem {
 struct WebServerParams {
   std::string address = "127.0.0.1";
   int port = 8765;
-  std::string token{};
+  std::string token_file{};
   std::string allowed_origins{};
   int max_clients = 16;
   int max_message = 65536;
@@ -27,10 +27,13 @@ struct WebServerParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("address", address, "where to listen; one that is not loopback wants a token");
+    field("address", address, "where to listen; on one that is not loopback clients need a token");
     field("port", port, Range{0, 65500},
           "TCP port, or the next free one of ten; 0: any; the log names it");
-    field("token", token, "clients say ?token=… ; empty: none needed");
+    field(
+        "token_file", token_file,
+        "its first line is what clients say as ?token=… ; empty: none on loopback, elsewhere a new "
+        "one at each start, told in the terminal");
     field("allowed_origins", allowed_origins,
           "other sites whose pages may connect, \"https://a.b https://c.d\"; native programs "
           "always may");
@@ -69,8 +72,7 @@ class WebServer {
  public:
   using Log = std::function<void(const std::string&)>;  ///< called on the server's thread
 
-  /// Listens at once. Throws std::invalid_argument in one line if it cannot, or if others could
-  /// reach it without a token.
+  /// Listens at once. Throws std::invalid_argument in one line if it cannot.
   WebServer(const WebServerParams& params, std::string subprotocol,
             std::map<std::string, WebFile> files, Log log);
   ~WebServer();
@@ -85,6 +87,8 @@ class WebServer {
   [[nodiscard]] int port() const;
   /// Where a browser finds the page; the token is not told.
   [[nodiscard]] std::string url() const;
+  /// What clients have to say; empty: nothing.
+  [[nodiscard]] const std::string& token() const;
 
  private:
   struct State;

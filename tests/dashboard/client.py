@@ -30,7 +30,7 @@ class Robot:
         options = [option for p in ("port:=0", *parameters) for option in ("-p", "dashboard:" + p)]
         self.process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", tandem, "run", system, "--ros-args", *options],
                                         stderr=subprocess.PIPE, text=True, errors="replace")
-        self.lines = []
+        self.lines, self.news = [], threading.Condition()
         for line in self.hear():
             if found := re.search(r"the page is at http://[^:]+:(\d+)/", line):
                 self.port = int(found[1])
@@ -42,8 +42,15 @@ class Robot:
     def hear(self):
         for line in self.process.stderr:
             sys.stderr.write(line)
-            self.lines.append(line)
+            with self.news:
+                self.lines.append(line)
+                self.news.notify_all()
             yield line
+
+    def until_heard(self, text):
+        with self.news:
+            heard = self.news.wait_for(lambda: any(text in line for line in self.lines), LONG)
+        assert heard, f"the terminal does not tell: {text}"
 
     def memory(self):
         """Resident memory [MB]."""
@@ -214,10 +221,12 @@ def door(robot):
     assert any("/?[2J?forged??" in line for line in robot.lines), "a client writes to the terminal"
     client.advertise(1, "/cmd_vel", "geometry_msgs/msg/Twist")
     client.advertise(2, "/joy", "std_msgs/msg/Bool")
+    client.advertise(5, "/goal_pose", "geometry_msgs/PoseStamped")  # as Lichtblick says it
     client.publish(3, b"")
     for complaint in ("web clients may not publish /cmd_vel", "/joy takes sensor_msgs/msg/Joy in cdr",
                       "a message on a channel that was not advertised"):
         client.until(lambda: complaint in client.statuses)
+    assert not any("/goal_pose" in status for status in client.statuses)
 
 
 def knock(port, times):
@@ -284,13 +293,14 @@ def hostile(robot):
 
 
 def token(robot):
-    client = Client(robot.port, "?token=secret")
+    robot.until_heard("its token: ")
+    secret = next(found[1] for line in robot.lines if (found := re.search(r"its token: \S+\?token=(\w+)", line)))
+    client = Client(robot.port, "?token=" + secret)
     client.subscribe("/rosout")
     client.until(lambda: any("the page is at" in line.msg for line in client.messages.get("/rosout", [])))
-    told = [line.msg for line in client.messages["/rosout"] if "secret" in line.msg]
+    told = [line.msg for line in client.messages["/rosout"] if secret in line.msg]
     assert not told, f"the token is on /rosout: {told}"
-    assert any("?token=secret" in line for line in robot.lines), "the terminal does not tell the token"
-    for path, status in (("", 403), ("?token=guess", 403), ("?token=secre", 403), ("?token=secret", None)):
+    for path, status in (("", 403), ("?token=guess", 403), ("?token=" + secret[:-1], 403), ("?token=" + secret, None)):
         try:
             Client(robot.port, path)
             assert status is None, path
@@ -357,7 +367,7 @@ def slow(robot):
 
 
 CHECKS = {check.__name__: check for check in (drive, seat, door, token, hostile, slow, soak)}
-PARAMETERS = {"token": ("address:=0.0.0.0", "token:=secret")}
+PARAMETERS = {"token": ("address:=0.0.0.0",)}
 
 if __name__ == "__main__":
     program, system_file, wanted = sys.argv[1:]

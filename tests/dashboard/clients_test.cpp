@@ -29,10 +29,6 @@ const fs::path kPeers = TANDEM_PEERS_DIR, kPython = kPeers / "python" / "bin" / 
 const std::string kTandem = TANDEM_BINARY_DIR "/tandem";
 const std::string kSystems = TANDEM_SOURCE_DIR "/bringup/systems";
 
-std::string beside_us(const fs::path& program) {
-  return program.lexically_relative(ChildProcess::folder());
-}
-
 std::vector<std::string> client_arguments(const std::string& check) {
   return {TANDEM_SOURCE_DIR "/tests/dashboard/client.py", kTandem, kSystems + "/teleop.yaml",
           check};
@@ -56,7 +52,7 @@ class Soak : public testing::Environment {
     if (clients_ || !fs::exists(kPython) || GTEST_FLAG_GET(filter) != "*") return;
     const std::string outer = std::getenv("ROS_DOMAIN_ID");
     domain_.emplace();
-    clients_.emplace(beside_us(kPython), client_arguments("soak"));
+    clients_.emplace(kPython, client_arguments("soak"));
     setenv("ROS_DOMAIN_ID", outer.c_str(), 1);
   }
 
@@ -73,7 +69,7 @@ Soak* soak() {
 
 void expect_client_passes(const std::string& check) {
   if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
-  ChildProcess client{beside_us(kPython), client_arguments(check)};
+  ChildProcess client{kPython, client_arguments(check)};
   EXPECT_EQ(client.wait(kTimeout), 0);
 }
 
@@ -83,7 +79,7 @@ TEST(Browser, DrivesTheRobotAndTakesTheUserTest) {
                  node = "/usr/bin/node";
   for (const fs::path& needed : {modules / "node_modules", chromium, node})
     if (!fs::exists(needed)) GTEST_SKIP() << "NOT TESTED: there is no " << needed;
-  ChildProcess browser{beside_us(node),
+  ChildProcess browser{node,
                        {TANDEM_SOURCE_DIR "/tests/dashboard/browser/browser_test.mjs", modules,
                         kTandem, kSystems, chromium}};
   EXPECT_EQ(browser.wait(kTimeout), 0);

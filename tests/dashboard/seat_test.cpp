@@ -36,5 +36,17 @@ TEST(Seat, IsTakenFromAnother) {
   EXPECT_TRUE(seat.drive(2, 1.1));
 }
 
+TEST(Seat, IsNotRegainedByHoldingOn) {
+  Seat seat{kTimeout};
+  EXPECT_TRUE(seat.drive(1, 0.0));
+  seat.take(2, 1.0);
+  double t = 1.0;
+  for (; t < 3.0 * kTimeout; t += 0.04) EXPECT_FALSE(seat.drive(1, t));  // 2 has left long ago
+  EXPECT_TRUE(seat.drive(1, t + kTimeout + 0.1)) << "let go for a while";
+  seat.take(2, 100.0);
+  seat.take(1, 101.0);
+  EXPECT_TRUE(seat.drive(1, 101.1)) << "taken back";
+}
+
 }  // namespace
 }  // namespace tandem

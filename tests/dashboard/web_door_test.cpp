@@ -26,9 +26,8 @@ Request request(const Visit& visit) {
   return request;
 }
 
-bool comes_in(const Visit& visit, const WebServerParams& params = {}, bool loopback = true,
-              int clients = 0) {
-  return !refuse(request(visit), {params, kProtocol, loopback, clients});
+bool comes_in(const Visit& visit, const WebServerParams& params = {}, int clients = 0) {
+  return !refuse(request(visit), {params, kProtocol, "", true, clients});
 }
 
 TEST(WebDoor, OpensToProgramsAndToItsOwnPage) {
@@ -43,16 +42,17 @@ TEST(WebDoor, IsShutToPagesOfOtherSites) {
   EXPECT_FALSE(comes_in({.origin = "null"}));
   EXPECT_FALSE(comes_in({.host = "evil.example", .origin = "http://evil.example"}));
   EXPECT_FALSE(comes_in({.host = "127.0.0.1.evil.example"}));
-  EXPECT_FALSE(comes_in({.host = "[::1"}, {}, true, 16));
+  EXPECT_FALSE(comes_in({.host = "[::1"}, {}, 16));
   const WebServerParams allowing{.allowed_origins = "https://a.b https://c.d"};
   EXPECT_TRUE(comes_in({.origin = "https://c.d"}, allowing));
   EXPECT_FALSE(comes_in({.origin = "https://c"}, allowing));
 }
 
 TEST(WebDoor, WantsTheWholeTokenAndNoOther) {
-  const WebServerParams params{.address = "0.0.0.0", .token = "secret"};
+  const WebServerParams params{.address = "0.0.0.0"};
   const auto says = [&](const std::string& target) {
-    return comes_in({.target = target, .host = "robot"}, params, false);
+    return !refuse(request({.target = target, .host = "robot"}),
+                   {params, kProtocol, "secret", false, 0});
   };
   EXPECT_TRUE(says("/?token=secret"));
   EXPECT_TRUE(says("/?a=b&token=secret&c=d"));
@@ -64,13 +64,13 @@ TEST(WebDoor, WantsTheWholeTokenAndNoOther) {
 TEST(WebDoor, IsShutToOtherProtocolsAndWhenAllPlacesAreTaken) {
   EXPECT_FALSE(comes_in({.protocol = ""}));
   EXPECT_FALSE(comes_in({.protocol = "foxglove.websocket.v10"}));
-  EXPECT_TRUE(comes_in({}, {.max_clients = 2}, true, 1));
-  EXPECT_FALSE(comes_in({}, {.max_clients = 2}, true, 2));
+  EXPECT_TRUE(comes_in({}, {.max_clients = 2}, 1));
+  EXPECT_FALSE(comes_in({}, {.max_clients = 2}, 2));
 }
 
 // Nobody guesses the token by damaging what is nearly right, and nothing is thrown.
 TEST(WebDoor, TakesAnyRequest) {
-  const WebServerParams params{.address = "0.0.0.0", .token = "secret"};
+  const WebServerParams params{.address = "0.0.0.0"};
   const std::vector<std::string> targets{"/?token=wrong", "/?token", "/?a=b&token=other&c", "?&=?&",
                                          "/app.js"};
   const std::vector<std::string> hosts{"127.0.0.1:8765", "[::1]:8765", "localhost", "robot.local"};
@@ -81,7 +81,7 @@ TEST(WebDoor, TakesAnyRequest) {
                       .host = test::damaged(hosts, random),
                       .origin = test::damaged(hosts, random)};
     const Request asked = request(visit);
-    EXPECT_TRUE(refuse(asked, {params, kProtocol, false, 0})) << visit.target;
+    EXPECT_TRUE(refuse(asked, {params, kProtocol, "secret", false, 0})) << visit.target;
     const auto status = answer(asked, files).result();
     EXPECT_EQ(status == http::status::ok,
               visit.target.substr(0, visit.target.find('?')) == "/app.js");

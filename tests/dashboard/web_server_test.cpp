@@ -8,6 +8,8 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include "dashboard/page_files.hpp"
@@ -56,10 +58,29 @@ TEST(WebServer, ServesThePageAndNothingElse) {
 }
 
 TEST(WebServer, WantsATokenWhereOthersCanReachIt) {
-  EXPECT_NE(why_not({.address = "0.0.0.0", .port = 0}).find("set a `token`"), std::string::npos);
-  EXPECT_NE(why_not({.address = "::", .port = 0}), "");
-  EXPECT_EQ(why_not({.address = "0.0.0.0", .port = 0, .token = "secret"}), "");
-  EXPECT_NE(why_not({.port = 0, .token = "a&b"}).find("letters"), std::string::npos);
+  EXPECT_EQ(serve({.port = 0})->token(), "");
+  const auto token = serve({.address = "0.0.0.0", .port = 0})->token();
+  EXPECT_EQ(token.size(), 32U);
+  EXPECT_NE(serve({.address = "0.0.0.0", .port = 0})->token(), token) << "a new one at each start";
+}
+
+TEST(WebServer, TakesItsTokenFromAFile) {
+  const auto path = std::filesystem::path{testing::TempDir()} / "token";
+  const auto says = [&](const std::string& line) {
+    std::ofstream{path} << line;
+    return why_not({.port = 0, .token_file = path});
+  };
+  EXPECT_EQ(says("se-cret_1\nand more\n"), "");
+  EXPECT_EQ(serve({.port = 0, .token_file = path})->token(), "se-cret_1");
+  for (const char* line : {"\n", "short", "a&b=c d", "\xff\xfe\xfd\xfc\xfb\xfa"})
+    EXPECT_NE(says(line).find("letters"), std::string::npos) << line;
+  EXPECT_NE(says(std::string(200, 'a')).find("128"), std::string::npos);
+  EXPECT_NE(says("").find("is empty"), std::string::npos);
+  std::filesystem::remove(path);
+  EXPECT_NE(why_not({.port = 0, .token_file = path}).find("cannot be read"), std::string::npos);
+}
+
+TEST(WebServer, ListensOnAddressesOnly) {
   EXPECT_NE(why_not({.address = "localhost", .port = 0}).find("no IP address"), std::string::npos);
 }
 

@@ -263,7 +263,16 @@ async function driveToAGoal() {
   await page.locator("#view").click({ position: { x: at.x, y: at.y } });
   await choose("#modes", "Auto");
   await until(page, () => Math.hypot(window.tandem.robot.pose.x + 3, window.tandem.robot.pose.y + 3.6) < 0.3);
+  await page.locator("#goal input").first().focus();
+  for (const value of ["-2.2", "-3.6", "0"]) {
+    await page.keyboard.press("ControlOrMeta+A");
+    await page.keyboard.type(value);
+    await page.keyboard.press("Tab");
+  }
+  await until(page, () => window.tandem.view.draft?.x === -2.2 && window.tandem.view.draft.heading === 0);
   await picture(page, "goal");
+  await page.keyboard.press("Enter"); // on the button, where Tab has led
+  await until(page, () => Math.hypot(window.tandem.robot.pose.x + 2.2, window.tandem.robot.pose.y + 3.6) < 0.3);
   await choose("#modes", "Shared");
   await choose("#methods", "leader");
   await until(page, () => window.tandem.robot.get("planner/status")?.method === "leader");
@@ -302,9 +311,29 @@ async function driveAndDisturb() {
     await until(page, () => document.getElementById("notice").textContent.startsWith("Emergency stop"));
     await picture(page, "emergency_stop");
     assert.ok((await speed(page)) < STANDS);
+    await page.locator("#release").click(); // with the key still held: that starts nothing
+    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "let go of the stick first");
+    assert.ok((await speed(page)) < STANDS);
     await page.keyboard.up("i");
-    await page.locator("#release").click();
-    await until(page, () => window.tandem.robot.get("arbitration/status")?.emergency_stop === false);
+    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "cmd_vel_user is silent");
+    await page.keyboard.down("i");
+    await moves(page);
+    await page.keyboard.up("i");
+    await stands(page);
+  });
+
+  await step("no key sticks, and only the first mouse button drives", async () => {
+    await page.keyboard.down("Comma");
+    await moves(page);
+    await page.keyboard.down("Shift");
+    await page.keyboard.up("Comma"); // says "<"
+    await page.keyboard.up("Shift");
+    await stands(page);
+    await stick(page, 0, 0);
+    await page.mouse.down({ button: "right" });
+    await stick(page, 1, 0);
+    assert.equal(await page.evaluate(() => window.tandem.driver.stick), undefined);
+    await page.mouse.up({ button: "right" });
   });
 
   await step("who only watches is told, and may take the wheel", async () => {
@@ -320,7 +349,7 @@ async function driveAndDisturb() {
     await until(page, () => window.tandem.robot.seat.driver === "you");
   });
 
-  await step("the planner drives to a goal that is pointed out", driveToAGoal);
+  await step("the planner drives to a goal that is pointed out, and to one that is typed", driveToAGoal);
 
   await step("losing the network stops the robot, and nothing of it comes late, nor does it start off again", async () => {
     await backToTheStart();
@@ -339,6 +368,25 @@ async function driveAndDisturb() {
     assert.ok(distance(place, await pose(watcher)) < 0.02, "a stick from the past drives the robot");
     await page.keyboard.up("i");
     await until(page, () => !window.tandem.driver.dropped); // the page has seen it
+  });
+
+  await step("a robot that drives by itself stops when who let it is gone", async () => {
+    const third = await open(address, LAPTOP);
+    const choose = async (group, name) => third.locator(group).getByText(name, { exact: true }).click();
+    await until(third, () => window.tandem.robot.seat.driver === "nobody");
+    await choose("#methods", "goal");
+    await until(third, () => !document.getElementById("goal").hidden);
+    const at = await third.evaluate(() => window.tandem.view.place(-4, 4));
+    await third.locator("#view").click({ position: { x: at.x, y: at.y } });
+    await choose("#modes", "Auto");
+    await moves(watcher);
+    await until(watcher, () => window.tandem.robot.seat.driver === "nobody"); // who set the goal is silent since
+    await until(watcher, () => document.getElementById("seat").textContent === "Drives by itself");
+    await third.close();
+    await until(watcher, () => window.tandem.robot.get("arbitration/status")?.policy === "shared");
+    await stands(watcher);
+    await watcher.locator("#methods").getByText("leader", { exact: true }).click();
+    await until(watcher, () => window.tandem.robot.get("planner/status")?.method === "leader");
   });
 
   await step("closing the page stops the robot", async () => {

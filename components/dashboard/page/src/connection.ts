@@ -18,8 +18,8 @@ interface Service {
   id: number;
   name: string;
   type: string;
-  requestSchema: string;
-  responseSchema: string;
+  request: { schema: string };
+  response: { schema: string };
 }
 interface Subscription {
   topic: string;
@@ -132,7 +132,7 @@ export class Connection {
   call(name: string, request: Message): Promise<Message> {
     const service = this.services.get(name);
     if (!service || !this.connected) return Promise.reject(new Error(`${name} is not there`));
-    const payload = writer(service.requestSchema).writeMessage(request);
+    const payload = writer(service.request.schema).writeMessage(request);
     const id = ++this.lastCall;
     const frame = new Uint8Array(16 + payload.length);
     const view = new DataView(frame.buffer);
@@ -147,7 +147,7 @@ export class Connection {
         () => this.fail(id, `${name} does not answer`),
         CALL_TIMEOUT,
       );
-      this.calls.set(id, { decode: decoder(service.responseSchema), resolve, reject, timer });
+      this.calls.set(id, { decode: decoder(service.response.schema), resolve, reject, timer });
       this.socket!.send(frame);
     });
   }

@@ -73,12 +73,12 @@ export function showStick(element: HTMLElement, knob: HTMLElement, stick?: Stick
 /** The stick on the screen: drag from its middle; letting go centres it. */
 export function screenStick(element: HTMLElement, knob: HTMLElement): Source {
   let pointer: number | undefined;
+  let box: DOMRect; // where it was when it was taken: the page may move under the finger
   let stick: Stick = { linear: 0, angular: 0 };
   const release = () => {
     pointer = undefined;
   };
   const move = (event: PointerEvent) => {
-    const box = element.getBoundingClientRect();
     const reach = box.width / 2 - knob.offsetWidth / 2;
     let x = (event.clientX - box.left - box.width / 2) / reach;
     let y = (event.clientY - box.top - box.height / 2) / reach;
@@ -88,8 +88,9 @@ export function screenStick(element: HTMLElement, knob: HTMLElement): Source {
     stick = { linear: -y, angular: -x };
   };
   element.addEventListener("pointerdown", (event) => {
-    if (pointer !== undefined) return;
+    if (pointer !== undefined || event.button !== 0) return;
     pointer = event.pointerId;
+    box = element.getBoundingClientRect();
     element.setPointerCapture(pointer);
     move(event);
     event.preventDefault();
@@ -101,6 +102,7 @@ export function screenStick(element: HTMLElement, knob: HTMLElement): Source {
     element.addEventListener(end, (event) => {
       if ((event as PointerEvent).pointerId === pointer) release();
     });
+  element.addEventListener("contextmenu", (event) => event.preventDefault());
   window.addEventListener("blur", release);
   return () => (pointer === undefined ? undefined : stick);
 }
@@ -117,19 +119,23 @@ const SPEEDS: Record<string, [number, number]> = {
 export class Keyboard {
   scale = { linear: 0.8, angular: 0.8 };
   onScale: () => void = () => {};
-  private down = new Set<string>();
+  private down = new Map<string, string>(); // what it stands for, by the key itself: Shift changes the former
 
   constructor() {
     window.addEventListener("keydown", (event) => this.press(event));
-    window.addEventListener("keyup", (event) => this.down.delete(name(event)));
-    window.addEventListener("blur", () => this.down.clear());
+    window.addEventListener("keyup", (event) => this.down.delete(event.code || name(event)));
+    // Whatever may keep a key's release from us lets go of all.
+    for (const end of ["blur", "contextmenu"]) window.addEventListener(end, () => this.down.clear());
     document.addEventListener("visibilitychange", () => this.down.clear());
+    document.addEventListener("focusin", (event) => {
+      if ((event.target as HTMLElement).matches("select, input, textarea")) this.down.clear();
+    });
   }
 
   readonly source: Source = () => {
     if (this.down.size === 0) return undefined;
     let linear = 0, angular = 0;
-    for (const key of this.down) {
+    for (const key of this.down.values()) {
       linear += KEYS[key]![0];
       angular += KEYS[key]![1];
     }
@@ -140,10 +146,12 @@ export class Keyboard {
   };
 
   private press(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.altKey || event.metaKey || belongsToControl(event)) return;
+    // With such a key down, some systems do not tell that another one is let go.
+    if (event.ctrlKey || event.altKey || event.metaKey) return this.down.clear();
+    if (belongsToControl(event)) return;
     const key = name(event);
     if (key in KEYS) {
-      this.down.add(key);
+      this.down.set(event.code || key, key);
       event.preventDefault();
     } else if (key in SPEEDS) {
       this.scale.linear = Math.min(1, Math.max(0.05, this.scale.linear * SPEEDS[key]![0]));
@@ -165,6 +173,7 @@ export function belongsToControl(event: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.matches("input[type=radio]")) return event.key.startsWith("Arrow") || event.key === " ";
   if (target.matches("button, summary, input[type=checkbox]")) return event.key === " " || event.key === "Enter";
+  if (event.key === " " && target.matches("input[type=range], input[type=number]")) return false;
   return target.matches("input, select, textarea");
 }
 

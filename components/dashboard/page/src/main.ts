@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Connection, type Message } from "./connection";
 import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick } from "./driver";
+import { Goal } from "./goal";
 import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
 import { rectangle, Robot } from "./robot";
 import { UserTest } from "./user_test";
@@ -26,6 +27,7 @@ const driver = new Driver(connection, () => `${namespace}/joy`, [
   keyboard.source,
   gamepad((name) => say(name ? `Gamepad: ${name}` : "The gamepad is gone")),
 ]);
+const goal = new Goal(connection, robot, view, at<HTMLFormElement>("goal"), () => namespace);
 let namespace = "";
 let dashboard = "/dashboard"; // the node that serves this page
 let following = false;
@@ -56,6 +58,7 @@ function findRobot(): void {
   dashboard = seat.slice(0, -"/seat".length);
   namespace = dashboard.slice(0, dashboard.lastIndexOf("/"));
   connection.subscribe(seat, (m) => {
+    if (m.driver === "other") driver.drop(); // who has lost the wheel does not get it back by holding on
     robot.seat = m;
     showSeat();
   });
@@ -89,12 +92,11 @@ function methodButton(name: string): HTMLElement {
   Object.assign(button, { type: "radio", name: "method", value: name });
   button.onchange = () =>
     setText(connection, `${namespace}/local_planner`, "method", name)
-      .then(() => say(name === "goal" ? POINT : `The planner's method is ${name}`))
+      .then(() => say(`The planner's method is ${name}`))
       .catch((error: Error) => say(error.message));
   label.append(button, words);
   return label;
 }
-const POINT = "Point at the map: press for the goal's place, drag for its heading. Mode Auto drives there.";
 
 let methodsKnown = false;
 let outlineKnown = false;
@@ -133,8 +135,16 @@ driver.onChange = () =>
 function showSeat(): void {
   const { driver: who, clients } = robot.seat;
   document.body.classList.toggle("other-drives", who === "other");
-  at("seat").textContent = { you: "You drive", other: "Someone else drives", nobody: "Nobody drives" }[who];
+  write("seat", { you: "You drive", other: "Someone else drives", nobody: besidesPages() }[who]);
   at("clients").textContent = clients === 1 ? "" : `${clients} connected`;
+}
+
+// The seat is the pages'; the robot may be driven from a terminal, by a joystick of its own, by itself.
+function besidesPages(): string {
+  const arbitration = robot.get("arbitration/status");
+  if (!connection.connected || !arbitration) return "No word from it";
+  if (arbitration.source === "none") return "Nobody drives";
+  return arbitration.policy === "autonomous" && arbitration.source !== "user" ? "Drives by itself" : "Driven from elsewhere";
 }
 
 at("take").onclick = () => ask("take_wheel", {}, dashboard).then((m) => say(m.message));
@@ -161,13 +171,14 @@ function showNumbers(): void {
   at("clearance").classList.toggle("near", clearance < 0.15);
   write("policy", arbitration?.policy ?? "–");
   write("source", SOURCES[arbitration?.source] ?? arbitration?.source ?? "–");
-  write("reason", arbitration?.reason ?? "no word from arbitration");
+  write("reason", arbitration ? (REASONS[arbitration.reason] ?? arbitration.reason) : "no word from arbitration");
   write("alpha", arbitration ? percent(arbitration.alpha) : "–");
   write("filter", filter ? `${filter.reason}${filter.scale < 0.995 ? ` (${percent(filter.scale)} passes)` : ""}` : "–");
   write("planner", planner ? `${planner.method}: ${planner.status_text}` : "no word from the planner");
   write("solve", planner ? `${(1000 * planner.solve_time).toFixed(1)} ms` : "–");
   write("missed", planner ? String(planner.overruns) : "–");
   write("collisions", String(robot.collisions));
+  showSeat();
   at("leader").hidden = view.mode !== "leader";
   write("leader", robot.leader());
   at("collisions").classList.toggle("near", robot.inContact);
@@ -179,6 +190,7 @@ function showNumbers(): void {
     button.checked = button.value === arbitration?.policy;
   for (const button of document.querySelectorAll<HTMLInputElement>("input[name=method]"))
     button.checked = button.value === planner?.method;
+  if (planner) goal.show(planner.method === "goal");
   drawPlot(at<HTMLCanvasElement>("plot"), robot);
 }
 // Why the stick in one's hand moves nothing.
@@ -192,6 +204,10 @@ function showNotice(stopped: boolean): void {
 const SOURCES: Record<string, string> = {
   none: "nobody", user: "the person", shared: "the planner, for the person",
   blend: "person and planner", nav: "autonomy",
+};
+const REASONS: Record<string, string> = {
+  "cmd_vel_user is silent": "nobody holds a stick", "cmd_vel_shared is silent": "the planner is silent",
+  "follows the source": "the mode says so", "no command": "nobody commands",
 };
 setInterval(showNumbers, SLOW);
 
@@ -217,14 +233,35 @@ window.addEventListener("focusin", (event) => {
   const chosen = event.target;
   if (pointing && chosen instanceof HTMLElement && chosen.matches(KEY_TAKERS)) chosen.blur();
 });
+// The arrows end at the ends of a group: one to the left of Manual is not Auto.
+window.addEventListener("keydown", (event) => {
+  const at = event.target;
+  if (!(at instanceof HTMLInputElement) || at.type !== "radio") return;
+  const group = [...document.querySelectorAll<HTMLInputElement>(`input[name=${at.name}]`)];
+  const end = { ArrowLeft: group[0], ArrowUp: group[0], ArrowRight: group.at(-1), ArrowDown: group.at(-1) }[event.key];
+  if (at === end) event.preventDefault();
+});
+
+// What is chosen or shifted by pointing gives the keys back.
+window.addEventListener("pointerup", () => {
+  const chosen = document.activeElement;
+  if (chosen instanceof HTMLInputElement && chosen.type === "range") chosen.blur();
+});
+let byKey = false;
+window.addEventListener("keydown", () => (byKey = true), true);
+window.addEventListener("pointerdown", () => (byKey = false), true);
+window.addEventListener("change", (event) => {
+  if (!byKey && event.target instanceof HTMLSelectElement) event.target.blur();
+});
 const KEY_TAKERS = "button, summary, input[type=radio], input[type=checkbox]";
 
 at("release").onclick = async () => {
   connection.publish(`${namespace}/e_stop`, "std_msgs/msg/Bool", { data: false });
   for (let tries = 0; tries < 20; ++tries) {
-    const { success, message } = await ask("arbitration/release_emergency_stop");
-    say(success ? "Released" : message);
-    if (success) return;
+    const answer = await ask("arbitration/release_emergency_stop").catch(() => undefined);
+    if (!answer) return; // and why has been said
+    say(answer.success ? "Released" : answer.message);
+    if (answer.success) return;
   }
 };
 at("reset").onclick = () => ask("diff_drive_sim/reset").then(() => say("Back at the start"));
@@ -238,16 +275,6 @@ for (const button of document.querySelectorAll<HTMLInputElement>("input[name=fra
     view.mode = button.value as ViewMode;
     view.change();
   };
-
-view.onPoint((goal) => {
-  if (robot.get("planner/status")?.method !== "goal") return;
-  const header = { stamp: connection.stamp(), frame_id: robot.grid?.frame ?? "map" };
-  const position = { x: goal.x, y: goal.y, z: 0 };
-  const orientation = { x: 0, y: 0, z: Math.sin(goal.heading / 2), w: Math.cos(goal.heading / 2) };
-  const message = { header, pose: { position, orientation } };
-  if (connection.publish(`${namespace}/goal_pose`, "geometry_msgs/msg/PoseStamped", message)) robot.goal = goal;
-  view.change();
-});
 
 keyboard.onScale = () =>
   say(`Keys: ${percent(keyboard.scale.linear)} forward, ${percent(keyboard.scale.angular)} turning`);

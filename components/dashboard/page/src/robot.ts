@@ -14,6 +14,11 @@ export interface Ellipse {
   b: number;
   angle: number;
 }
+/** A place that the person may mean to go to, and how likely that is, in words. */
+export interface Place {
+  pose: Pose;
+  belief: string;
+}
 /** A value and when it arrived [ms]; old ones are not shown. */
 interface Timed<T> {
   value: T;
@@ -48,7 +53,7 @@ export class Robot {
   overruns = 0;
   collisions = 0;
   inContact = false;
-  goal?: Pose; // that was pointed out here
+  goal?: Pose; // the newest, whoever set it
 
   private mapOdom: Pose = { x: 0, y: 0, heading: 0 };
   private odomFrame = "odom";
@@ -67,6 +72,7 @@ export class Robot {
     const keep = (topic: string, convert: (m: Message) => unknown = (m) => m) =>
       on(topic, (m) => this.timed.set(topic, { value: convert(m), at: performance.now() }));
     on("map", (m) => (this.grid = picture(m)));
+    on("goal_pose", (m) => (this.goal = pose(m.pose)));
     on("odom", (m) => this.onOdometry(m));
     // Robots that share a domain have a tf each, by remapping /tf to tf; else there is one for all.
     const own = `${namespace}/tf`;
@@ -85,6 +91,7 @@ export class Robot {
     keep("leader_pose", (m) => pose(m.pose));
     keep("joy/set_feedback", (m) => m.intensity);
     keep("obstacles", (m) => m.obstacles.map(ellipse));
+    keep("hindsight/markers", (m) => m.markers.filter((marker: Message) => marker.text !== "").map(place));
   }
 
   /** The newest value of a topic, unless it is old. */
@@ -174,6 +181,10 @@ function pose(m: Message): Pose {
     y: m.position.y,
     heading: Math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)),
   };
+}
+
+function place(m: Message): Place {
+  return { pose: pose(m.pose), belief: m.text };
 }
 
 function ellipse(m: Message): Ellipse {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture: map, robot, what it sees, what the person asks for and what it intends.
-import type { Pose, Robot } from "./robot";
+import type { Place, Pose, Robot } from "./robot";
 
 export type ViewMode = "follow" | "map" | "leader";
 
@@ -25,6 +25,7 @@ const COLOR = {
 export class View {
   mode: ViewMode = "map";
   drawn = 0; // pictures since the start
+  draft?: Pose; // a goal that is being typed
   region?: { x0: number; y0: number; x1: number; y1: number }; // [m] to be reached
   private context: CanvasRenderingContext2D;
   private dirty = true;
@@ -49,7 +50,12 @@ export class View {
     const place = (event: PointerEvent) =>
       this.toCanvas.inverse().transformPoint({ x: event.offsetX, y: event.offsetY });
     let from: DOMPoint | undefined;
-    this.canvas.addEventListener("pointerdown", (event) => (from = place(event)));
+    this.canvas.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || !this.canvas.classList.contains("points")) return;
+      this.canvas.setPointerCapture(event.pointerId);
+      from = place(event);
+    });
+    this.canvas.addEventListener("pointercancel", () => (from = undefined));
     this.canvas.addEventListener("pointerup", (event) => {
       if (!from) return;
       const { x, y } = from, to = place(event), robot = this.robot.pose;
@@ -58,6 +64,11 @@ export class View {
       from = undefined;
       fn({ x, y, heading: Math.atan2(dy, dx) });
     });
+  }
+
+  /** Whether there is anything to point out: then a finger does not move the page. */
+  pointable(on: boolean): void {
+    this.canvas.classList.toggle("points", on);
   }
 
   change(): void {
@@ -87,10 +98,11 @@ export class View {
     this.drawRegion();
     this.drawObstacles();
     this.path(this.robot.ghost(), COLOR.ghost, [6, 5]);
-    this.path(this.robot.get<Pose[]>("plan") ?? [], COLOR.plan, [], true);
+    this.drawPlaces();
     this.drawGoal();
     this.drawLeader();
     this.drawRobot();
+    this.path(this.robot.get<Pose[]>("plan") ?? [], COLOR.plan, [], true);
     context.setTransform(density, 0, 0, density, 0, 0);
     this.drawScale(width);
   }
@@ -205,14 +217,42 @@ export class View {
   }
 
   private drawGoal(): void {
-    const { context, robot } = this, goal = robot.goal;
-    if (!goal || robot.get("planner/status")?.method !== "goal") return;
+    const { context, robot, draft } = this;
     context.strokeStyle = context.fillStyle = COLOR.plan;
+    if (robot.goal && robot.get("planner/status")?.method === "goal") this.target(robot.goal);
+    context.setLineDash([this.px(4), this.px(4)]);
+    if (draft) this.target(draft);
+    context.setLineDash([]);
+  }
+
+  private target(at: Pose): void {
+    const { context } = this;
     context.lineWidth = this.px(2);
     context.beginPath();
-    context.arc(goal.x, goal.y, 0.4, 0, 2 * Math.PI);
+    context.arc(at.x, at.y, 0.4, 0, 2 * Math.PI);
     context.stroke();
-    this.arrow(goal, 0.28);
+    this.arrow(at, 0.28);
+  }
+
+  // Where the person may mean to go, and how likely that is.
+  private drawPlaces(): void {
+    const { context } = this;
+    context.font = "13px system-ui, sans-serif";
+    context.textAlign = "center";
+    for (const { pose, belief } of this.robot.get<Place[]>("hindsight/markers", 2000) ?? []) {
+      context.strokeStyle = context.fillStyle = COLOR.leader;
+      this.target(pose);
+      const { x, y } = context.getTransform().transformPoint({ x: pose.x, y: pose.y });
+      const density = window.devicePixelRatio || 1;
+      context.save();
+      context.setTransform(density, 0, 0, density, 0, 0);
+      context.strokeStyle = COLOR.background;
+      context.lineWidth = 4;
+      context.strokeText(belief, x / density, y / density - 0.4 * this.scale - 6);
+      context.fillStyle = COLOR.text;
+      context.fillText(belief, x / density, y / density - 0.4 * this.scale - 6);
+      context.restore();
+    }
   }
 
   private drawLeader(): void {
@@ -282,7 +322,7 @@ export class View {
   }
 }
 
-/** Planner times of the last seconds, misses marked; the dashed line is the time that it has. */
+/** Planner times of the last seconds, misses marked; what took very long is cut off. */
 export function drawPlot(canvas: HTMLCanvasElement, robot: Robot): void {
   const density = window.devicePixelRatio || 1;
   const width = canvas.clientWidth, height = canvas.clientHeight;
@@ -292,7 +332,7 @@ export function drawPlot(canvas: HTMLCanvasElement, robot: Robot): void {
   const context = canvas.getContext("2d")!;
   context.scale(density, density);
   const now = performance.now(), span = 20_000;
-  const most = Math.max(5, ...robot.planner.map((s) => s.solve)) * 1.15;
+  const most = Math.min(60, Math.max(5, ...robot.planner.map((s) => s.solve)) * 1.15);
   const x = (at: number) => width * (1 - (now - at) / span);
   const y = (solve: number) => height - 2 - (height - 16) * (solve / most);
   context.fillStyle = COLOR.text;

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: what web clients call, and who of them goes. Out: the end of autonomy that nobody watches.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "dashboard/seat.hpp"
+#include "runtime/node.hpp"
+
+namespace tandem {
+
+/// Who lets the robot drive by itself has to stay: when the client that set arbitration's policy
+/// `autonomous` is gone (page closed, network lost), the policy becomes `shared`, in which the
+/// robot stands until somebody holds a stick.
+class AutonomyGuard {
+ public:
+  explicit AutonomyGuard(rt::Node& node);
+
+  /// A client's call of the service `name`, its request in CDR.
+  void on_call(ClientId client, const std::string& name, const std::vector<std::uint8_t>& request);
+  void on_leave(ClientId client);
+
+ private:
+  rt::Node& node_;
+  rt::Client<tandem_msgs::srv::SetPolicy> set_policy_;
+  std::optional<ClientId> responsible_;
+};
+
+}  // namespace tandem
