@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/teleop_command.hpp"
 
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -21,6 +23,7 @@ namespace {
 
 constexpr double kBeat = 0.04;  // [s] between two joy
 constexpr double kShow = 0.2;   // [s]
+constexpr double kFresh = 0.5;  // [s] what is older is not shown
 constexpr int kReleases = 3;    // joy that say "let go", for one may be lost
 
 // Characters as they are typed, unseen, without waiting for them; Ctrl-C stays what it is.
@@ -38,6 +41,11 @@ class RawTerminal {
   RawTerminal(const RawTerminal&) = delete;
   RawTerminal& operator=(const RawTerminal&) = delete;
 
+  [[nodiscard]] static std::size_t width() {
+    winsize size{};
+    const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+    return known ? size.ws_col : 80;
+  }
   /// What was typed since the last call.
   [[nodiscard]] static std::string read_keys() {
     char keys[256];
@@ -49,6 +57,15 @@ class RawTerminal {
   termios before_{};
 };
 
+// Whatever topics say, on one line of the terminal: no control characters, and not too long.
+std::string one_line(std::string text, std::size_t width) {
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return text.substr(0, width - 1);
+}
+
+double no_minus(double value) { return std::abs(value) < 0.005 ? 0.0 : value; }
+
 class KeyboardTeleop {
  public:
   explicit KeyboardTeleop(rt::Node& node)
@@ -58,14 +75,14 @@ class KeyboardTeleop {
         release_{node.create_client(
             rt::ServiceName<std_srvs::srv::Trigger>{"arbitration/release_emergency_stop"})} {
     odom_ = node.create_subscription(topics::odom, [this](const auto& msg) {
-      if (const auto odometry = from_msg(msg)) speed_ = odometry->twist;
+      if (const auto odometry = from_msg(msg)) speed_ = {odometry->twist, node_.steady_now()};
     });
-    filter_ = node.create_subscription(topics::filter_status, [this](const auto& msg) {
-      clearance_ = msg.clearance();
-      filter_says_ = msg.reason();
+    on_filter_ = node.create_subscription(topics::filter_status, [this](const auto& msg) {
+      filter_ = {fmt::format("clearance {:.2f} m, {}", msg.clearance(), msg.reason()),
+                 node_.steady_now()};
     });
     arbitration_ = node.create_subscription(topics::arbitration_status, [this](const auto& msg) {
-      arbitration_says_ = msg.policy() + ", " + msg.reason();
+      mode_ = {msg.policy() + ", " + msg.reason(), node_.steady_now()};
     });
     beat_ = node.create_wall_timer(kBeat, [this] { beat(); });
     show_ = node.create_wall_timer(kShow, [this] { show(); });
@@ -97,23 +114,36 @@ class KeyboardTeleop {
   }
 
   void show() const {
-    std::printf(
-        "\r\x1b[K%5.2f m/s %5.2f rad/s | clearance %.2f m | %s | filter: %s | keys %.0f/%.0f %% %s",
-        speed_.v, speed_.w, clearance_, arbitration_says_.c_str(), filter_says_.c_str(),
-        100.0 * keys_.linear_scale(), 100.0 * keys_.angular_scale(), said_.c_str());
+    const double now = node_.steady_now();
+    const auto fresh = [now](const auto& heard) { return now - heard.t <= kFresh; };
+    std::string line = said_.empty() ? "" : said_ + " | ";
+    line += fresh(speed_) ? fmt::format("{:.2f} m/s {:.2f} rad/s", no_minus(speed_.value.v),
+                                        no_minus(speed_.value.w))
+                          : "no odometry";
+    line += " | " + (fresh(mode_) ? mode_.value : "arbitration is silent");
+    line += " | " + (fresh(filter_) ? filter_.value : "the filter is silent");
+    line += fmt::format(" | keys {:.0f}/{:.0f} %", 100.0 * keys_.linear_scale(),
+                        100.0 * keys_.angular_scale());
+    std::printf("\r\x1b[K%s", one_line(line, RawTerminal::width()).c_str());
     std::fflush(stdout);
   }
+
+  template <class T>
+  struct Heard {
+    T value{};
+    double t = -1e9;  // [s]
+  };
 
   rt::Node& node_;
   TerminalKeys keys_;
   int releases_ = 0;
-  Twist2 speed_;
-  double clearance_ = 0.0;
-  std::string filter_says_ = "silent", arbitration_says_ = "silent", said_;
+  Heard<Twist2> speed_;
+  Heard<std::string> mode_, filter_;
+  std::string said_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Publisher<std_msgs::msg::Bool> e_stop_;
   rt::Client<std_srvs::srv::Trigger> release_;
-  rt::Subscription odom_, filter_, arbitration_;
+  rt::Subscription odom_, on_filter_, arbitration_;
   rt::Timer beat_, show_;
 };
 

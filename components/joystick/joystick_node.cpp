@@ -96,6 +96,7 @@ void JoystickNode::poll() {
   if (device_ && !device_->attached()) {
     node_.log().warn("the joystick is gone");
     device_.reset();
+    looked_ = node_.steady_now();  // the next one comes later: first this one's stick is let go
   }
   const double now = node_.steady_now();
   if (!device_ && now - looked_ >= kLook) look();

@@ -13,6 +13,7 @@ TeleopNode::TeleopNode(rt::Node& node)
           [this](const auto& wanted) { teleop_.set_gains(wanted.teleop.gains); })},
       teleop_{params_->teleop},
       robot_{node, params_->input},
+      holder_{params_->teleop.joy_timeout},
       cmd_vel_user_{node.create_publisher(topics::cmd_vel_user)},
       leader_pose_{node.create_publisher(topics::leader_pose)},
       markers_{node.create_publisher(topics::leader_markers)},
@@ -26,6 +27,7 @@ TeleopNode::TeleopNode(rt::Node& node)
 
 void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
   const Stick stick = read_stick(msg.axes(), msg.buttons(), params_->teleop);
+  if (!holder_.counts(msg.header().frame_id(), stick.deadman, node_.now())) return;
   const auto robot = robot_.state();
   const auto X_MB = robot ? std::optional{robot->X_MB} : std::nullopt;
   if (const auto intent = teleop_.on_stick(stick, X_MB, node_.now())) publish(*intent);

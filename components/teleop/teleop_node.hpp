@@ -3,6 +3,7 @@
 
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
+#include "teleop/stick_holder.hpp"
 #include "teleop/teleop.hpp"
 
 namespace tandem {
@@ -34,6 +35,7 @@ class TeleopNode {
   rt::Parameters<TeleopNodeParams> params_;
   Teleop teleop_;
   RobotStateInput robot_;
+  StickHolder holder_;
   bool end_pressed_ = false;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_user_;

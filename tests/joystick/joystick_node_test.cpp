@@ -3,6 +3,7 @@
 #include <SDL2/SDL.h>
 
 #include <atomic>
+#include <memory>
 
 #include "system/one_component.hpp"
 
@@ -26,10 +27,12 @@ class VirtualJoystick {
     };
     index_ = SDL_JoystickAttachVirtualEx(&desc);
     if (index_ >= 0) joystick_ = SDL_JoystickOpen(index_);
+    if (joystick_ != nullptr) id_ = SDL_JoystickInstanceID(joystick_);
   }
   ~VirtualJoystick() {
     if (joystick_ != nullptr) SDL_JoystickClose(joystick_);
-    if (index_ >= 0) SDL_JoystickDetachVirtual(index_);
+    for (int i = 0; i < SDL_NumJoysticks(); ++i)  // others may have gone since
+      if (id_ >= 0 && SDL_JoystickGetDeviceInstanceID(i) == id_) SDL_JoystickDetachVirtual(i);
   }
   VirtualJoystick(const VirtualJoystick&) = delete;
   VirtualJoystick& operator=(const VirtualJoystick&) = delete;
@@ -45,6 +48,7 @@ class VirtualJoystick {
 
  private:
   int index_ = -1;
+  SDL_JoystickID id_ = -1;
   std::atomic<int> rumble_ = 0;
   SDL_Joystick* joystick_ = nullptr;
 };
@@ -93,6 +97,27 @@ TEST_F(JoystickOverDds, SendsADeviceThatIsPluggedInAndLetsGoWhenItIsPulledOut) {
   const int before = count_;
   ASSERT_TRUE(wait_until([&] { return count_ > before; }));
   EXPECT_FALSE(pressed());
+}
+
+TEST_F(JoystickOverDds, DoesNotHandTheHoldFromOneDeviceToTheNext) {
+  const auto component = load("joystick", {{"device_name", "stick of a test"}});
+  auto first = std::make_unique<VirtualJoystick>();
+  if (!first->exists()) GTEST_SKIP() << "NOT TESTED: " << SDL_GetError();
+  ASSERT_TRUE(wait_until([&] { return count_ > 3; }));
+  first->button(0, true);
+  ASSERT_TRUE(wait_until([&] { return pressed(); }));
+  const VirtualJoystick second;
+  second.button(0, true);
+  second.axis(0, 32767);
+  first.reset();
+  ASSERT_TRUE(wait_until([&] { return !pressed(); }));
+  ASSERT_TRUE(wait_until([&] { return last_.axes()[0] == -1.0F; }));  // the second is heard
+  EXPECT_FALSE(pressed());
+  second.button(0, false);
+  const int before = count_;
+  ASSERT_TRUE(wait_until([&] { return count_ > before + 2; }));
+  second.button(0, true);
+  EXPECT_TRUE(wait_until([&] { return pressed(); }));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/teleop.hpp"
+#include "teleop/stick_holder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -105,6 +106,18 @@ TEST(Teleop, HasNoLeaderWhileNobodyKnowsWhereTheRobotIs) {
   ASSERT_TRUE(intent);
   EXPECT_FALSE(intent->X_ML);
   EXPECT_NEAR(intent->twist.v, 0.8, 1e-12);
+}
+
+TEST(StickHolder, FollowsTheOneWhoHolds) {
+  StickHolder holder{0.5};
+  EXPECT_TRUE(holder.counts("pad", false, 0.0));
+  EXPECT_TRUE(holder.counts("page", true, 0.1));
+  EXPECT_FALSE(holder.counts("pad", false, 0.2)) << "lies on the table";
+  EXPECT_FALSE(holder.counts("pad", true, 0.3)) << "comes second";
+  EXPECT_TRUE(holder.counts("page", true, 0.4));
+  EXPECT_TRUE(holder.counts("page", false, 0.5));
+  EXPECT_TRUE(holder.counts("pad", true, 0.6));
+  EXPECT_TRUE(holder.counts("page", true, 1.2)) << "the pad has been silent for too long";
 }
 
 }  // namespace
