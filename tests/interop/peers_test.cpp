@@ -22,10 +22,6 @@ const fs::path kPeers = TANDEM_PEERS_DIR;
 
 const std::string kSystem = TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml";
 
-std::string beside_us(const fs::path& program) {
-  return program.lexically_relative(test::ChildProcess::folder());
-}
-
 const fs::path kPython = kPeers / "python" / "bin" / "python";
 const std::string kScript = TANDEM_SOURCE_DIR "/tests/interop/python_peer/peer.py";
 
@@ -34,7 +30,7 @@ void expect_python_does(const std::string& check) {
   if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
   test::ChildProcess robot{"../tandem",
                            {"run", kSystem, "--ros-args", "-p", "arbitration:policy:=manual"}};
-  test::ChildProcess peer{beside_us(kPython), {kScript, check}};
+  test::ChildProcess peer{kPython, {kScript, check}};
   EXPECT_EQ(peer.wait(kTimeout), 0);
   robot.send(SIGTERM);
   EXPECT_EQ(robot.wait(10.0), 0);
@@ -58,7 +54,7 @@ TEST(PythonPeer, ReadsOurRecordings) {
       writer.write(topic, 1'000'000 * i, bytes);
     }
   }
-  test::ChildProcess peer{beside_us(kPython), {kScript, "bag", folder}};
+  test::ChildProcess peer{kPython, {kScript, "bag", folder}};
   EXPECT_EQ(peer.wait(kTimeout), 0);
   fs::remove_all(root);
 }
@@ -68,7 +64,7 @@ const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";
 void expect_rust_does(const std::string& check) {
   if (!fs::exists(kRust)) GTEST_SKIP() << kRust << " was not built";
   constexpr int kNoNamespace = 77;
-  test::ChildProcess both{beside_us(TANDEM_SOURCE_DIR "/tests/interop/rust_peer/beside_robot"),
+  test::ChildProcess both{TANDEM_SOURCE_DIR "/tests/interop/rust_peer/beside_robot",
                           {TANDEM_BINARY_DIR "/tandem", kSystem, kRust, check}};
   const auto status = both.wait(kTimeout);
   if (status == kNoNamespace) GTEST_SKIP() << "no network namespace can be made here";
