@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <vector>
 
 #include "runtime/node.hpp"
@@ -93,6 +94,47 @@ INSTANTIATE_TEST_SUITE_P(
             "LocalhostOnlySinceIron", {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_DISTRO", "jazzy"}}, true},
         Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true}),
     [](const auto& reach) { return reach.param.name; });
+
+// A profile of Fast DDS that lets the peer use one network interface only.
+class ProfilesFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : kVariables) setenv(name, path_.c_str(), 1);
+  }
+  void TearDown() override {
+    for (const char* name : kVariables) unsetenv(name);
+    std::remove(path_.c_str());
+  }
+  // By this process, which may have read its own profiles long ago.
+  [[nodiscard]] bool finds_peer_on(const std::string& interface, double timeout) const {
+    std::ofstream{path_}
+        << R"(<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
+  <transport_descriptors><transport_descriptor>
+    <transport_id>one</transport_id><type>UDPv4</type>
+    <interfaceWhiteList><address>)"
+        << interface << R"(</address></interfaceWhiteList>
+  </transport_descriptor></transport_descriptors>
+  <participant profile_name="mine" is_default_profile="true"><rtps>
+    <userTransports><transport_id>one</transport_id></userTransports>
+    <useBuiltinTransports>false</useBuiltinTransports>
+  </rtps></participant>
+</profiles>)";
+    ChildProcess peer{"peer", {"echo"}};
+    rt::Node node{"seeker"};
+    const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
+    return spin_until([&] { return ping.matched() == 1; }, timeout, node);
+  }
+
+ private:
+  static constexpr const char* kVariables[] = {"FASTRTPS_DEFAULT_PROFILES_FILE",
+                                               "FASTDDS_DEFAULT_PROFILES_FILE"};
+  std::string path_ = testing::TempDir() + "tandem_profiles_" + std::to_string(getpid()) + ".xml";
+};
+
+TEST_F(ProfilesFile, IsObeyed) {
+  EXPECT_TRUE(finds_peer_on("127.0.0.1", kTimeout));
+  EXPECT_FALSE(finds_peer_on("203.0.113.7", 2.0)) << "no such interface here";
+}
 
 // As Jazzy does in range LOCALHOST, the seeker names all addresses of the host as its own.
 TEST(TwoProcesses, OfRangeLocalhostReachAPeerOfAllInterfaces) {

@@ -14,11 +14,11 @@
 
 namespace tandem::test {
 
-/// A program of the tests' own folder, killed when this goes.
+/// A program of the tests' own folder, or one named by its whole path; killed when this goes.
 class ChildProcess {
  public:
   ChildProcess(const std::string& program, std::vector<std::string> arguments) {
-    std::string path = folder() + "/" + program;
+    std::string path = program.starts_with("/") ? program : folder() + "/" + program;
     std::vector<char*> argv{path.data()};
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

@@ -57,6 +57,8 @@ class SystemUnderTest {
   }
   [[nodiscard]] ChildProcess& process(const std::string& name) { return *children_.at(name); }
 
+  [[nodiscard]] const std::string& system() const { return system_; }
+
   /// The watcher: its callbacks run while something is waited for.
   [[nodiscard]] rt::Node& node() { return node_; }
 

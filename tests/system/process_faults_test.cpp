@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// As faults_test.cpp: what goes wrong with processes, their clocks and the machine below them.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "system/faulty_system.hpp"
+
+namespace tandem::test {
+namespace {
+
+TEST_F(Faults, OfProcesses) {
+  const std::pair<const char*, const char*> victims[] = {
+      {"driver", "cmd_vel_user is silent"},
+      {"teleop", "cmd_vel_user is silent"},
+      {"obstacle_extractor", "obstacles are silent"},
+      {"local_planner", "cmd_vel_shared is silent"},
+      {"arbitration", "no command"},
+      {"safety_filter", nullptr}};
+  std::vector<Fault> faults;
+  for (const auto& [victim, reason] : victims) {
+    const std::string name = victim;
+    faults.push_back({name + " stopped, then continued",
+                      [this, name] { system_.process(name).send(SIGSTOP); },
+                      [this, name] { system_.process(name).send(SIGCONT); }, reason});
+    faults.push_back({name + " killed, then started again",
+                      // Not waited for: the relays are ours and must go on meanwhile.
+                      [this, name] { system_.process(name).send(SIGKILL); },
+                      [this, name] { system_.start_relayed(name); }, reason});
+  }
+  faults.push_back({"map_server killed, then started again",
+                    [this] { system_.process("map_server").send(SIGKILL); },
+                    [this] { system_.start_relayed("map_server"); }, nullptr, false});
+  suffer(faults);
+}
+
+// What was under way when a process stopped is not carried out when it comes back.
+TEST_F(Faults, NoOldCommandComesBack) {
+  ASSERT_TRUE(system_.wait_until_driving());
+  system_.process("safety_filter").send(SIGSTOP);
+  ASSERT_TRUE(system_.wait_until([&] { return system_.stands(); }, 5.0));
+  system_.process("driver").send(SIGSTOP);  // nobody wants to drive any more
+  ASSERT_TRUE(system_.wait_until([&] { return system_.reason == "cmd_vel_user is silent"; }, 5.0));
+  // The last command that was meant may still be carried out for its lifespan; none is meanwhile.
+  const double silent = system_.sim_time;
+  ASSERT_TRUE(system_.wait_until([&] { return system_.sim_time > silent + kLasts; }, 10.0));
+  ASSERT_EQ(system_.reason, "cmd_vel_user is silent");
+  const double continued = system_.sim_time;
+  const long commands = system_.commands;
+  bool moved = false;
+  system_.process("safety_filter").send(SIGCONT);
+  EXPECT_TRUE(system_.wait_until(
+      [&] {
+        moved = moved || !system_.stands() ||
+                (system_.commands > commands && !(system_.command == Twist2{}));
+        return system_.sim_time > continued + 1.0;
+      },
+      10.0));
+  EXPECT_FALSE(moved) << "command " << system_.command.v << " m/s, " << system_.command.w
+                      << " rad/s; moves at " << system_.truth.twist.v;
+  EXPECT_GT(system_.commands, commands);  // it is back
+}
+
+// Two processes for each core that want all of it.
+TEST_F(Faults, OfTheMachine) {
+  const auto hogs = std::make_shared<std::vector<std::unique_ptr<ChildProcess>>>();
+  const auto begin = [hogs] {
+    for (unsigned i = 0; i < 2 * std::max(1U, std::thread::hardware_concurrency()); ++i)
+      hogs->push_back(std::make_unique<ChildProcess>(
+          "/bin/sh", std::vector<std::string>{"-c", "while :; do :; done"}));
+  };
+  suffer({{"all CPU time wanted by others", begin, [hogs] { hogs->clear(); }, nullptr, false}});
+}
+
+class ClockFaults : public Faults {
+ protected:
+  ClockFaults() : Faults{true} {}
+  ~ClockFaults() override { std::filesystem::remove(offset_); }
+
+  // What is started meanwhile has a system clock that can be set, see system_clock_offset.c.
+  void with_own_clock(const std::function<void()>& start) const {
+    setenv("TANDEM_CLOCK_OFFSET", offset_.c_str(), 1);
+    setenv("LD_PRELOAD", TANDEM_BINARY_DIR "/tests/libsystem_clock_offset.so", 1);
+    start();
+    unsetenv("LD_PRELOAD");
+  }
+  void restart_with_own_clock(const std::string& name) {
+    set_clock(0);
+    system_.process(name).send(SIGKILL);
+    with_own_clock([&] { system_.start_relayed(name); });
+  }
+  [[nodiscard]] double own_clock() const {
+    FILE* date = nullptr;
+    with_own_clock([&] { date = popen("date +%s", "r"); });
+    double seconds = 0.0;
+    EXPECT_EQ(std::fscanf(date, "%lf", &seconds), 1);
+    pclose(date);
+    return seconds;
+  }
+  void set_clock(double offset) const {  // [s]
+    const std::int64_t nanoseconds = std::llround(1e9 * offset);
+    const int file = open(offset_.c_str(), O_WRONLY | O_CREAT, 0600);  // others have it mapped
+    EXPECT_EQ(pwrite(file, &nanoseconds, sizeof nanoseconds, 0),
+              static_cast<ssize_t>(sizeof nanoseconds));
+    close(file);
+  }
+
+ private:
+  std::filesystem::path offset_ =
+      std::filesystem::temp_directory_path() / ("tandem_clock_" + std::to_string(getpid()));
+};
+
+// Set and left so: the robot drives on with clocks that differ.
+TEST_F(ClockFaults, OfSystemClocks) {
+  set_clock(1000.0);
+  EXPECT_NEAR(own_clock() - 1e-9 * static_cast<double>(rt::system_nanoseconds()), 1000.0, 3.0);
+  for (const char* name : {"teleop", "safety_filter"}) {
+    restart_with_own_clock(name);
+    const auto set = [this](double offset) { return [this, offset] { set_clock(offset); }; };
+    const std::string clock = std::string{"system clock of "} + name;
+    suffer({{clock + " set 10 s forward", set(10.0), [] {}, nullptr, false},
+            {clock + " set back by 30 s", set(-20.0), [] {}, nullptr, false}});
+  }
+}
+
+TEST_F(ClockFaults, OfSimulatedTime) {
+  const auto stepped = [this](double by) {
+    return [this, by] {
+      system_.clock->spoil([by](rosgraph_msgs::msg::Clock& m) {
+        m.clock().sec(m.clock().sec() + static_cast<int>(by));
+      });
+    };
+  };
+  const auto right = [this] { system_.clock->pass(); };
+  Fault lost{"/clock lost", [this] { system_.clock->drop(); }, right, nullptr};
+  lost.zero_within = kNoClock + kZeroWithin;
+  suffer({{"/clock 5 s ahead, and back again", stepped(5), right, nullptr, false},
+          {"/clock 5 s behind, and on again", stepped(-5), right, nullptr, false},
+          lost});
+}
+
+}  // namespace
+}  // namespace tandem::test
