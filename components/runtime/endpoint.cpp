@@ -142,9 +142,8 @@ bool Writer::write(const Bytes& bytes, rtps::WriteParams& params) {
 
 int Writer::matched() const { return matches_.count(); }
 
-bool Writer::reaches(const rtps::GUID_t& peer) const {
-  return peer.entityId.is_reader() ? matches_.contains(peer)
-                                   : matches_.contains_one_of(peer.guidPrefix);
+Writer::Turn Writer::matched_at(const rtps::GUID_t& peer) const {
+  return peer.entityId.is_reader() ? matches_.of(peer) : matches_.latest_of(peer.guidPrefix);
 }
 
 void Writer::Matches::on_publication_matched(fdds::DataWriter*,
@@ -153,20 +152,23 @@ void Writer::Matches::on_publication_matched(fdds::DataWriter*,
   rtps::iHandle2GUID(reader, status.last_subscription_handle);
   const std::lock_guard lock{mutex_};
   if (status.current_count_change > 0)
-    readers_.insert(reader);
+    readers_[reader] = ++turn_;
   else
     readers_.erase(reader);
 }
 
-bool Writer::Matches::contains(const rtps::GUID_t& reader) const {
+Writer::Turn Writer::Matches::of(const rtps::GUID_t& reader) const {
   const std::lock_guard lock{mutex_};
-  return readers_.contains(reader);
+  const auto found = readers_.find(reader);
+  return found == readers_.end() ? 0 : found->second;
 }
 
-bool Writer::Matches::contains_one_of(const rtps::GuidPrefix_t& participant) const {
+Writer::Turn Writer::Matches::latest_of(const rtps::GuidPrefix_t& participant) const {
   const std::lock_guard lock{mutex_};
-  return std::any_of(readers_.begin(), readers_.end(),
-                     [&](const auto& reader) { return reader.guidPrefix == participant; });
+  Turn latest = 0;
+  for (const auto& [reader, turn] : readers_)
+    if (reader.guidPrefix == participant) latest = std::max(latest, turn);
+  return latest;
 }
 
 int Writer::Matches::count() const {

@@ -7,7 +7,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 
 #include "runtime/dds.hpp"
@@ -85,9 +84,11 @@ class Writer {
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
-  /// True while that reader receives what is written; of a writer's GUID: while any reader of its
-  /// participant does (a client that is not rmw_fastrtps tells of its writer only).
-  [[nodiscard]] bool reaches(const rtps::GUID_t& peer) const;
+  /// Grows with every reader that was matched, first 1.
+  using Turn = std::uint64_t;
+  /// When that reader was matched; of a writer's GUID: the latest reader of its participant (a
+  /// client that is not rmw_fastrtps tells of its writer only). 0: none is.
+  [[nodiscard]] Turn matched_at(const rtps::GUID_t& peer) const;
   [[nodiscard]] const std::string& topic() const { return name_; }
 
  private:
@@ -96,13 +97,14 @@ class Writer {
    public:
     void on_publication_matched(fdds::DataWriter*,
                                 const fdds::PublicationMatchedStatus& status) override;
-    [[nodiscard]] bool contains(const rtps::GUID_t& reader) const;
-    [[nodiscard]] bool contains_one_of(const rtps::GuidPrefix_t& participant) const;
+    [[nodiscard]] Turn of(const rtps::GUID_t& reader) const;
+    [[nodiscard]] Turn latest_of(const rtps::GuidPrefix_t& participant) const;
     [[nodiscard]] int count() const;
 
    private:
     mutable std::mutex mutex_;
-    std::set<rtps::GUID_t> readers_;
+    std::map<rtps::GUID_t, Turn> readers_;
+    Turn turn_ = 0;
   };
 
   std::string name_;

@@ -61,15 +61,18 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
 }
 
 double Server::send_replies(double now) {
-  std::erase_if(replies_, [&](const Reply& reply) {
-    const bool heard = writer_->reaches(reply.to.writer_guid());
-    if (heard) send(reply);
+  for (Reply& reply : replies_) send(reply);
+  std::erase_if(replies_, [now](const Reply& reply) {
+    const bool heard = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
     return heard || now >= reply.deadline;  // who is gone by then would not hear it
   });
   return replies_.empty() ? kForever : now + kRetry;
 }
 
-void Server::send(const Reply& reply) {
+void Server::send(Reply& reply) {
+  const auto latest = writer_->matched_at(reply.to.writer_guid());
+  if (latest <= reply.reached) return;
+  reply.reached = latest;
   rtps::WriteParams params;
   params.related_sample_identity(reply.to);
   if (!writer_->write(reply.bytes, params))

@@ -11,7 +11,9 @@
 
 namespace tandem::runtime {
 
-/// Answers requests. A reply waits, off the loop, until the asking client's reader is matched.
+/// Answers requests. A reply waits, off the loop, until the asking client's reader is matched. A
+/// client that does not tell which reader that is gets it again for each that its participant adds
+/// within that time: another client's may have been there already.
 class Server {
  public:
   // ROS 2's profile, but longer: a request that the queue pushes out would be lost for good.
@@ -24,12 +26,13 @@ class Server {
   struct Reply {
     Bytes bytes;
     rtps::SampleIdentity to;
-    double deadline;  // [s] steady: then it is dropped
+    double deadline;           // [s] steady: then it is dropped
+    Writer::Turn reached = 0;  // the latest reader that it was sent to
   };
 
   bool on_request(const Bytes& bytes, const fdds::SampleInfo& info);
   double send_replies(double now);
-  void send(const Reply& reply);
+  void send(Reply& reply);
 
   NodeCore& node_;
   std::string service_;

@@ -3,6 +3,9 @@
 
 #include <string>
 
+#include "runtime/codec.hpp"
+#include "runtime/endpoint.hpp"
+#include "runtime/names.hpp"
 #include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -87,6 +90,39 @@ TEST(Client, MayBeClosedByItsOwnAnswer) {
     answered = true;
   });
   EXPECT_TRUE(spin_until([&] { return answered; }, kTimeout, server, asker));
+}
+
+// A client as of ros2-client in Rust: its request does not tell which reader the answer is for, and
+// that reader is discovered after one of another client in the same participant.
+class ClientThatNamesNoReader : public testing::Test {
+ protected:
+  rt::Endpoint request_{rt::dds_request_name("/switch"),
+                        rt::Codec{rt::type_ref<SetBool::Request>()}.dds_name(), rt::kDefault};
+  rt::Endpoint reply_{rt::dds_reply_name("/switch"),
+                      rt::Codec{rt::type_ref<SetBool::Response>()}.dds_name(), rt::kDefault};
+  std::shared_ptr<rt::Participant> participant_ = rt::Participant::shared();
+
+  std::unique_ptr<rt::Reader> count_into(int& count) {
+    const auto deliver = [&count](const auto&, const auto&) { return ++count > 0; };
+    return std::make_unique<rt::Reader>(*participant_, reply_, deliver, rt::Reader::Refused{});
+  }
+};
+
+TEST_F(ClientThatNamesNoReader, IsAnsweredWhereAnotherClientWasBefore) {
+  rt::Node server{"server"};
+  const auto service = server.create_service(kSwitch, answer);
+  int by_first = 0, by_second = 0;
+  const auto first = count_into(by_first);
+  rt::Writer writer{*participant_, request_};
+  ASSERT_TRUE(
+      spin_until([&] { return writer.matched() == 1 && first->matched() == 1; }, kTimeout, server));
+  rt::Bytes bytes;
+  const auto asked = request(true);
+  ASSERT_TRUE(rt::Codec{rt::type_ref<SetBool::Request>()}.encode(&asked, bytes));
+  ASSERT_TRUE(writer.write(bytes));
+  ASSERT_TRUE(spin_until([&] { return first->drain() > 0; }, kTimeout, server));
+  const auto second = count_into(by_second);
+  EXPECT_TRUE(spin_until([&] { return second->drain() > 0; }, kTimeout, server));
 }
 
 }  // namespace
