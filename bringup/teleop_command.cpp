@@ -7,8 +7,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -16,15 +18,20 @@
 #include "convert.hpp"
 #include "runtime/node.hpp"
 #include "runtime/shutdown.hpp"
+#include "teleop/teleop.hpp"
 #include "topics.hpp"
 
 namespace tandem {
 namespace {
 
-constexpr double kBeat = 0.04;  // [s] between two joy
-constexpr double kShow = 0.2;   // [s]
-constexpr double kFresh = 0.5;  // [s] what is older is not shown
-constexpr int kReleases = 3;    // joy that say "let go", for one may be lost
+constexpr double kBeat = 0.04;     // [s] between two joy
+constexpr double kShow = 0.2;      // [s]
+constexpr double kFresh = 0.5;     // [s] what is older is not shown
+constexpr int kReleases = 3;       // joy that say "let go", for one may be lost
+constexpr double kPatience = 1.0;  // [s] with teleop's answer
+
+const std::vector<std::string> kLayout{"axis_linear", "axis_angular", "deadman_button",
+                                       "scale_linear", "scale_angular"};
 
 // Characters as they are typed, unseen, without waiting for them; Ctrl-C stays what it is.
 class RawTerminal {
@@ -73,7 +80,10 @@ class KeyboardTeleop {
         joy_{node.create_publisher(topics::joy)},
         e_stop_{node.create_publisher(topics::e_stop)},
         release_{node.create_client(
-            rt::ServiceName<std_srvs::srv::Trigger>{"arbitration/release_emergency_stop"})} {
+            rt::ServiceName<std_srvs::srv::Trigger>{"arbitration/release_emergency_stop"})},
+        ask_layout_{node.create_client(
+            rt::ServiceName<rcl_interfaces::srv::GetParameters>{"teleop/get_parameters"})} {
+    ask_layout();
     odom_ = node.create_subscription(topics::odom, [this](const auto& msg) {
       if (const auto odometry = from_msg(msg)) speed_ = {odometry->twist, node_.steady_now()};
     });
@@ -97,12 +107,38 @@ class KeyboardTeleop {
     const auto stick = keys_.held(now);
     if (stick) releases_ = kReleases;
     if (!stick && releases_-- <= 0) return;
-    const auto axes = stick.value_or(TerminalKeys::Stick{});
+    if (!layout_) return;
+    const auto keys = stick.value_or(TerminalKeys::Stick{});
+    const auto joy = joy_values(
+        {.linear = keys.linear, .angular = keys.angular, .deadman = stick.has_value()}, *layout_);
     sensor_msgs::msg::Joy msg;
     msg.header(header(node_.stamp(), "keyboard"));
-    msg.axes({static_cast<float>(axes.angular), static_cast<float>(axes.linear)});
-    msg.buttons({stick ? 1 : 0});
+    msg.axes(joy.axes);
+    msg.buttons(joy.buttons);
     joy_.publish(msg);
+  }
+
+  // Which axes and button teleop reads. One that does not tell (of another make, or not there yet)
+  // is spoken to as ours is by default, and asked again.
+  void ask_layout() {
+    rcl_interfaces::srv::GetParameters::Request request;
+    request.names(kLayout);
+    ask_layout_.call(
+        request, [this](const auto& answer) { read_layout(answer.values()); }, kPatience,
+        [this] {
+          if (!layout_) layout_.emplace();
+          ask_layout();
+        });
+  }
+
+  void read_layout(const std::vector<rcl_interfaces::msg::ParameterValue>& values) {
+    layout_.emplace();
+    if (values.size() != kLayout.size()) return;
+    layout_->axis_linear = static_cast<int>(values[0].integer_value());
+    layout_->axis_angular = static_cast<int>(values[1].integer_value());
+    layout_->deadman_button = static_cast<int>(values[2].integer_value());
+    layout_->gains.scale_linear = values[3].double_value();
+    layout_->gains.scale_angular = values[4].double_value();
   }
 
   void press_stop(bool pressed) {
@@ -137,12 +173,14 @@ class KeyboardTeleop {
   rt::Node& node_;
   TerminalKeys keys_;
   int releases_ = 0;
+  std::optional<TeleopParams> layout_;
   Heard<Twist2> speed_;
   Heard<std::string> mode_, filter_;
   std::string said_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Publisher<std_msgs::msg::Bool> e_stop_;
   rt::Client<std_srvs::srv::Trigger> release_;
+  rt::Client<rcl_interfaces::srv::GetParameters> ask_layout_;
   rt::Subscription odom_, on_filter_, arbitration_;
   rt::Timer beat_, show_;
 };

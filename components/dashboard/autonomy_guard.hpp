@@ -12,7 +12,7 @@ namespace tandem {
 
 /// Who lets the robot drive by itself has to stay: when the client that set arbitration's policy
 /// `autonomous` is gone (page closed, network lost), the policy becomes `shared`, in which the
-/// robot stands until somebody holds a stick.
+/// robot stands until somebody holds a stick. Not if another policy is in force by then.
 class AutonomyGuard {
  public:
   explicit AutonomyGuard(rt::Node& node);
@@ -22,9 +22,15 @@ class AutonomyGuard {
   void on_leave(ClientId client);
 
  private:
+  void on_policy(const std::string& policy);
+
+  static constexpr const char* kAutonomous = "autonomous";
+
   rt::Node& node_;
   rt::Client<tandem_msgs::srv::SetPolicy> set_policy_;
+  rt::Subscription on_status_;
   std::optional<ClientId> responsible_;
+  bool in_force_ = false;  // it was heard that the policy is the client's
 };
 
 }  // namespace tandem

@@ -30,6 +30,24 @@ Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
           pressed(buttons, params.end_button)};
 }
 
+JoyValues joy_values(const Stick& stick, const TeleopParams& params) {
+  JoyValues joy;
+  const auto put = [](auto& values, int index, auto value) {
+    if (index < 0) return;
+    const auto at = static_cast<std::size_t>(index);
+    if (values.size() <= at) values.resize(at + 1);
+    values[at] = value;
+  };
+  const auto turned = [](double value, double scale) {
+    return static_cast<float>(scale < 0.0 ? -value : value);
+  };
+  put(joy.axes, params.axis_linear, turned(stick.linear, params.gains.scale_linear));
+  put(joy.axes, params.axis_angular, turned(stick.angular, params.gains.scale_angular));
+  put(joy.buttons, params.deadman_button, stick.deadman ? 1 : 0);
+  put(joy.buttons, params.end_button, stick.end ? 1 : 0);
+  return joy;
+}
+
 Teleop::Teleop(const TeleopParams& params) : params_{params} { check(params_); }
 
 void Teleop::set_gains(const StickGains& gains) {

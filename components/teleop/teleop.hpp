@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "model/se2.hpp"
 #include "params.hpp"
@@ -62,6 +63,15 @@ struct Stick {
 /// at rest (a missing dead-man button as released).
 [[nodiscard]] Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
                                const TeleopParams& params);
+
+struct JoyValues {
+  std::vector<float> axes;
+  std::vector<int> buttons;
+};
+
+/// The inverse, for devices that are ours (keys, a stick on a screen): axes and buttons with which
+/// teleop drives forward and to the left for positive `stick`, whatever its parameters.
+[[nodiscard]] JoyValues joy_values(const Stick& stick, const TeleopParams& params);
 
 /// What goes out after a sample of the joystick.
 struct Intent {

@@ -43,7 +43,13 @@ class InTerminal {
 
 TEST(TeleopCommand, DrivesWhileAKeyRepeatsAndShowsWhatTheRobotDoes) {
   SystemUnderTest system{TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml"};
-  ChildProcess robot{"../tandem", {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml"}};
+  // A robot whose joystick has its stick and its button elsewhere.
+  const std::vector<std::string> joystick{"-p", "teleop:axis_linear:=4", "-p",
+                                          "teleop:deadman_button:=5"};
+  std::vector<std::string> run{"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml",
+                               "--ros-args"};
+  run.insert(run.end(), joystick.begin(), joystick.end());
+  ChildProcess robot{"../tandem", run};
   const InTerminal keyboard;
   double typed = 0.0;
   const auto hold = [&] {

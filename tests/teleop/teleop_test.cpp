@@ -36,6 +36,32 @@ TEST(ReadStick, ClampsAnAxisThatExceedsItsTravel) {
   EXPECT_EQ(read_stick(axes, {}, {}).linear, 1.0);
 }
 
+TEST(JoyValues, AreReadBackAsTheStickWhateverTheParameters) {
+  const TeleopParams params{
+      .axis_linear = 4, .axis_angular = 3, .deadman_button = 5, .gains = {.deadzone = 0.0}};
+  const auto joy = joy_values({0.5, -0.25, true, false}, params);
+  const Stick stick = read_stick(joy.axes, joy.buttons, params);
+  EXPECT_EQ(stick.linear, 0.5);
+  EXPECT_EQ(stick.angular, -0.25);
+  EXPECT_TRUE(stick.deadman);
+  EXPECT_FALSE(stick.end);
+}
+
+TEST(JoyValues, DriveForwardWhereADeviceOfOthersIsTurnedRound) {
+  const TeleopParams params{.gains = {.scale_linear = -0.8, .scale_angular = -0.8}};
+  const auto joy = joy_values({1.0, 1.0, true, false}, params);
+  Teleop teleop{params};
+  const auto intent = teleop.on_stick(read_stick(joy.axes, joy.buttons, params), kOrigin, 0.0);
+  ASSERT_TRUE(intent);
+  EXPECT_GT(intent->twist.v, 0.0);
+  EXPECT_GT(intent->twist.w, 0.0);
+}
+
+TEST(JoyValues, NameNoButtonThatThereIsNot) {
+  const auto joy = joy_values({1.0, 1.0, true, false}, {.deadman_button = -1, .end_button = -1});
+  EXPECT_TRUE(joy.buttons.empty());
+}
+
 TEST(Teleop, IsSilentWhileTheDeadManIsReleased) {
   Teleop teleop{{}};
   EXPECT_FALSE(teleop.on_stick({.linear = 1.0}, kOrigin, 0.0));

@@ -46,8 +46,10 @@ async function start(system, ...args) {
 const START = [1.6, -1.9, 1.3];
 const apart = ["__ns:=/robot1", "/tf:=tf", "/clock:=clock"].flatMap((r) => ["-r", r]);
 const testParameters = [`dashboard:user_tests:=${results}`, `diff_drive_sim:start:=[${START.join()}]`];
+// Its joystick has its stick and its button elsewhere, and its axis turned round.
+const otherJoystick = ["axis_linear:=4", "deadman_button:=5", "scale_linear:=-0.8", "leader_scale_linear:=-0.9"].flatMap((p) => ["-p", `teleop:${p}`]);
 const [address, testAddress] = await Promise.all([
-  start("teleop"),
+  start("teleop", ...otherJoystick),
   start("user_test", ...apart, ...testParameters.flatMap((p) => ["-p", p])),
 ]);
 

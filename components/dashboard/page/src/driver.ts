@@ -6,6 +6,16 @@ export interface Stick {
   linear: number; // [-1, 1] forward
   angular: number; // [-1, 1] left
 }
+/** Which axes and button of joy teleop reads, and what it multiplies the axes by. */
+export interface Layout {
+  axisLinear: number;
+  axisAngular: number;
+  deadmanButton: number; // -1: none
+  scaleLinear: number;
+  scaleAngular: number;
+}
+export const USUAL: Layout = { axisLinear: 1, axisAngular: 0, deadmanButton: 0, scaleLinear: 1, scaleAngular: 1 };
+
 /** Says what the stick is while it is held; nothing once it is let go. */
 export type Source = () => Stick | undefined;
 
@@ -17,6 +27,8 @@ export class Driver {
   stick?: Stick;
   onChange: () => void = () => {};
   enabled = true;
+  /** undefined: not known yet, and nothing is sent. */
+  layout?: Layout = USUAL;
   private releases = 0;
   private dropped = false;
 
@@ -51,11 +63,18 @@ export class Driver {
   }
 
   private send(): void {
+    const layout = this.layout;
+    if (!layout) return;
     const { linear, angular } = this.stick ?? { linear: 0, angular: 0 };
+    const axes: number[] = [], buttons: number[] = [];
+    // Forward stays forward where a joystick's axis is turned round.
+    axes[layout.axisLinear] = layout.scaleLinear < 0 ? -linear : linear;
+    axes[layout.axisAngular] = layout.scaleAngular < 0 ? -angular : angular;
+    if (layout.deadmanButton >= 0) buttons[layout.deadmanButton] = this.stick ? 1 : 0;
     this.connection.publishFresh(this.topic(), "sensor_msgs/msg/Joy", {
       header: { stamp: this.connection.stamp(), frame_id: "dashboard" },
-      axes: [angular, linear],
-      buttons: [this.stick ? 1 : 0],
+      axes: Array.from(axes, (value) => value ?? 0),
+      buttons: Array.from(buttons, (value) => value ?? 0),
     });
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Connection, type Message } from "./connection";
-import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick } from "./driver";
+import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick, USUAL } from "./driver";
 import { Goal } from "./goal";
 import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
 import { rectangle, Robot } from "./robot";
@@ -77,6 +77,21 @@ async function readOutline(): Promise<void> {
   view.change();
 }
 
+// Where teleop tells which axes and button it reads; else it is spoken to as ours is by default.
+async function readLayout(): Promise<void> {
+  const names = ["axis_linear", "axis_angular", "deadman_button", "scale_linear", "scale_angular"];
+  driver.layout = undefined;
+  const { values } = await connection.call(`${namespace}/teleop/get_parameters`, { names });
+  const index = (i: number) => Number(values[i].integer_value);
+  driver.layout = {
+    axisLinear: index(0),
+    axisAngular: index(1),
+    deadmanButton: index(2),
+    scaleLinear: values[3].double_value,
+    scaleAngular: values[4].double_value,
+  };
+}
+
 // The planner's methods, where it lets them be changed.
 async function readMethods(): Promise<void> {
   const node = `${namespace}/local_planner`;
@@ -98,6 +113,7 @@ function methodButton(name: string): HTMLElement {
   return label;
 }
 
+let layoutKnown = false;
 let methodsKnown = false;
 let outlineKnown = false;
 connection.onServices = () => {
@@ -107,6 +123,13 @@ connection.onServices = () => {
   if (!outlineKnown && connection.has(`${namespace}/safety_filter/get_parameters`)) {
     outlineKnown = true;
     readOutline().catch(() => (outlineKnown = false));
+  }
+  if (!layoutKnown && connection.has(`${namespace}/teleop/get_parameters`)) {
+    layoutKnown = true;
+    readLayout().catch(() => {
+      driver.layout = USUAL;
+      layoutKnown = false;
+    });
   }
   if (!methodsKnown && connection.has(`${namespace}/local_planner/describe_parameters`)) {
     methodsKnown = true;
