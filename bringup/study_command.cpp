@@ -135,7 +135,7 @@ std::optional<std::string> python() {
   return std::nullopt;
 }
 
-std::string in_quotes(const std::string& word) {
+std::string shell_quoted(const std::string& word) {
   std::string out = "'";
   for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
@@ -152,7 +152,7 @@ void report(const StudyFolder& folder) {
     return;
   }
   const std::string command =
-      *interpreter + " " + in_quotes(script.string()) + " " + in_quotes(folder.path());
+      *interpreter + " " + shell_quoted(script.string()) + " " + shell_quoted(folder.path());
   if (std::system(command.c_str()) != 0)
     throw std::runtime_error("the report failed; the results are in " + folder.path());
 }

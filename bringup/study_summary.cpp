@@ -129,7 +129,7 @@ std::string text_of(const nlohmann::json& estimate, const char* format) {
   return fmt::format(fmt::runtime(format), estimate.at("value").get<double>());
 }
 
-std::string in_quotes(const std::string& text) {
+std::string csv_quoted(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -138,11 +138,11 @@ std::string in_quotes(const std::string& text) {
 
 std::string cell(const nlohmann::json& value) {
   if (value.is_null()) return "";
-  if (value.is_string()) return in_quotes(value.get<std::string>());
+  if (value.is_string()) return csv_quoted(value.get<std::string>());
   if (!value.is_array()) return value.dump();
   std::string all;
   for (const auto& item : value) all += (all.empty() ? "" : "; ") + item.get<std::string>();
-  return in_quotes(all);
+  return csv_quoted(all);
 }
 
 // Names and values of all fields, those of nested objects as outer.inner.

@@ -50,7 +50,7 @@ std::string ot_bytes(const octomap::OcTree& tree) {
 }
 
 // What load_octomap says about a file with these bytes; empty: it loads.
-std::string complaint(const std::string& bytes) {
+std::string complaint_of_file(const std::string& bytes) {
   const TemporaryFile file(bytes);
   try {
     const auto tree = load_octomap(file.path());
@@ -93,15 +93,15 @@ TEST(OctomapFile, ReadsLogOddsFiles) {
 
 TEST(OctomapFile, RefusesATruncatedFileOfAnyLength) {
   for (const std::string& bytes : {bt_file_bytes(small_tree()), ot_bytes(small_tree())}) {
-    ASSERT_EQ(complaint(bytes), "");
+    ASSERT_EQ(complaint_of_file(bytes), "");
     for (std::size_t length = 0; length < bytes.size(); ++length)
-      ASSERT_NE(complaint(bytes.substr(0, length)), "") << length << " of " << bytes.size();
+      ASSERT_NE(complaint_of_file(bytes.substr(0, length)), "") << length << " of " << bytes.size();
   }
 }
 
 TEST(OctomapFile, RefusesBytesBeyondTheTree) {
-  EXPECT_NE(complaint(bt_file_bytes(small_tree()) + "x"), "");
-  EXPECT_NE(complaint(ot_bytes(small_tree()) + std::string(5, '\0')), "");
+  EXPECT_NE(complaint_of_file(bt_file_bytes(small_tree()) + "x"), "");
+  EXPECT_NE(complaint_of_file(ot_bytes(small_tree()) + std::string(5, '\0')), "");
 }
 
 TEST(OctomapFile, RefusesWhatIsNoFile) {
@@ -110,8 +110,9 @@ TEST(OctomapFile, RefusesWhatIsNoFile) {
 }
 
 TEST(OctomapFile, RefusesWhatIsNoOctomap) {
-  EXPECT_NE(complaint("P5 100 100 255\n").find("not an OctoMap file"), std::string::npos);
-  EXPECT_NE(complaint(std::string(3000, '\xff')).find("not an OctoMap file"), std::string::npos);
+  EXPECT_NE(complaint_of_file("P5 100 100 255\n").find("not an OctoMap file"), std::string::npos);
+  EXPECT_NE(complaint_of_file(std::string(3000, '\xff')).find("not an OctoMap file"),
+            std::string::npos);
 }
 
 TEST(OctomapFile, RefusesAHostileHeader) {
@@ -119,24 +120,24 @@ TEST(OctomapFile, RefusesAHostileHeader) {
   const std::string size = "size " + std::to_string(small_tree().size());
   for (const char* res :
        {"res 0\n", "res nan\n", "res inf\n", "res -0.1\n", "res 1e9\n", "res x\n"})
-    EXPECT_NE(complaint(replaced(good, "res 0.1\n", res)), "") << res;
+    EXPECT_NE(complaint_of_file(replaced(good, "res 0.1\n", res)), "") << res;
   for (const char* wrong :
        {"size 1000000000", "size 0", "size -1", "size", "size 99999999999999999999"})
-    EXPECT_NE(complaint(replaced(good, size, wrong)), "") << wrong;
-  EXPECT_NE(complaint(replaced(good, "id OcTree", "id ColorOcTree")).find("ColorOcTree"),
+    EXPECT_NE(complaint_of_file(replaced(good, size, wrong)), "") << wrong;
+  EXPECT_NE(complaint_of_file(replaced(good, "id OcTree", "id ColorOcTree")).find("ColorOcTree"),
             std::string::npos);
 }
 
 TEST(OctomapFile, RefusesAMapWithoutOccupiedVoxels) {
   octomap::OcTree tree(0.1);
-  EXPECT_NE(complaint(bt_file_bytes(tree)).find("empty"), std::string::npos);
+  EXPECT_NE(complaint_of_file(bt_file_bytes(tree)).find("empty"), std::string::npos);
   tree.updateNode(octomap::point3d(0, 0, 0), false);
-  EXPECT_NE(complaint(bt_file_bytes(tree)).find("no occupied voxel"), std::string::npos);
+  EXPECT_NE(complaint_of_file(bt_file_bytes(tree)).find("no occupied voxel"), std::string::npos);
 }
 
 TEST(OctomapFile, ToleratesCommentsAndCarriageReturnsInTheHeader) {
   const std::string good = bt_file_bytes(small_tree());
-  EXPECT_EQ(complaint(replaced(good, "id OcTree\n", "# made by hand\nid OcTree\r\n")), "");
+  EXPECT_EQ(complaint_of_file(replaced(good, "id OcTree\n", "# made by hand\nid OcTree\r\n")), "");
 }
 
 TEST(OctomapMessage, RoundTripsBinaryData) {
