@@ -45,14 +45,21 @@ void ChainPoint<n>::resize(std::size_t stage_count, std::size_t pair_count) {
   z.resize(kBlock * stage_count);
   stages.resize(stage_count);
   targets_.resize(stage_count);
+  ends_.resize(stage_count, Placed{{}});
   for (auto* values : {&t, &residuals}) values->resize(pair_count);
   pairs.resize(pair_count);
 }
 
 template <int n>
-void ChainPoint<n>::set_targets(const Ocp& ocp) {
-  for (std::size_t k = 0; k < targets_.size(); ++k)
+void ChainPoint<n>::set_problem(const Ocp& ocp) {
+  lanes_.clear();
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
     targets_[k] = Heading::of(ocp.stages[k].cost.X_MR.theta);
+    for (const Pair& pair : ocp.stages[k].pairs) {
+      if (lanes_.empty() || !lanes_.back().has_room()) lanes_.emplace_back();
+      lanes_.back().add(pair, k);
+    }
+  }
 }
 
 template <int n>
@@ -63,11 +70,13 @@ void ChainPoint<n>::evaluate(const Ocp& ocp, const Box& box) {
   Twist2 motion_before = ocp.motion;
   Heading before = Heading::of(X_before.theta);
   Twist2 u_before = ocp.command;
+  for (std::size_t k = 0; k < stages.size(); ++k) ends_[k] = Placed{pose_of(&z[kBlock * k])};
+  evaluate_pairs();
   std::size_t row = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const double* at = &z[kBlock * k];
     const Pose2 X = pose_of(at);
-    const Placed after{X};
+    const Placed& after = ends_[k];
     const Twist2 u = command_of(at);
     Twist2 mean = u;
     if constexpr (n == 5) mean = ocp.lag.mean(motion_before, u);
@@ -89,7 +98,7 @@ void ChainPoint<n>::evaluate(const Ocp& ocp, const Box& box) {
     violation = std::max({violation, s.change.template lpNorm<Eigen::Infinity>(),
                           s.gap.template lpNorm<Eigen::Infinity>()});
     distances *= product_of_distances<n>(at, &box.lower[kBlock * k], &box.upper[kBlock * k]);
-    row = evaluate_pairs(ocp, k, after, row, distances);
+    row = sum_up_pairs(ocp, k, row, distances);
     X_before = X;
     before = after.theta;
     u_before = u;
@@ -98,15 +107,24 @@ void ChainPoint<n>::evaluate(const Ocp& ocp, const Box& box) {
 }
 
 template <int n>
-std::size_t ChainPoint<n>::evaluate_pairs(const Ocp& ocp, std::size_t k, const Placed& X,
-                                          std::size_t first, LogOfProduct& distances) {
+void ChainPoint<n>::evaluate_pairs() {
+  std::size_t row = 0;
+  for (const PairLanes& lanes : lanes_) {
+    lanes.terms(ends_, std::span(pairs).subspan(row, lanes.count()));
+    row += lanes.count();
+  }
+}
+
+template <int n>
+std::size_t ChainPoint<n>::sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
+                                        LogOfProduct& distances) {
   const double* at = &z[kBlock * k];
   const double offset = at[kSlack] - growth(ocp, command_of(at));
   double sum = 0.0, largest = violation;
   LogOfProduct product = distances;
   std::size_t row = first;
-  for (const Pair& pair : ocp.stages[k].pairs) {
-    const double residual = (pairs[row] = pair_terms(pair, X)).value + offset - t[row];
+  for (std::size_t i = 0; i < ocp.stages[k].pairs.size(); ++i) {
+    const double residual = pairs[row].value + offset - t[row];
     residuals[row] = residual;
     product *= t[row];
     sum += std::abs(residual);
@@ -121,13 +139,14 @@ std::size_t ChainPoint<n>::evaluate_pairs(const Ocp& ocp, std::size_t k, const P
 
 template <int n>
 void ChainPoint<n>::set_slacks(const Ocp& ocp, double least) {
+  for (std::size_t k = 0; k < stages.size(); ++k) ends_[k] = Placed{pose_of(&z[kBlock * k])};
+  evaluate_pairs();
   std::size_t row = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const double* at = &z[kBlock * k];
-    const Placed X{pose_of(at)};
     const double offset = at[kSlack] - growth(ocp, command_of(at));
-    for (const Pair& pair : ocp.stages[k].pairs)
-      t[row++] = std::max(least, pair_terms(pair, X).value + offset);
+    for (std::size_t i = 0; i < ocp.stages[k].pairs.size(); ++i, ++row)
+      t[row] = std::max(least, pairs[row].value + offset);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "local_planner/filter.hpp"
+#include "local_planner/pair_lanes.hpp"
 #include "local_planner/stage_terms.hpp"
 
 namespace tandem {
@@ -61,18 +62,21 @@ struct ChainPoint {
   [[nodiscard]] Merit merit(double mu) const { return {infeasibility, cost - mu * logs}; }
   void resize(std::size_t stage_count, std::size_t pair_count);
   /// To be called when the problem has changed.
-  void set_targets(const Ocp& ocp);
+  void set_problem(const Ocp& ocp);
   /// Fills the rest from z and t.
   void evaluate(const Ocp& ocp, const Box& box);
   /// t = φ − gap − growth + s, but at least `least`.
   void set_slacks(const Ocp& ocp, double least);
 
  private:
-  // Of stage k, which ends at X and whose first row (4) is `first`; returns the next stage's.
-  std::size_t evaluate_pairs(const Ocp& ocp, std::size_t k, const Placed& X, std::size_t first,
-                             LogOfProduct& distances);
+  void evaluate_pairs();
+  // Of stage k, whose first row (4) is `first`; returns the next stage's.
+  std::size_t sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
+                           LogOfProduct& distances);
 
   std::vector<Heading> targets_;  // of the stages' costs
+  std::vector<Placed> ends_;      // of the stages
+  std::vector<PairLanes> lanes_;  // rows (4)
 };
 
 }  // namespace tandem

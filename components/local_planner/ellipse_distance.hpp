@@ -36,18 +36,26 @@ struct SignedDistance {
 /// (1) and (2): Gilbarg and Trudinger, "Elliptic Partial Differential Equations of Second Order",
 /// section 14.6. Inside, beyond the centres of curvature, φ has a crease along the long axis; there
 /// (2) is bounded.
+///
+/// `axis`: cosine and sine of the ellipse's angle, for who asks often.
 [[nodiscard]] SignedDistance signed_distance_to_ellipse(const Obstacle& ellipse,
+                                                        const Eigen::Vector2d& axis,
                                                         const Eigen::Vector2d& p_MQ);
 
 /// The same, the short way for a circle.
 [[nodiscard]] inline SignedDistance signed_distance(const Obstacle& ellipse,
+                                                    const Eigen::Vector2d& axis,
                                                     const Eigen::Vector2d& p_MQ) {
-  if (ellipse.a != ellipse.b) return signed_distance_to_ellipse(ellipse, p_MQ);
+  if (ellipse.a != ellipse.b) return signed_distance_to_ellipse(ellipse, axis, p_MQ);
   const double r = ellipse.a, x = p_MQ.x() - ellipse.p_MO.x(), y = p_MQ.y() - ellipse.p_MO.y();
   const double d2 = x * x + y * y;
   if (d2 <= 1e-18 * r * r) return {-r, {1.0, 0.0}, 2.0 / r};  // its centre has no normal
   const double d = std::sqrt(d2), per = d * (1.0 / d2);       // root and quotient at the same time
   return {d - r, {x * per, y * per}, per * r <= 2.0 ? per : 2.0 / r};
+}
+[[nodiscard]] inline SignedDistance signed_distance(const Obstacle& ellipse,
+                                                    const Eigen::Vector2d& p_MQ) {
+  return signed_distance(ellipse, {std::cos(ellipse.angle), std::sin(ellipse.angle)}, p_MQ);
 }
 
 }  // namespace tandem

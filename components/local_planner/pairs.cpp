@@ -36,7 +36,7 @@ class Surroundings {
                                    X_MB.y + s * disc.p_BC.x() + c * disc.p_BC.y()};
         const double gap = disc.radius + margins_[j];
         if (is_beyond(most + gap, there, axes_[j], p_MC - there.p_MO)) continue;
-        const double clearance = signed_distance(there, p_MC).value - gap;
+        const double clearance = signed_distance(there, axes_[j], p_MC).value - gap;
         if (clearance < most) found(clearance, Pair{disc.p_BC, gap, there, i});
       }
     }
@@ -78,18 +78,21 @@ std::vector<std::vector<Pair>> nearest_pairs(const Body& body, std::span<const O
                                              std::span<const Pose2> X_MB,
                                              const PairLimits& limits) {
   const Surroundings around{body, obstacles, limits};
+  const auto count = static_cast<std::size_t>(limits.max_pairs);
   std::vector<std::vector<Pair>> all;
+  std::vector<Candidate> nearest;
   for (std::size_t k = 0; k < X_MB.size(); ++k) {
-    std::vector<Candidate> found;
-    around.closer_than(limits.reach, X_MB[k], around.time(k),
-                       [&](double clearance, const Pair& pair) {
-                         found.push_back({clearance, pair});
-                       });
-    std::stable_sort(found.begin(), found.end(),
-                     [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
-    found.resize(std::min(found.size(), static_cast<std::size_t>(limits.max_pairs)));
+    nearest.clear();
+    double most = limits.reach;  // clearance of one that would still be among them
+    around.closer_than(most, X_MB[k], around.time(k), [&](double clearance, const Pair& pair) {
+      const auto is_nearer = [](double c, const Candidate& other) { return c < other.clearance; };
+      const auto place = std::upper_bound(nearest.begin(), nearest.end(), clearance, is_nearer);
+      nearest.insert(place, {clearance, pair});
+      if (nearest.size() > count) nearest.pop_back();
+      if (nearest.size() == count) most = nearest.back().clearance;
+    });
     all.emplace_back();
-    for (const Candidate& candidate : found) all.back().push_back(candidate.pair);
+    for (const Candidate& candidate : nearest) all.back().push_back(candidate.pair);
   }
   return all;
 }

@@ -68,7 +68,7 @@ bool Chain<n>::start(const Ocp& ocp, const Iterate& guess) {
   const std::size_t stages = ocp.stages.size(), pairs = pair_count(ocp);
   for (ChainPoint<n>* point : {&now, &trial}) {
     point->resize(stages, pairs);
-    point->set_targets(ocp);
+    point->set_problem(ocp);
   }
   multipliers.resize(stages, pairs);
   system.resize(stages, pairs);
