@@ -165,6 +165,7 @@ void visit(Result& r, Field field) {
   field("path_length_m", r.path_length_m);
   field("free_time_s", r.free_time_s);
   field("time_ratio", r.time_ratio);
+  field("barn_score", r.barn_score);
   field("path_ratio", r.path_ratio);
   field("obedience_rms", r.obedience_rms);
   field("agreement_direction", r.agreement_direction);

@@ -13,6 +13,7 @@
 
 #include "bringup/drive_jobs.hpp"
 #include "bringup/world.hpp"
+#include "map/barn_world.hpp"
 #include "map/yaml_reader.hpp"
 #include "runtime/yaml_text.hpp"
 
@@ -303,6 +304,17 @@ std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
   return result.reached ? std::optional{result.time_to_goal_s} : std::nullopt;
 }
 
+// Perille et al. 2020, as the BARN challenge scores since 2023.
+std::optional<double> barn_score(const Scenario& scenario, const DriveResult& result) {
+  constexpr double kSpeed = 2.0;  // [m/s]
+  if (fs::path(scenario.map).extension() != ".json") return std::nullopt;
+  const auto way = barn_way_length(scenario.map, barn_world_number(scenario.map, result.seed));
+  if (!way) return std::nullopt;
+  if (!result.reached || result.collisions > 0) return 0.0;
+  const double best = *way / kSpeed;
+  return best / std::clamp(result.time_to_goal_s, 2.0 * best, 8.0 * best);
+}
+
 }  // namespace
 
 Study load_study(const std::string& path) { return StudyReader{path}.read(); }
@@ -336,6 +348,7 @@ nlohmann::json make_drive(const Study& study, const StudyDrive& drive, Lockstep&
   result.free_time_s = free_time(scenario, options, lockstep);
   if (result.reached && result.free_time_s)
     result.time_ratio = result.time_to_goal_s / *result.free_time_s;
+  result.barn_score = barn_score(cell.scenario, result);
   return {{"drive", result}, {"track", thinned(log.track)}, {"contacts", contacts(log.track)}};
 }
 

@@ -94,6 +94,14 @@ nlohmann::json plan_times(const std::vector<DriveResult>& drives) {
           {"max", longest}};
 }
 
+// The challenge's score: the mean over its worlds; null elsewhere.
+nlohmann::json barn_score(const std::vector<DriveResult>& drives) {
+  const auto scored = count(drives, [](const auto& d) { return d.barn_score.has_value(); });
+  if (scored == 0) return nullptr;
+  return sum(drives, [](const auto& d) { return d.barn_score.value_or(0.0); }) /
+         static_cast<double>(scored);
+}
+
 nlohmann::json summary_of(const DriveGroup& group) {
   const auto& drives = group.drives;
   const auto n = static_cast<long>(drives.size());
@@ -116,6 +124,7 @@ nlohmann::json summary_of(const DriveGroup& group) {
           {"intervention_episodes",
            sum(drives, [](const auto& d) { return d.counts.filter_episodes; })},
           {"stuck_share", driven > 0.0 ? stuck / driven : 0.0},
+          {"barn_score", barn_score(drives)},
           {"simulated_s", driven},
           {"plans", sum(drives, [](const auto& d) { return d.counts.plans; })},
           {"plan_fallbacks", sum(drives, [](const auto& d) { return d.counts.plan_fallbacks; })},
@@ -223,6 +232,10 @@ std::string study_table(const std::vector<DriveGroup>& groups) {
         text_of(m.at("agreement_direction"), "{:.3f}"), 100.0 * s.at("stuck_share").get<double>(),
         rate.is_null() ? "-" : fmt::format("{:.2f} %", 100.0 * rate.get<double>()));
   }
+  for (const DriveGroup& group : groups)
+    if (const auto score = barn_score(group.drives); !score.is_null())
+      out += fmt::format("{} by {}, {}: BARN's score {:.3f}\n", group.scenario, group.method,
+                         group.driver, score.get<double>());
   return out;
 }
 

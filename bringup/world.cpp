@@ -29,9 +29,7 @@ struct World {
 
 World world_of(const std::string& family, unsigned seed) {
   if (family == "clutter") return {fmt::format("clutter_{}", seed), clutter_world(seed, {})};
-  const auto numbers = barn_world_numbers(family);
-  if (numbers.empty()) throw std::runtime_error(family + ": no world in it");
-  const int number = numbers[(seed + numbers.size() - 1) % numbers.size()];
+  const int number = barn_world_number(family, seed);
   return {fmt::format("{}_{}", fs::path(family).stem().string(), number),
           load_barn_world(family, number)};
 }

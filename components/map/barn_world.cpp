@@ -65,9 +65,30 @@ MapDescription world(const Json& meta, const Json& cylinders) {
   return map;
 }
 
-}  // namespace
+// From start along the way to the goal; nullopt without one.
+std::optional<double> way_length(const Json& meta, const Json& entry) {
+  const auto way = entry.find("reference_path");
+  if (way == entry.end() || way->empty()) return std::nullopt;
+  const auto place = [](const Json& x, const Json& y) {
+    return Eigen::Vector2d{coordinate(x), coordinate(y)};
+  };
+  const auto named = [&](const char* name) {
+    return place(meta.at(name).at("x"), meta.at(name).at("y"));
+  };
+  Eigen::Vector2d at = named("start");
+  double length = 0.0;
+  const auto go_to = [&](const Eigen::Vector2d& next) {
+    length += (next - at).norm();
+    at = next;
+  };
+  for (const Json& point : *way) go_to(place(point.at(0), point.at(1)));
+  go_to(named("goal"));
+  return length;
+}
 
-MapDescription load_barn_world(const std::filesystem::path& file, int number) {
+// What `read` makes of the file's meta and its world of that number.
+template <class Read>
+auto of_world(const std::filesystem::path& file, int number, const Read& read) {
   const Json root = load(file);
   const auto entry = root["worlds"].find(std::to_string(number));
   if (entry == root["worlds"].end()) {
@@ -78,10 +99,28 @@ MapDescription load_barn_world(const std::filesystem::path& file, int number) {
                                           std::to_string(numbers.back())));
   }
   try {
-    return world(root["meta"], entry->at("cylinders"));
+    return read(root["meta"], *entry);
   } catch (const std::exception& error) {
     fail(file, "world " + std::to_string(number) + ": " + error.what());
   }
+}
+
+}  // namespace
+
+MapDescription load_barn_world(const std::filesystem::path& file, int number) {
+  return of_world(file, number, [](const Json& meta, const Json& entry) {
+    return world(meta, entry.at("cylinders"));
+  });
+}
+
+std::optional<double> barn_way_length(const std::filesystem::path& file, int number) {
+  return of_world(file, number, way_length);
+}
+
+int barn_world_number(const std::filesystem::path& file, unsigned seed) {
+  const auto numbers = barn_world_numbers(file);
+  if (numbers.empty()) fail(file, "no world in it");
+  return numbers[(seed + numbers.size() - 1) % numbers.size()];
 }
 
 std::vector<int> barn_world_numbers(const std::filesystem::path& file) {

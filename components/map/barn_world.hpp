@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "map/map_description.hpp"
@@ -11,11 +12,19 @@ namespace tandem {
 
 /// The worlds of BARN (Perille et al., "Benchmarking Metric Ground Navigation", 2020) in one JSON
 /// file: `{"meta": {"cylinder_radius_m": r, "start": {x, y}, "goal": {x, y}}, "worlds": {"17":
-/// {"cylinders": [[x, y], …]}, …}}`. The bounds hold every cylinder, and 1 m around start and goal.
-/// Throws std::runtime_error: one line with the file and what is wrong in it.
+/// {"cylinders": [[x, y], …], "reference_path": [[x, y], …]}, …}}`. The bounds hold every cylinder,
+/// and 1 m around start and goal. Throws std::runtime_error: one line with the file and what is
+/// wrong in it.
 [[nodiscard]] MapDescription load_barn_world(const std::filesystem::path& file, int number);
 
 /// The numbers of the worlds in the file, rising. Throws as load_barn_world.
 [[nodiscard]] std::vector<int> barn_world_numbers(const std::filesystem::path& file);
+
+/// The number of the seed-th world of the file, counted round. Throws as load_barn_world.
+[[nodiscard]] int barn_world_number(const std::filesystem::path& file, unsigned seed);
+
+/// Length of BARN's reference way [m]: from the start along the world's `reference_path` to the
+/// goal; nullopt if the file has none. Throws as load_barn_world.
+[[nodiscard]] std::optional<double> barn_way_length(const std::filesystem::path& file, int number);
 
 }  // namespace tandem

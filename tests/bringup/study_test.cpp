@@ -338,6 +338,17 @@ TEST(Summary, AddsUpEachGroup) {
   EXPECT_TRUE(a.at("intervention_rate").is_null());
 }
 
+TEST(Summary, GivesBarnsScoreAsTheMeanOverItsWorldsAndNothingElsewhere) {
+  auto first = drive_of("a", 0, 5.0), second = first, elsewhere = drive_of("b", 0, 5.0);
+  first.barn_score = 0.5;
+  second.barn_score = 0.0;
+  const auto groups = groups_of({first, second, elsewhere});
+  const auto summary = summary_of(groups);
+  EXPECT_EQ(summary[0].at("barn_score"), 0.25);
+  EXPECT_TRUE(summary[1].at("barn_score").is_null());
+  EXPECT_NE(study_table(groups).find("BARN's score 0.250"), std::string::npos);
+}
+
 TEST(Csv, HasARowPerDriveAndQuotesWhatNeedsIt) {
   auto drive = drive_of("a,\"b\"", 0, 5.0);
   drive.failures = {"one", "two"};

@@ -59,6 +59,16 @@ TEST(BarnWorld, HasItsCylindersAtTheirPlaces) {
   EXPECT_TRUE(map.can_pass({1.0, 1.0}, {1.0, 5.0}, 0.5));
 }
 
+TEST(BarnWorld, HasTheLengthOfItsReferenceWayFromStartToGoal) {
+  const File file("{" + kMeta + R"(, "worlds": {"3": {"cylinders": [],
+      "reference_path": [[1, 2], [4, 2], [4, 5]]}, "12": {"cylinders": []}}})");
+  EXPECT_DOUBLE_EQ(barn_way_length(file.path(), 3).value(), 1.0 + 3.0 + 3.0 + 3.0);
+  EXPECT_FALSE(barn_way_length(file.path(), 12).has_value());
+  EXPECT_EQ(barn_world_number(file.path(), 1), 3);
+  EXPECT_EQ(barn_world_number(file.path(), 2), 12);
+  EXPECT_EQ(barn_world_number(file.path(), 3), 3);
+}
+
 TEST(BarnWorld, SaysWhatIsWrong) {
   EXPECT_NE(complaint("", 1).find("not a file of BARN worlds"), std::string::npos);
   EXPECT_NE(complaint("[1, 2]", 1).find("not a file of BARN worlds"), std::string::npos);
