@@ -50,12 +50,14 @@ export async function showParameters(
   say: (text: string) => void,
 ): Promise<void> {
   list.textContent = "…";
+  list.dataset.node = node;
   const { result } = await connection.call(`${node}/list_parameters`, { prefixes: [], depth: 0n });
   const { descriptors } = await connection.call(`${node}/describe_parameters`, { names: result.names });
   const live = (descriptors as Message[]).filter(
     (d) => !d.read_only && ([BOOL, INTEGER, DOUBLE].includes(d.type) || choicesOf(d).length > 0),
   );
   const { values } = await connection.call(`${node}/get_parameters`, { names: live.map((d) => d.name) });
+  if (list.dataset.node !== node) return; // another one was asked for meanwhile
   list.textContent = live.length === 0 ? "Nothing here can be changed while the robot drives." : "";
   live.forEach((d, i) => list.append(control(connection, node, parameter(d), values[i], say)));
 }
