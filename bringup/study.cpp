@@ -304,7 +304,7 @@ std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
   return result.reached ? std::optional{result.time_to_goal_s} : std::nullopt;
 }
 
-// Perille et al. 2020, as the BARN challenge scores since 2023.
+// The metric of the BARN challenge, of one drive: see DriveResult.
 std::optional<double> barn_score(const Scenario& scenario, const DriveResult& result) {
   constexpr double kSpeed = 2.0;  // [m/s]
   if (fs::path(scenario.map).extension() != ".json") return std::nullopt;
