@@ -243,6 +243,19 @@ Forecast cold_guess(const Cycle& cycle) {
                          cycle.robot);
 }
 
+std::vector<Forecast> most_promising(const Cycle& cycle, std::vector<Forecast> guesses,
+                                     std::size_t most) {
+  const Ocp ocp = problem(cycle, cycle.wish);
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < guesses.size(); ++i)
+    order.emplace_back(rate(cycle, ocp, guesses[i]).value, i);
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(order.size(), most));
+  std::vector<Forecast> best;
+  for (const auto& [value, i] : order) best.push_back(std::move(guesses[i]));
+  return best;
+}
+
 std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs) {
   const Moving from{cycle.start.X_MB, cycle.start.moves};
   const RobotParams& robot = cycle.robot;

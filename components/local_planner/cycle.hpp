@@ -86,9 +86,14 @@ struct Candidate {
 /// Initial guess without a last solution: the wish, stopped short of whatever blocks it.
 [[nodiscard]] Forecast cold_guess(const Cycle& cycle);
 
-/// Where else to start from, the most promising first: if something blocks the wish, past it on its
-/// left, on its right, to rest; the wish itself as far as it goes, and then `arcs` of a few
-/// constant twists, in turns from `turn` on.
+/// Where else to start from: if something blocks the wish, past it on its left, on its right, to
+/// rest; the wish itself as far as it goes, and then `arcs` of a few constant twists, in turns from
+/// `turn` on.
 [[nodiscard]] std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs);
+
+/// The `most` guesses that are worth most as they are, the best first: rating a motion costs a
+/// fraction of a solve that starts from it.
+[[nodiscard]] std::vector<Forecast> most_promising(const Cycle& cycle,
+                                                   std::vector<Forecast> guesses, std::size_t most);
 
 }  // namespace tandem

@@ -23,6 +23,7 @@ constexpr double kLongestReuse = 1.0;  // [s] age up to which a plan is a warm s
 constexpr double kSurprise = 0.3;      // [m, rad] off the last solution that make it worthless
 constexpr double kReserve = 0.003;     // [s] of the budget for the check and the fallback
 constexpr double kExplores = 0.3;      // share of the budget for other guesses than the last plan
+constexpr std::size_t kTried = 3;      // of the other guesses, those that are best before any solve
 constexpr double kBetter = 0.9;  // another guess has to win by this to replace the last plan …
 constexpr double kBetterThanPoor = 0.98;  // … and by this if that one leads nowhere
 
@@ -145,7 +146,6 @@ Candidate Nmpc::State::solve(Solver& solver, const Cycle& cycle, Ocp ocp, const 
 
 // Solves from a guess; once more if the solution went where left-out pairs matter.
 Candidate Nmpc::State::attempt(const Cycle& cycle, const Forecast& guess, bool warm) {
-  ++guesses;
   Ocp ocp = problem(cycle, guess);
   const Iterate point =
       warm ? warm_start(*last, elapsed(cycle), ocp) : cold_start(ocp, within_limits(ocp, guess));
@@ -159,19 +159,21 @@ Candidate Nmpc::State::attempt(const Cycle& cycle, const Forecast& guess, bool w
 }
 
 Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
+  ++guesses;
   if (!last) return attempt(cycle, cold_guess(cycle), false);
   const Ocp ocp = problem(cycle, cycle.wish);
   Candidate out = attempt(cycle, shifted_motion(*last, elapsed(cycle), ocp), true);
   const bool failed = out.solution.status == SolveStatus::kFailed ||
                       out.solution.status == SolveStatus::kTimeout || !is_clear(cycle, out);
   if (!failed || !has_time_for_another(1.0)) return out;
+  ++guesses;
   Candidate cold = attempt(cycle, cold_guess(cycle), false);
   const bool wins = is_clear(cycle, cold) && (!is_clear(cycle, out) || cold.value < out.value);
   return wins ? cold : out;
 }
 
-// The last plan competes with solutions from other guesses. It has to lose clearly, so that the
-// robot does not dither between two ways that are worth about the same.
+// The last plan competes with solutions from the best of many other guesses. It has to lose
+// clearly, so that the robot does not dither between two ways that are worth about the same.
 void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   if (params.extra_guesses == 0) return;
   const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
@@ -179,7 +181,9 @@ void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   const double to_beat = usable ? (poor ? kBetterThanPoor : kBetter) * best.value : kUnbounded;
   const unsigned arcs = static_cast<unsigned>(params.extra_guesses) * (poor ? 3 : 1);
   std::optional<Candidate> found;
-  for (const Forecast& guess : other_guesses(cycle, turn, arcs)) {
+  std::vector<Forecast> others = other_guesses(cycle, turn, arcs);
+  guesses += static_cast<int>(others.size());
+  for (const Forecast& guess : most_promising(cycle, std::move(others), kTried)) {
     if (!has_time_for_another(kExplores)) break;
     Candidate other = attempt(cycle, guess, false);
     const bool wins = other.solution.status != SolveStatus::kFailed &&

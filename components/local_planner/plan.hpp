@@ -85,7 +85,7 @@ struct Plan {
   double clearance = 0.0;          ///< smallest gap of the discs to any obstacle at the nodes [m]
   double solve_time = 0.0;         ///< wall clock of the whole cycle [s]
   int iterations = 0;              ///< of all solves of the cycle
-  int guesses = 0;                 ///< that were solved, the last plan among them
+  int guesses = 0;                 ///< that were weighed, the last plan among them
   int solves = 0;                  ///< a guess may take two; the judge's is one more
   int confirmed = 0;               ///< solves that two solvers agree on
   int disagreements = 0;           ///< … do not agree on, or the structured one failed
