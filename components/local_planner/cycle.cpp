@@ -77,8 +77,8 @@ Body body_of(const NmpcParams& params, const RobotParams& robot) {
 }
 
 bool is_valid(const PlanRequest& request) {
-  const bool target =
-      request.method == Method::kIntention ? is_finite(request.user) : is_finite(request.X_MG);
+  const bool target = (request.method == Method::kIntention || is_finite(request.X_MG)) &&
+                      (request.method == Method::kGoal || is_finite(request.user));
   const auto is_shape = [](const Obstacle& o) {
     return o.p_MO.allFinite() && o.v_MO.allFinite() && std::isfinite(o.a) && std::isfinite(o.b) &&
            std::isfinite(o.angle) && o.a > 0.0 && o.b > 0.0;

@@ -98,7 +98,7 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   request.command = in_force ? command_.value : Twist2{};
   request.measured = robot.twist;
   request.X_MG = method_ == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
-  request.user = user_.value;
+  if (now - user_.t <= params_->user_timeout) request.user = user_.value;
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;
   request.refused = refused_.value && now - refused_.t <= params_->command_timeout;

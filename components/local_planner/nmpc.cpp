@@ -331,15 +331,17 @@ Plan Nmpc::solve(const PlanRequest& request) {
   Plan plan;
   if (is_valid(request)) {
     state.note_command(request);
-    PlanRequest on_trail = request;
+    PlanRequest able = request;
+    able.user = limit(request.user, state.robot);
     const PairLimits limits{.margin = state.params.margin};
     std::vector<Eigen::Vector2d> trail;
     if (request.method == Method::kPath) {
       state.trail.extend(request.X_MG.position(), request.X_MB.position());
-      trail = state.trail.free_points(state.body, request.obstacles, limits);
-      on_trail.trail = trail;
+      trail = state.trail.free_points(state.body, request.obstacles, limits,
+                                      leader_onward(able, state.params));
+      able.trail = trail;
     }
-    const Cycle cycle = begin_cycle(on_trail, state.params, state.robot, state.body, state.sent);
+    const Cycle cycle = begin_cycle(able, state.params, state.robot, state.body, state.sent);
     state.iterations = state.guesses = state.solves = state.effort = 0;
     state.confirmed = state.disagreements = 0;
     if (state.last && !state.is_continued(cycle)) state.last.reset();

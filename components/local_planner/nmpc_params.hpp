@@ -34,6 +34,7 @@ struct NmpcParams {
   double weight_across = 6.0, weight_along = 6.0;
   double terminal_weight = 50.0;
   double heading_fade = 0.5;
+  double leader_preview = 0.4;
 
   std::string intention_form = "rollout";
   double intention_speed = 0.8;
@@ -93,6 +94,10 @@ struct NmpcParams {
           "goal: the last pose counts this many times more");
     field("heading_fade", heading_fade, Range{0.0, 10.0},
           "[m] leader, goal: at this distance the heading counts half; 0: it always counts");
+    field(
+        "leader_preview", leader_preview, Range{0.0, 10.0},
+        "[s] leader, path: the leader is expected to go on this long as the person drives it now; "
+        "0: to stay where it is");
     field("intention_form", intention_form, OneOf{{"rollout", "atan"}},
           "heading wish: of the forecast of the person's twist, or Krijnen's atan(w/v)");
     field("intention_speed", intention_speed, Range{0.0, 1e4}, "C_v: deviation of speed");

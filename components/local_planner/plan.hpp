@@ -30,7 +30,7 @@ struct PlanRequest {
   Twist2 measured = {};                         ///< twist from odometry
   Pose2 X_MG = {};                              ///< leader or goal; not read by kIntention
   std::span<const Eigen::Vector2d> trail = {};  ///< kPath: the leader's way, see trail.hpp
-  Twist2 user = {};                             ///< the person's twist; read by kIntention
+  Twist2 user = {};                             ///< the person's twist; not read by kGoal
   std::span<const Obstacle> obstacles = {};     ///< places and velocities at time t
   std::span<const GuidanceLine> guidance = {};  ///< see guided()
   bool refused = false;  ///< the safety filter lets nothing of the plans pass, for what is near

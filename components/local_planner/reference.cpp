@@ -19,6 +19,7 @@ constexpr double kIntentionScale = 20.0;
 // horizon. Without this a person who is blocked far ahead never starts moving.
 constexpr double kPatience = 2.0;
 
+constexpr double kEver = 1e9;       // [s]
 constexpr double kArrived = 0.15;   // [m] from the point that was asked for, the heading counts
 constexpr double kLookahead = 0.4;  // [m] the wish steers to this far along the trail
 constexpr double kLead = 0.3;       // [m] the reference is this far ahead of the wish
@@ -58,27 +59,29 @@ Twist2 drive_to(const Eigen::Vector2d& p_MT, const Pose2& X_MB, const RobotParam
   return {v, std::clamp(1.5 * error, -robot.w_max, robot.w_max)};
 }
 
-Wanted wanted_by(const PlanRequest& request, const RobotParams& robot) {
+Wanted wanted_by(const PlanRequest& request, const NmpcParams& params, const RobotParams& robot) {
   if (request.method == Method::kIntention) return [&](const Pose2&) { return request.user; };
+  const Pose2 X_MT = leader_after(kEver, request, params);
   if (is_far_along(request))
-    return [&](const Pose2& X_MB) {
-      if ((request.X_MG.position() - X_MB.position()).norm() < kArrived)
-        return Twist2{0.0, 1.5 * wrap_angle(request.X_MG.theta - X_MB.theta)};
+    return [&, X_MT](const Pose2& X_MB) {
+      if ((X_MT.position() - X_MB.position()).norm() < kArrived)
+        return Twist2{0.0, 1.5 * wrap_angle(X_MT.theta - X_MB.theta)};
       return drive_to(along(request.trail, X_MB.position(), kLookahead).p_MT, X_MB, robot);
     };
-  return [&](const Pose2& X_MB) -> Twist2 {
-    if ((request.X_MG.position() - X_MB.position()).norm() > kArrived)
-      return drive_to(request.X_MG.position(), X_MB, robot);
-    return {0.0, 1.5 * wrap_angle(request.X_MG.theta - X_MB.theta)};
+  return [X_MT, &robot](const Pose2& X_MB) -> Twist2 {
+    if ((X_MT.position() - X_MB.position()).norm() > kArrived)
+      return drive_to(X_MT.position(), X_MB, robot);
+    return {0.0, 1.5 * wrap_angle(X_MT.theta - X_MB.theta)};
   };
 }
 
 // (1)
-StageCost pose_cost(const PlanRequest& request, const Pose2& X_MB, const NmpcParams& params) {
+StageCost pose_cost(const PlanRequest& request, const Pose2& X_MB, std::size_t k,
+                    const NmpcParams& params) {
   const double d = (request.X_MG.position() - X_MB.position()).norm(), d0 = params.heading_fade;
   const double fade = d0 > 0.0 ? d0 * d0 / (d0 * d0 + d * d) : 1.0;
   StageCost cost;
-  cost.X_MR = request.X_MG;
+  cost.X_MR = leader_after(params.dt * static_cast<double>(k + 1), request, params);
   cost.q_x = params.weight_x;
   cost.q_y = params.weight_y;
   cost.q_theta = fade * params.weight_heading;
@@ -91,7 +94,7 @@ StageCost pose_cost(const PlanRequest& request, const Pose2& X_MB, const NmpcPar
 // (4)
 StageCost trail_cost(const PlanRequest& request, const Forecast& wish, std::size_t k,
                      const NmpcParams& params) {
-  StageCost cost = pose_cost(request, wish.X_MB.front(), params);
+  StageCost cost = pose_cost(request, wish.X_MB.front(), k, params);
   const OnTrail target = along(request.trail, wish.X_MB[k + 1].position(), kLead);
   cost.X_MR.x = target.p_MT.x();
   cost.X_MR.y = target.p_MT.y();
@@ -142,14 +145,29 @@ StageCost atan_cost(const Twist2& user, const NmpcParams& params) {
 
 }  // namespace
 
+Pose2 leader_after(double t, const PlanRequest& request, const NmpcParams& params) {
+  const double T = params.leader_preview;
+  if (request.method == Method::kGoal || T <= 0.0) return request.X_MG;
+  return integrate(request.X_MG, request.user, T * (1.0 - std::exp(-t / T)));
+}
+
+std::vector<Eigen::Vector2d> leader_onward(const PlanRequest& request, const NmpcParams& params) {
+  const double T = params.leader_preview;
+  const double steps = std::floor(std::abs(request.user.v) * T / Trail::kSpacing);
+  std::vector<Eigen::Vector2d> points;
+  for (double i = 1.0; i <= steps; ++i)
+    points.push_back(integrate(request.X_MG, request.user, T * i / steps).position());
+  return points;
+}
+
 Forecast forecast(const PlanRequest& request, const Moving& from, const NmpcParams& params,
                   const RobotParams& robot) {
-  return roll_out(wanted_by(request, robot), request.command, from, params, robot);
+  return roll_out(wanted_by(request, params, robot), request.command, from, params, robot);
 }
 
 Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, const Moving& from,
                       const NmpcParams& params, const RobotParams& robot) {
-  const Wanted afterwards = wanted_by(request, robot);
+  const Wanted afterwards = wanted_by(request, params, robot);
   bool passed = false;
   const auto wanted = [&](const Pose2& X) {
     passed = passed || (p_MV - X.position()).norm() < 0.3;
@@ -171,7 +189,7 @@ std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& w
     if (is_far_along(request))
       costs.push_back(trail_cost(request, wish, k, params));
     else if (request.method != Method::kIntention)
-      costs.push_back(pose_cost(request, wish.X_MB.front(), params));
+      costs.push_back(pose_cost(request, wish.X_MB.front(), k, params));
     else if (params.intention_form == "atan")
       costs.push_back(atan_cost(request.user, params));
     else

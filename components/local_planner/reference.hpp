@@ -11,8 +11,18 @@
 
 namespace tandem {
 
+/// Where the leader is expected t seconds on if the person goes on driving it as now: moved by the
+/// person's twist for T (1 − exp(−t / T)), T = leader_preview, for what the person does now says
+/// less and less of later. A goal stays where it is.
+[[nodiscard]] Pose2 leader_after(double t, const PlanRequest& request, const NmpcParams& params);
+
+/// The leader's way from where it is to where it is expected in the end, Trail::kSpacing apart or a
+/// little more.
+[[nodiscard]] std::vector<Eigen::Vector2d> leader_onward(const PlanRequest& request,
+                                                         const NmpcParams& params);
+
 /// Twists and poses of the person's own wish from a place on: what the robot would do without
-/// obstacles, within its limits. For a leader or goal: driving to the point, then turning.
+/// obstacles, within its limits. For a leader or goal: driving to where it will be, then turning.
 struct Forecast {
   std::vector<Twist2> twist;  ///< N
   std::vector<Pose2> X_MB;    ///< N + 1
@@ -34,7 +44,8 @@ struct Forecast {
 ///
 ///   leader, goal  (x−x_g)ᵀQ(x−x_g) + uᵀRu, heading by 2(1 − cos), faded by 1 / (1 + (d/d₀)²)
 ///                 with d the distance to go and d₀ heading_fade: far away the way counts, on the
-///                 spot the heading. goal: the last stage (1 + terminal_weight) times       (1)
+///                 spot the heading. x_g is leader_after() of the stage. goal: the last stage (1 +
+///                 terminal_weight) times       (1)
 ///   intention     rollout: C_v(v_u−v)² + C_v(ω_u−ω)² + C_h 2(1 − cos(θ_u−θ)) + C_p|p_u−p|²
 ///                 + C_c|Δu−Δu_u|², with X_u and Δu_u from the forecast (v_u, ω_u reached at the
 ///                 acceleration limits): where nothing blocks, the forecast is the optimum    (2)

@@ -41,16 +41,18 @@ void Trail::extend(const Eigen::Vector2d& p_ML, const Eigen::Vector2d& p_MB) {
 
 std::vector<Eigen::Vector2d> Trail::free_points(const Body& body,
                                                 std::span<const Obstacle> obstacles,
-                                                const PairLimits& limits) const {
+                                                const PairLimits& limits,
+                                                std::span<const Eigen::Vector2d> onward) const {
   double radius = body.discs.front().radius;
   for (const Disc& disc : body.discs) radius = std::min(radius, disc.radius);
   const Body disc{{}, {{{0.0, 0.0}, radius}}, true};
   PairLimits now = limits;
   now.dt = 0.0;
-  std::vector<Eigen::Vector2d> free;
-  for (const Eigen::Vector2d& p : points_) {
+  std::vector<Eigen::Vector2d> all = points_, free;
+  all.insert(all.end(), onward.begin(), onward.end());
+  for (const Eigen::Vector2d& p : all) {
     const Pose2 X{p.x(), p.y(), 0.0};
-    if (&p == &points_.back() || first_miss(disc, obstacles, std::span(&X, 1), now) == 1)
+    if (&p == &all.back() || first_miss(disc, obstacles, std::span(&X, 1), now) == 1)
       free.push_back(p);
   }
   return free;

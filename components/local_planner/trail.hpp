@@ -19,11 +19,12 @@ class Trail {
   void extend(const Eigen::Vector2d& p_ML, const Eigen::Vector2d& p_MB);
   void clear() { points_.clear(); }
 
-  /// Points kSpacing apart, the leader last, without those at which the body's smallest disc would
-  /// miss the margin: a leader is a ghost and drives through what stands in its way.
-  [[nodiscard]] std::vector<Eigen::Vector2d> free_points(const Body& body,
-                                                         std::span<const Obstacle> obstacles,
-                                                         const PairLimits& limits) const;
+  /// Points kSpacing apart up to the leader and `onward` from there, without those at which the
+  /// body's smallest disc would miss the margin, the last apart: a leader is a ghost and drives
+  /// through what stands in its way.
+  [[nodiscard]] std::vector<Eigen::Vector2d> free_points(
+      const Body& body, std::span<const Obstacle> obstacles, const PairLimits& limits,
+      std::span<const Eigen::Vector2d> onward = {}) const;
 
   static constexpr double kSpacing = 0.05;  ///< [m]
 

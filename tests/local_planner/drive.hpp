@@ -132,7 +132,7 @@ inline Person leader_along(std::vector<Eigen::Vector2d> p_MW, double speed, doub
     }
     request.method = Method::kLeader;
     request.X_MG = X;
-    request.user = {speed, 0.0};
+    request.user = {to.norm() > 0.05 ? speed : 0.0, 0.0};
   };
 }
 

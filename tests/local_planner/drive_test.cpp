@@ -339,7 +339,7 @@ TEST(MotorLag, ToldToThePlannerIsForeseen) {
   delayed.delay = slow.delay + slow.lag;
   const auto driven = [&](const NmpcParams& params) {
     const Drive result =
-        drive(params, RobotParams{}, slow, forest(true), 22.0, leader_along(way, 0.72, 1.2));
+        drive(params, RobotParams{}, slow, forest(true), 30.0, leader_along(way, 0.72, 1.2));
     std::printf("lag %.1f s, delay %.2f s: off by %.3f m, %d contacts, %d fallbacks\n",
                 params.lag_v, params.delay, surprise(result, params), result.contacts,
                 result.fallbacks);

@@ -125,6 +125,27 @@ TEST(Nmpc, EveryCycleStartsFromManyGuessesAndSaysWhatItFound) {
   EXPECT_GT(plan.active, 0);  // it passes close by
 }
 
+// With a preview the robot sets off, and turns, with the person; without one it waits until their
+// leader has gone somewhere.
+TEST(Nmpc, ChasesALeaderTheBetterForKnowingWhatThePersonDoes) {
+  NmpcParams preview = unlimited(), none = unlimited();
+  none.leader_preview = 0.0;
+  for (const Method method : {Method::kLeader, Method::kPath}) {
+    const PlanRequest request{.method = method, .X_MG = {0.02, 0.0, 0.0}, .user = {0.8, 0.5}};
+    const Plan with = solve_once(request, preview), without = solve_once(request, none);
+    EXPECT_GT(with.twist[3].v, without.twist[3].v + 0.05) << name(method);
+    EXPECT_GT(with.X_MB[4].theta, without.X_MB[4].theta + 0.02) << name(method);
+  }
+}
+
+TEST(Nmpc, RefusesALeaderWhosePersonIsNotANumber) {
+  PlanRequest request{.method = Method::kPath, .X_MG = {1.0, 0.0, 0.0}};
+  request.user = {std::nan(""), 0.0};
+  EXPECT_EQ(solve_once(request).status, PlanStatus::kRefused);
+  request.user = {1e300, -1e300};
+  EXPECT_EQ(solve_once(request).source, PlanSource::kSolution);
+}
+
 // The way to the left is worth as much as the way to the right: it takes one and keeps to it.
 TEST(Nmpc, DoesNotDitherBetweenTwoEqualWays) {
   Nmpc planner(unlimited(), RobotParams{});

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "model/diff_drive.hpp"
+
 namespace tandem::test {
 namespace {
 
@@ -46,6 +48,48 @@ TEST(PathCost, IsTheSameInEveryFrameWhereTheWeightsAreEqual) {
     EXPECT_NEAR(cost.q_y, 5.0, 1e-12);
     EXPECT_NEAR(cost.q_xy, 0.0, 1e-12);
   }
+}
+
+// Straight on, round a bend, on the spot.
+TEST(LeaderAfter, GoesOnAsItIsDrivenForThePreviewAtMost) {
+  NmpcParams params;
+  params.leader_preview = 0.5;
+  for (const Twist2& user : {Twist2{0.8, 0.0}, Twist2{0.6, -0.9}, Twist2{0.0, 1.0}}) {
+    const PlanRequest request{.method = Method::kLeader, .X_MG = {1.0, 2.0, 0.7}, .user = user};
+    const Pose2 now = leader_after(0.0, request, params);
+    const Pose2 soon = leader_after(1e-4, request, params);
+    EXPECT_EQ(now.position(), request.X_MG.position());
+    EXPECT_NEAR((soon.position() - now.position()).norm(), 1e-4 * user.v, 1e-7);
+    EXPECT_NEAR(soon.theta - now.theta, 1e-4 * user.w, 1e-7);
+    const Pose2 ever = leader_after(1e9, request, params);
+    EXPECT_NEAR((ever.position() - integrate(request.X_MG, user, 0.5).position()).norm(), 0, 1e-12);
+    EXPECT_NEAR(ever.theta, 0.7 + 0.5 * user.w, 1e-12);
+  }
+}
+
+TEST(LeaderAfter, LeadsThereByPointsOfTheTrail) {
+  NmpcParams params;
+  params.leader_preview = 0.5;
+  const PlanRequest request{.method = Method::kPath, .X_MG = {1.0, 2.0, 0.7}, .user = {0.62, -0.9}};
+  const auto onward = leader_onward(request, params);
+  ASSERT_EQ(onward.size(), 6u);  // of 0.31 m
+  const Pose2 ever = leader_after(1e9, request, params);
+  EXPECT_NEAR((onward.back() - ever.position()).norm(), 0.0, 1e-12);
+  Eigen::Vector2d before = request.X_MG.position();
+  for (const Eigen::Vector2d& p : onward) {
+    EXPECT_NEAR((p - before).norm(), 0.05, 2e-3);
+    before = p;
+  }
+}
+
+TEST(LeaderAfter, StaysWithoutAPreviewAndAGoalStaysAnyway) {
+  NmpcParams params;
+  PlanRequest request{.method = Method::kGoal, .X_MG = {1.0, 2.0, 0.7}, .user = {0.8, 0.3}};
+  EXPECT_EQ(leader_after(1e9, request, params).position(), request.X_MG.position());
+  request.method = Method::kLeader;
+  params.leader_preview = 0.0;
+  EXPECT_EQ(leader_after(1e9, request, params).position(), request.X_MG.position());
+  EXPECT_TRUE(leader_onward(request, params).empty());
 }
 
 }  // namespace

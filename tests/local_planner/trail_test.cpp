@@ -63,5 +63,14 @@ TEST(Trail, KeepsTheLeaderEvenInsideAnObstacle) {
   EXPECT_NEAR(ahead(1.0).free_points(kDisc, pole, {}).back().x(), 1.0, 0.06);
 }
 
+TEST(Trail, GoesOnWhereItsLeaderIsExpected) {
+  const std::vector<Obstacle> pole{{1, {1.2, 0.0}, 0.1, 0.1, 0.0, {0, 0}}};
+  const std::vector<Eigen::Vector2d> onward{{1.05, 0.0}, {1.1, 0.0}, {1.7, 0.0}, {1.75, 0.0}};
+  const auto points = ahead(0.5).free_points(kDisc, pole, {}, onward);
+  EXPECT_NEAR(points[points.size() - 3].x(), 0.5, 0.06);
+  EXPECT_EQ(points[points.size() - 2], onward[2]);
+  EXPECT_EQ(points.back(), onward[3]);
+}
+
 }  // namespace
 }  // namespace tandem::test
