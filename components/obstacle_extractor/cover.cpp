@@ -15,8 +15,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kJoinGap = 0.4;     // [m] parts farther apart are not tried together
-constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split until they take less
+constexpr double kJoinGap = 0.4;      // [m] parts farther apart are not tried together
+constexpr double kCircleBonus = 0.3;  // of a shape: a circle counts as so much less in (1)
+constexpr double kTightShare = 0.1;   // of `space_per_shape`: parts are split until they take less
 
 constexpr double kLeastGain = 0.02;  // of (1): what a rearrangement must save
 constexpr int kRounds = 6;
@@ -113,7 +114,7 @@ class Coverer {
   };
 
   [[nodiscard]] double cost(const Part& part) const {
-    return 1.0 + part.fit.taken / params_.space_per_shape;  // (1)
+    return 1.0 + part.fit.price / params_.space_per_shape;  // (1)
   }
 
   // Where a half of a part goes: to part `to`, or (to = none) stays a part of its own.
@@ -131,13 +132,13 @@ class Coverer {
       if (move.cost < best[0].cost) std::swap(move, best[0]);
       if (move.cost < best[1].cost) std::swap(move, best[1]);
     };
-    const double taken = most * params_.space_per_shape;
-    Part alone = make(cells, convex_hull(all_corners(cells)), taken);
+    const double price = most * params_.space_per_shape;
+    Part alone = make(cells, convex_hull(all_corners(cells)), price);
     for (std::size_t j = 0; j < parts_.size(); ++j) {
       if (j == from || parts_[j].cells.empty() || !neighbours(parts_[j], alone)) continue;
       Points points = parts_[j].hull;
       points.insert(points.end(), alone.hull.begin(), alone.hull.end());
-      Part both = make({}, convex_hull(std::move(points)), parts_[j].fit.taken + taken);
+      Part both = make({}, convex_hull(std::move(points)), parts_[j].fit.price + price);
       if (both.fit.found) consider({cost(both) - cost(parts_[j]), j, std::move(both)});
     }
     if (alone.fit.found) consider({cost(alone), kNone, std::move(alone)});
@@ -193,7 +194,7 @@ class Coverer {
 
   [[nodiscard]] Obstacle fit_again(std::size_t i, const std::vector<CellIndex>& own) const {
     if (own.size() == parts_[i].cells.size()) return parts_[i].fit.shape;
-    const Part again = make({}, convex_hull(all_corners(own)), parts_[i].fit.taken);
+    const Part again = make({}, convex_hull(all_corners(own)), parts_[i].fit.price);
     return again.fit.found ? again.fit.shape : parts_[i].fit.shape;
   }
 
@@ -205,9 +206,10 @@ class Coverer {
     return points;
   }
 
-  [[nodiscard]] Part make(std::vector<CellIndex> cells, Points hull, double taken) const {
+  [[nodiscard]] Part make(std::vector<CellIndex> cells, Points hull, double price) const {
     Part part{std::move(cells), std::move(hull), {}, {}, {}};
-    part.fit = fit_ellipse(part.hull, space_, {params_.max_excess, taken});
+    part.fit = fit_ellipse(part.hull, space_,
+                           {params_.max_excess, price, kCircleBonus * params_.space_per_shape});
     part.low = part.high = part.hull[0];
     for (const auto& p : part.hull) {
       part.low = part.low.cwiseMin(p);

@@ -176,12 +176,14 @@ EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimi
   const TurnedBox box = smallest_box(hull);
   struct Candidate {
     Obstacle shape;
-    double taken;
+    double price;
+  };
+  const auto price = [&](const Obstacle& shape) {
+    return space.taken_by(shape) - (shape.a == shape.b ? limits.circle_bonus : 0.0);
   };
   std::vector<Candidate> candidates;
   const auto add = [&](const Obstacle& shape) {
-    if (const double taken = space.taken_by(shape); taken <= limits.taken)
-      candidates.push_back({shape, taken});
+    if (const double paid = price(shape); paid <= limits.price) candidates.push_back({shape, paid});
   };
   const Obstacle circle = smallest_circle(hull);
   add(circle);
@@ -190,10 +192,10 @@ EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimi
     for (const double bulge : {0.01, 0.02, 0.03, 0.045, 0.07, 0.11, 0.16, 0.23})
       add(ellipse_of_width(hull, box, h + std::abs(shift * bulge) + bulge, shift * bulge));
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.taken < b.taken; });
-  for (const auto& [shape, taken] : candidates)
-    if (is_within(shape, space, limits.excess)) return {shape, taken, true, box.angle};
-  return {circle, space.taken_by(circle), false, box.angle};
+                   [](const auto& a, const auto& b) { return a.price < b.price; });
+  for (const auto& [shape, paid] : candidates)
+    if (is_within(shape, space, limits.excess)) return {shape, paid, true, box.angle};
+  return {circle, price(circle), false, box.angle};
 }
 
 }  // namespace tandem
