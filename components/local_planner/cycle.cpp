@@ -72,7 +72,7 @@ Moving predicted(const PlanRequest& request, double delay, const MotorLag& lag,
 Body body_of(const NmpcParams& params, const RobotParams& robot) {
   Body body{footprint_of(robot), {}, params.disc_radius > 0.0};
   body.discs = body.round ? std::vector<Disc>{{{0.0, 0.0}, params.disc_radius}}
-                          : cover_by_discs(body.footprint, params.discs);
+                          : cover_by_discs(body.footprint, params.disc_overhang);
   return body;
 }
 

@@ -47,7 +47,7 @@ struct NmpcParams {
   double margin_w = 0.02;
   double margin_moving = 0.35;
   double weight_slack = 3.0;
-  int discs = 5;
+  double disc_overhang = 0.014;
   double disc_radius = 0.0;
   int max_pairs = 6;
   double workspace = 0.0;
@@ -113,7 +113,8 @@ struct NmpcParams {
     field("margin_w", margin_w, Range{0.0, 2.0}, "[m s²/rad²] the margin grows by this times w²");
     field("weight_slack", weight_slack, Range{1.0, 1e3},
           "penalty per metre that the margin is missed, in units of the reference's pull");
-    field("discs", discs, Range{1, 6}, "discs that cover the footprint");
+    field("disc_overhang", disc_overhang, Range{0.002, 1.0},
+          "[m] how far the discs that cover the footprint may reach beyond its sides; less: more");
     field("disc_radius", disc_radius, Range{0.0, 3.0},
           "[m] plan and check the robot as this one disc about base_link; 0: the footprint");
     field("max_pairs", max_pairs, Range{1, 32}, "nearest (disc, obstacle) pairs kept per step");

@@ -140,14 +140,16 @@ bool overlaps(const Footprint& footprint, const Pose2& X_MB, const Obstacle& obs
   return squared_distance_to_point(outline, Eigen::Vector2d::Zero()) < 1.0;
 }
 
-std::vector<Disc> cover_by_discs(const Footprint& footprint, int count) {
+std::vector<Disc> cover_by_discs(const Footprint& footprint, double overhang) {
   Eigen::Vector2d low = footprint.p_BV.front(), high = low;
   for (const auto& p : footprint.p_BV) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  const double half_slice = 0.5 * (high.x() - low.x()) / count;
-  const double half_width = 0.5 * (high.y() - low.y());
+  const double half_length = 0.5 * (high.x() - low.x()), half_width = 0.5 * (high.y() - low.y());
+  const double longest = std::sqrt(overhang * (overhang + 2.0 * half_width));  // half a slice
+  const int count = std::max(1, static_cast<int>(std::ceil(half_length / longest - 1e-9)));
+  const double half_slice = half_length / count;
   std::vector<Disc> discs;
   for (int i = 0; i < count; ++i)
     discs.push_back({{low.x() + (2 * i + 1) * half_slice, 0.5 * (low.y() + high.y())},

@@ -44,8 +44,9 @@ struct Disc {
 [[nodiscard]] bool overlaps(const Footprint& footprint, const Pose2& X_MB,
                             const Obstacle& obstacle);
 
-/// `count` ≥ 1 equal slices along x, each covered by the smallest disc about its centre; their
-/// union contains the footprint. One disc: the smallest about the outline's bounding-box centre.
-[[nodiscard]] std::vector<Disc> cover_by_discs(const Footprint& footprint, int count);
+/// The fewest equal slices along x whose discs, each the smallest about its slice's centre, reach
+/// at most `overhang` > 0 [m] beyond the bounding box's sides; their union contains the footprint.
+/// Beyond the ends they reach as far as a disc as wide as the robot does.
+[[nodiscard]] std::vector<Disc> cover_by_discs(const Footprint& footprint, double overhang);
 
 }  // namespace tandem

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -140,7 +141,9 @@ Recording record_alley(int horizon, int obstacles, int discs) {
   world.all_pairs = true;
   world.seconds = 5.0;
   world.params.horizon_steps = horizon;
-  world.params.discs = discs;
+  const RobotParams robot;  // as wide as that many slices along it ask for
+  world.params.disc_overhang =
+      std::hypot(0.5 * robot.length / discs, 0.5 * robot.width) - 0.5 * robot.width;
   for (int i = 0; i < obstacles; ++i) {
     const double side = i % 2 == 0 ? 1.0 : -1.0, row = i / 16;
     world.obstacles.push_back({static_cast<std::uint32_t>(i + 1),

@@ -9,7 +9,7 @@
 namespace tandem {
 namespace {
 
-const Body kMir{footprint_of(RobotParams{}), cover_by_discs(footprint_of(RobotParams{}), 3)};
+const Body kMir{footprint_of(RobotParams{}), cover_by_discs(footprint_of(RobotParams{}), 0.04)};
 
 Obstacle pole(double x, double y, double radius) {
   return {1, {x, y}, radius, radius, 0.0, {0, 0}};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -37,7 +38,8 @@ inline PlanningCase random_case(unsigned seed) {
   PlanningCase c;
   c.params.time_budget = 0.0;
   if (random.one_in(4)) c.params.horizon_steps = 10 + random.below(30);
-  c.params.discs = 1 + random.below(4);
+  c.params.disc_overhang = std::array{
+      1.0, 0.08, 0.037, 0.021}[static_cast<std::size_t>(random.below(4))];  // 1 … 4 discs
   c.params.model = random.one_in(4) ? "euler" : "arc";
   c.params.intention_form = random.one_in(3) ? "atan" : "rollout";
   c.params.max_pairs = random.one_in(3) ? 12 : 6;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <utility>
 
 namespace tandem {
 namespace {
@@ -27,6 +28,15 @@ Footprint random_footprint(Random& random) {
     p_BV.emplace_back(a * std::cos(angle), b * std::sin(angle));
   }
   return polygon(std::move(p_BV));
+}
+
+double half_width(const Footprint& footprint) {
+  double low = 0.0, high = 0.0;
+  for (const auto& p : footprint.p_BV) {
+    low = std::min(low, p.y());
+    high = std::max(high, p.y());
+  }
+  return 0.5 * (high - low);
 }
 
 Pose2 random_pose(Random& random, double size) {
@@ -146,13 +156,24 @@ TEST(Footprint, OverlapWithAnEllipseMatchesBruteForce) {
   EXPECT_LT(overlapping, 2500);
 }
 
+TEST(Footprint, IsCoveredByAsManyDiscsAsTheOverhangAsksFor) {
+  const Footprint wheelchair = rectangle(1.0, 0.65, 0.2);
+  for (const auto& [overhang, count] : {std::pair{0.014, 6}, {0.016, 5}, {0.04, 4}, {1.0, 1}})
+    EXPECT_EQ(cover_by_discs(wheelchair, overhang).size(), static_cast<std::size_t>(count))
+        << overhang;
+}
+
 TEST(Footprint, IsContainedInTheDiscsThatCoverIt) {
   Random random(4);
   for (int i = 0; i < 500; ++i) {
     const Footprint footprint = random_footprint(random);
-    for (const int count : {1, 2, 3, 5}) {
-      const auto discs = cover_by_discs(footprint, count);
-      ASSERT_EQ(discs.size(), static_cast<std::size_t>(count));
+    std::size_t fewest = 0;
+    for (const double overhang : {2.0, 0.1, 0.03, 0.01}) {
+      const auto discs = cover_by_discs(footprint, overhang);
+      EXPECT_GE(discs.size(), fewest);
+      fewest = discs.size();
+      for (const Disc& disc : discs)
+        EXPECT_LE(disc.radius, half_width(footprint) + overhang + 1e-9);
       for (int k = 0; k < 50; ++k) {
         const Eigen::Vector2d p{uniform(random, -0.8, 0.8), uniform(random, -0.5, 0.5)};
         if (!inside(footprint, p)) continue;

@@ -22,10 +22,11 @@ struct LossWorlds {
   Footprint footprint;
   std::vector<LossWorld> worlds;
 
-  [[nodiscard]] Loss measure(const ExtractorParams& params, int discs = 0) const {
+  [[nodiscard]] Loss measure(const ExtractorParams& params, double disc_overhang = 0.0) const {
     Loss loss;
     for (const LossWorld& world : worlds)
-      loss.add(measure_loss(world.map, footprint, world.reachable, world.goals, params, discs));
+      loss.add(
+          measure_loss(world.map, footprint, world.reachable, world.goals, params, disc_overhang));
     return loss;
   }
 };

@@ -170,13 +170,13 @@ double Loss::mean_shapes() const {
 
 Loss measure_loss(const std::shared_ptr<const StaticMap>& map, const Footprint& footprint,
                   const ReachablePoses& reachable, const std::vector<Eigen::Vector2d>& goals,
-                  const ExtractorParams& params, int discs) {
+                  const ExtractorParams& params, double disc_overhang) {
   const ShapeIndex shapes(all_shapes(map, params, reachable.start()), circumradius(footprint));
   const auto counts =
       reachable.count([&](const Pose2& X_MB) { return shapes.touches(footprint, X_MB); });
   std::vector<ReachablePoses::Count> disc_counts(counts.size());
-  if (discs > 0) {
-    const auto cover = cover_by_discs(footprint, discs);
+  if (disc_overhang > 0.0) {
+    const auto cover = cover_by_discs(footprint, disc_overhang);
     disc_counts = reachable.count([&](const Pose2& X_MB) { return shapes.touches(cover, X_MB); });
   }
   const Grid& grid = map->grid();

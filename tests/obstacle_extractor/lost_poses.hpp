@@ -76,11 +76,11 @@ struct Loss {
 
 constexpr double kNear = 3.0;  ///< [m]
 
-/// Loss of one world along ways from `p_MS` to each of `goals`; with `discs` > 0 also of the
-/// outline's cover by that many discs.
+/// Loss of one world along ways from `p_MS` to each of `goals`; with `disc_overhang` > 0 also of
+/// the outline's cover by discs.
 [[nodiscard]] Loss measure_loss(const std::shared_ptr<const StaticMap>& map,
                                 const Footprint& footprint, const ReachablePoses& reachable,
                                 const std::vector<Eigen::Vector2d>& goals,
-                                const ExtractorParams& params, int discs);
+                                const ExtractorParams& params, double disc_overhang);
 
 }  // namespace tandem::test

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "local_planner/nmpc_params.hpp"
 #include "loss_worlds.hpp"
 
 namespace tandem::test {
@@ -19,10 +20,11 @@ int run(int every) {
   std::printf("%-16s %9s %10s %8s %5s %5s %5s %9s %10s\n", "world, robot", "m²/shape", "max_excess",
               "shapes", "p50", "p90", "max", "lost %", "by discs %");
   const auto worlds = loss_worlds(every);
-  for (const double space : {0.02, 0.03, 0.05, 0.08, 0.12, 0.2}) {
+  for (const double space : {0.02, 0.03, 0.04, 0.06, 0.1, 0.2}) {
     ExtractorParams params;
     params.space_per_shape = space;
-    for (const LossWorlds& group : worlds) print(group.name, params, group.measure(params, 3));
+    for (const LossWorlds& group : worlds)
+      print(group.name, params, group.measure(params, NmpcParams{}.disc_overhang));
   }
   return 0;
 }
