@@ -329,8 +329,11 @@ def time_cells(values):
 def scenario_table(study, scenario):
     head = ["method", "driver", "n", "reached", "collisions", "drives with one", "time [s]",
             "÷ free hand", "path ÷ shortest", "closest [m]", "mean clearance [m]", "agreement",
-            "… where free", "magnitude", "stuck", "filter changed", "jerk [m/s³]", "SPARC",
-            "stick travel [1/s]"]
+            "… where free", "magnitude", "stuck", "filter changed", "times", "jerk [m/s³]", "SPARC",
+            "stick travel [1/s]", "turned back"]
+    barn = any(g["barn_score"] is not None for g in study.summary if g["scenario"] == scenario)
+    if barn:
+        head.append("BARN's score")
     rows = []
     for group in study.summary:
         if group["scenario"] != scenario:
@@ -347,8 +350,11 @@ def scenario_table(study, scenario):
             interval(m["min_clearance_m"], 3), interval(m["mean_clearance_m"]),
             interval(m["agreement_direction"], 3), interval(m["agreement_direction_free"], 3),
             interval(m["agreement_magnitude"]), f"{100 * group['stuck_share']:.1f} %",
-            "–" if rate is None else f"{100 * rate:.2f} %", interval(m["jerk_rms"]),
-            interval(m["spectral_arc_length"]), interval(m["stick_travel_per_s"])))
+            "–" if rate is None else f"{100 * rate:.2f} %", group["intervention_episodes"],
+            interval(m["jerk_rms"]), interval(m["spectral_arc_length"]),
+            interval(m["stick_travel_per_s"]), interval(m["stick_reversals"], 0)))
+        if barn:
+            rows[-1] += (number(group["barn_score"], 3),)
     return table(head, rows)
 
 
@@ -417,8 +423,11 @@ def page(study):
     for scenario in study.scenarios:
         parts += [f"<h2>{html.escape(scenario)}</h2>", scenario_table(study, scenario),
                   image(distributions_picture(study, scenario), f"distributions in {scenario}")]
-        parts += [image(file, f"paths in {key[1]}") for key, file in paths.items()
-                  if key[0] == scenario]
+        shown = [key for key in paths if key[0] == scenario]
+        worlds = len({d["map"] for d in study.of(scenario=scenario)})
+        if worlds > len(shown):
+            parts.append(f"<p>Pictures of {len(shown)} of its {worlds} worlds.</p>")
+        parts += [image(paths[key], f"paths in {key[1]}") for key in shown]
     planner = planner_table(study)
     if planner:
         parts += ["<h2>The planner</h2><p>Medians over drives of each drive's quantiles; the "

@@ -17,18 +17,21 @@ struct Hand {
   bool holds = true;
 };
 
-/// How hands differ from their owner's will. Where a source is named it is named from memory; the
-/// other values are our choice.
+/// How hands differ from their owner's will. Frequencies, damping and the drift have sources;
+/// amplitudes, thresholds and how often something happens are our choice, within what lets a
+/// person still drive.
 ///
-///   tremor           a sine on both axes. Essential tremor lies in 4–12 Hz, Parkinson's at rest in
-///                    4–6 Hz (Deuschl, Bain, Brin 1998, consensus statement on tremor).
+///   tremor           a sine on both axes. Essential tremor lies in 4–12 Hz (Bhatia et al. 2018,
+///                    consensus statement of the task force on tremor), Parkinson's in 3–8 Hz.
 ///   over_correction  the turning hand as an underdamped spring and mass, which overshoots each
-///                    change by exp(−π ζ / √(1 − ζ²)), 37 % for ζ = 0.3 (1)
+///                    change by exp(−π ζ / √(1 − ζ²)), 37 % for ζ = 0.3 (1); its 0.8 Hz is our
+///                    choice
 ///   one_sided        unilateral neglect: turns toward the neglected side come out weaker, and the
-///                    way drifts to the other (as the bisected line does; Heilman, Valenstein 1979)
+///                    way drifts to the other, as the bisected line does (Urbanski and Bartolomeo
+///                    2008: patients with left neglect bisect right of the middle)
 ///   quantised        a four-way switch: the larger axis, all of it
-///   pulses           sip and puff: the four-way switch, pressed for a part of each period
-///   dropouts         the hand slips off, dead-man and all, some times a minute
+///   pulses           sip and puff: the four-way switch, pressed for a part of each period (ours)
+///   dropouts         the hand slips off, dead-man and all, some times a minute (ours)
 struct HandParams {
   double tremor_frequency = 0.0;
   double tremor_amplitude = 0.2;
