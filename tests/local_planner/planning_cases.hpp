@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
 #include "local_planner/cycle.hpp"
 #include "local_planner/ellipse_distance.hpp"
+#include "local_planner/trail.hpp"
 #include "local_planner/warm_start.hpp"
 
 namespace tandem::test {
@@ -29,7 +31,18 @@ struct PlanningCase {
   RobotParams robot = {};
   PlanRequest request = {};
   std::vector<Obstacle> obstacles = {};
+  std::vector<Eigen::Vector2d> way = {};  ///< kPath: where the leader drove until now
 };
+
+/// From the robot to X_MG in an S.
+inline std::vector<Eigen::Vector2d> leaders_way(const PlanRequest& request, double bulge) {
+  const Eigen::Vector2d from = request.X_MB.position(), all = request.X_MG.position() - from;
+  const Eigen::Vector2d aside{-bulge * all.y(), bulge * all.x()};
+  std::vector<Eigen::Vector2d> way;
+  for (double s = 0.0; s <= 1.0; s += 0.02)
+    way.push_back(from + s * all + std::sin(2.0 * std::numbers::pi * s) * aside);
+  return way;
+}
 
 /// Everything varies: method, model, horizon, discs, lag (in one case of four), state, reference,
 /// circles and ellipses at rest and moving. One case in four may begin inside of obstacles.
@@ -50,7 +63,7 @@ inline PlanningCase random_case(unsigned seed) {
   }
 
   PlanRequest& request = c.request;
-  request.method = static_cast<Method>(random.below(3));
+  request.method = static_cast<Method>(random.below(4));
   request.X_MB = {random(-3, 3), random(-3, 3), random(-3.1, 3.1)};
   if (!random.one_in(3)) request.command = {random(-0.4, 0.8), random(-1, 1)};
   request.measured = {request.command.v + random(-0.05, 0.05),
@@ -76,6 +89,7 @@ inline PlanningCase random_case(unsigned seed) {
     });
     if (!touched || inside) c.obstacles.push_back(obstacle);
   }
+  if (request.method == Method::kPath) c.way = leaders_way(request, random(-0.25, 0.25));
   return c;
 }
 
@@ -98,11 +112,24 @@ struct StartingPoint {
   Iterate guess;
 };
 
+/// The trail of the leader that drove the case's way and is at the request's X_MG now.
+inline std::vector<Eigen::Vector2d> trail_of(const PlanningCase& c, const PlanRequest& request,
+                                             const Body& body) {
+  if (request.method != Method::kPath) return {};
+  Trail trail;
+  for (const Eigen::Vector2d& p_ML : c.way) trail.extend(p_ML, c.request.X_MB.position());
+  trail.extend(request.X_MG.position(), request.X_MB.position());
+  return trail.free_points(body, request.obstacles, {.margin = c.params.margin},
+                           leader_onward(request, c.params));
+}
+
 /// Problem and guess of the first cycle.
 inline StartingPoint first_problem(const PlanningCase& c, bool blind) {
   const Body body = body_of(c.params, c.robot);
   PlanRequest request = c.request;
   request.obstacles = c.obstacles;
+  const std::vector<Eigen::Vector2d> trail = trail_of(c, request, body);
+  request.trail = trail;
   const Cycle cycle = begin_cycle(request, c.params, c.robot, body);
   const Forecast guess = cold_guess(cycle);
   Ocp ocp = problem(cycle, guess);
@@ -138,6 +165,8 @@ inline StartingPoint next_problem(const PlanningCase& c, const Solved& last, boo
     request.user.w += random(-0.3, 0.3);
   }
   request.obstacles = obstacles;
+  const std::vector<Eigen::Vector2d> trail = trail_of(c, request, body);
+  request.trail = trail;
   const Cycle cycle = begin_cycle(request, c.params, c.robot, body);
   const Ocp wished = problem(cycle, cycle.wish);
   Ocp ocp = problem(cycle, shifted_motion(last, period, wished));
