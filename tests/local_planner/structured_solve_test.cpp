@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
 #include <array>
 #include <cstdio>
 #include <limits>
@@ -238,6 +242,108 @@ TEST(StructuredSolver, SurvivesMultipliersWithoutMeaning) {
     EXPECT_EQ(solution.status, SolveStatus::kConverged) << seed;
     guess.lower[0] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_LE(solver.solve(start.ocp, guess, {.iterations = 300}).iterations, 300);
+  }
+}
+
+// Every number of a problem and of a guess that is zero, replaced.
+StartingPoint with_tiny_for_zero(StartingPoint start, double tiny) {
+  const auto replace = [&](double& value) { value = value == 0.0 ? tiny : value; };
+  Ocp& ocp = start.ocp;
+  for (double* value : {&ocp.X_MB.x, &ocp.X_MB.y, &ocp.X_MB.theta, &ocp.command.v, &ocp.command.w,
+                        &ocp.motion.v, &ocp.motion.w, &ocp.gap_v, &ocp.gap_w})
+    replace(*value);
+  for (Stage& stage : ocp.stages) {
+    StageCost& c = stage.cost;
+    for (double* value : {&c.X_MR.x, &c.X_MR.y, &c.X_MR.theta, &c.twist.v, &c.twist.w, &c.change.v,
+                          &c.change.w, &c.q_x, &c.q_y, &c.q_theta, &c.r_v, &c.r_w, &c.c_v, &c.c_w})
+      replace(*value);
+    for (Pair& pair : stage.pairs)
+      for (double* value : {&pair.p_BC.x(), &pair.p_BC.y(), &pair.obstacle.p_MO.x(),
+                            &pair.obstacle.p_MO.y(), &pair.obstacle.angle})
+        replace(*value);
+  }
+  for (auto* values : {&start.guess.z, &start.guess.lambda, &start.guess.lower, &start.guess.upper})
+    std::for_each(values->begin(), values->end(), replace);
+  return start;
+}
+
+// A robot at the origin of the map with everything at rest, and a goal on its axis.
+StartingPoint full_of_zeros(unsigned seed) {
+  PlanningCase c = random_case(seed);
+  c.request.X_MB = {};
+  c.request.command = c.request.measured = c.request.user = {};
+  c.request.X_MG = {seed % 2 == 0 ? 2.0 : 0.0, 0.0, 0.0};
+  for (Obstacle& obstacle : c.obstacles) obstacle.v_MO.setZero();
+  return first_problem(c, false);
+}
+
+// Denormal numbers are to be what they stand for, zeros: the same iterations to the same end. The
+// processor's own way to take them so, FTZ and DAZ, is not asked for: it is a setting of the whole
+// thread, Ipopt's arithmetic included, and there would be nothing for it to do, as shown below.
+TEST(StructuredSolver, TakesDenormalsForZeros) {
+  StructuredSolver solver;
+  constexpr double kTiny = 1e-310;
+  static_assert(kTiny > 0.0 && kTiny < std::numeric_limits<double>::min());
+  for (unsigned seed = 0; seed < 300 / kFewer; ++seed) {
+    const StartingPoint zeros = full_of_zeros(seed);
+    const Solution expected = solver.solve(zeros.ocp, zeros.guess, {.iterations = 300});
+    ASSERT_EQ(expected.status, SolveStatus::kConverged) << seed;
+    for (const double tiny : {kTiny, -kTiny}) {
+      const StartingPoint start = with_tiny_for_zero(zeros, tiny);
+      const Solution& solution = solver.solve(start.ocp, start.guess, {.iterations = 300});
+      EXPECT_TRUE(is_optimal(start.ocp, solution)) << seed;
+      EXPECT_EQ(solution.iterations, expected.iterations) << seed;
+      for (std::size_t i = 0; i < expected.point.z.size(); ++i)
+        ASSERT_NEAR(solution.point.z[i], expected.point.z[i], 1e-6) << seed;
+    }
+  }
+}
+
+#if defined(__SSE2__)
+constexpr unsigned kDenormal = 0x02, kUnderflow = 0x10, kFlags = 0x3f;  // of MXCSR
+
+// What the processor remembers of `f`: whether an operand was denormal, or a result.
+template <class F>
+unsigned denormals_of(F&& f) {
+  _mm_setcsr(_mm_getcsr() & ~kFlags);
+  f();
+  return _mm_getcsr() & (kDenormal | kUnderflow);
+}
+
+TEST(StructuredSolver, ComesToNoDenormalByItself) {
+  volatile double tiny = 1e-310;
+  ASSERT_EQ(denormals_of([&] { tiny = 3.0 * tiny; }) & kDenormal, kDenormal) << "is not seen";
+  StructuredSolver solver;
+  int solves = 0, denormal = 0;
+  for (unsigned seed = 0; seed < 1000 / kFewer; ++seed)
+    for_each_begin(seed, [&](Begin, const StartingPoint& start) {
+      const auto solve = [&] { (void)solver.solve(start.ocp, start.guess, {.iterations = 300}); };
+      denormal += denormals_of(solve) != 0 ? 1 : 0;
+      ++solves;
+    });
+  std::printf("%d of %d solves come to a denormal number\n", denormal, solves);
+  EXPECT_LE(denormal, solves / 1000);
+}
+#endif
+
+TEST(StructuredSolver, TakesDenormalMultipliersForZeros) {
+  StructuredSolver solver;
+  for (unsigned seed = 0; seed < 300 / kFewer; ++seed) {
+    const StartingPoint start = first_problem(random_case(seed), false);
+    const Iterate end = solver.solve(start.ocp, start.guess, {.iterations = 300}).point;
+    const auto from = [&](double multiplier) {
+      Iterate guess = end;
+      for (auto* values : {&guess.lambda, &guess.lower, &guess.upper})
+        values->assign(values->size(), multiplier);
+      return Solution{solver.solve(start.ocp, guess, {.iterations = 300})};
+    };
+    const Solution zeros = from(0.0);
+    for (const double tiny : {1e-310, -1e-310}) {
+      const Solution solution = from(tiny);
+      EXPECT_EQ(solution.status, zeros.status) << seed;
+      EXPECT_EQ(solution.iterations, zeros.iterations) << seed;
+      EXPECT_LE(first_twists_apart(solution, zeros), 1e-6) << seed;
+    }
   }
 }
 
