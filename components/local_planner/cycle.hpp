@@ -53,6 +53,7 @@ struct Sent {
 struct Candidate {
   Solution solution = {};
   SolverKind solver = SolverKind::kIpopt;  ///< whose solution
+  Verdict verdict = Verdict::kUnjudged;    ///< of the second solver on it
   Ocp ocp = {};
   Forecast motion = {};           ///< within all limits, along the model
   std::vector<double> gaps = {};  ///< N, see clearances()

@@ -122,11 +122,27 @@ void LocalPlannerNode::watch() {
 
 void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   cmd_vel_shared_.publish(to_msg(plan.command));
+  write_status(plan);
+  status_.status_text(name(plan.status));
+  status_.cycles(status_.cycles() + 1);
+  if (plan.source != PlanSource::kSolution) status_.fallbacks(status_.fallbacks() + 1);
+  const double budget = params_->live.nmpc.time_budget;
+  if (budget > 0.0 && plan.solve_time > budget) status_.overruns(status_.overruns() + 1);
+  status_.disagreements(status_.disagreements() + static_cast<std::uint64_t>(plan.disagreements));
+  status_out_.publish(status_);
+  if (plan.disagreements > 0)
+    node_.log().warn_every(1.0, "the second solver does not confirm the plan");
+  publish_paths(plan, request);
+}
+
+// All but the text and the counts from the start.
+void LocalPlannerNode::write_status(const Plan& plan) {
+  const bool is_solution = plan.source == PlanSource::kSolution;
   status_.header(header(node_.stamp(), params_->input.frames.map));
   status_.status(static_cast<int>(plan.status));
-  status_.status_text(name(plan.status));
   status_.source(name(plan.source));
-  status_.solver(name(plan.solver));
+  status_.solver(is_solution ? name(plan.solver) : "");
+  status_.verdict(is_solution ? name(plan.verdict) : "");
   status_.solve_time(plan.solve_time);
   status_.iterations(plan.iterations);
   status_.guesses(plan.guesses);
@@ -139,15 +155,6 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   status_.active_constraints(plan.active);
   status_.slack(plan.slack);
   status_.clearance(plan.clearance);
-  status_.cycles(status_.cycles() + 1);
-  if (plan.source != PlanSource::kSolution) status_.fallbacks(status_.fallbacks() + 1);
-  const double budget = params_->live.nmpc.time_budget;
-  if (budget > 0.0 && plan.solve_time > budget) status_.overruns(status_.overruns() + 1);
-  status_.disagreements(status_.disagreements() + static_cast<std::uint64_t>(plan.disagreements));
-  status_out_.publish(status_);
-  if (plan.disagreements > 0)
-    node_.log().warn_every(1.0, "the second solver does not confirm the plan");
-  publish_paths(plan, request);
 }
 
 void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& request) {
@@ -164,8 +171,7 @@ void LocalPlannerNode::stop(const char* reason) {
   planning_ = false;
   node_.log().warn_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
-  status_.header(header(node_.stamp(), params_->input.frames.map));
-  status_.status(static_cast<int>(PlanStatus::kRefused));
+  write_status({.status = PlanStatus::kRefused, .source = PlanSource::kStanding});
   status_.status_text(reason);
   status_out_.publish(status_);
 }

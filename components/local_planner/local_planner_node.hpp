@@ -85,6 +85,7 @@ class LocalPlannerNode {
   [[nodiscard]] const char* missing(double now) const;
   [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
   void publish(const Plan& plan, const PlanRequest& request);
+  void write_status(const Plan& plan);
   void publish_paths(const Plan& plan, const PlanRequest& request);
   void stop(const char* reason);
 

@@ -141,6 +141,7 @@ Candidate Nmpc::State::solve(Solver& solver, const Cycle& cycle, Ocp ocp, const 
   Candidate out = rate(cycle, std::move(ocp), motion);
   out.solution = std::move(solution);
   out.solver = answer.by;
+  out.verdict = answer.verdict;
   return out;
 }
 
@@ -198,6 +199,7 @@ void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
 void Nmpc::State::certify(const Cycle& cycle, Candidate& best) {
   if (!judge) return;
   Candidate judged = solve(*judge, cycle, best.ocp, best.solution.point);
+  best.verdict = judged.verdict;
   if (is_clear(cycle, judged) || !is_clear(cycle, best)) best = std::move(judged);
 }
 
@@ -230,6 +232,7 @@ Plan Nmpc::State::finish(const Cycle& cycle, const Candidate& best) {
       .status = status == SolveStatus::kConverged ? PlanStatus::kOptimal : PlanStatus::kAcceptable,
       .source = PlanSource::kSolution,
       .solver = best.solver,
+      .verdict = best.verdict,
       .command = best.motion.twist.front(),
       .t0 = cycle.start.t0,
       .dt = params.dt,
@@ -243,7 +246,8 @@ Plan Nmpc::State::finish(const Cycle& cycle, const Candidate& best) {
   return good;
 }
 
-// The ladder below a solution: rest of the last good plan, comfortable braking, full braking.
+// The ladder below a solution: rest of the last good plan, comfortable braking, full braking, which
+// at rest is to stand.
 Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
   const Start& start = cycle.start;
   const double period = params.control_period;
@@ -268,7 +272,8 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
   }
   Plan plan = to_plan(motion, start.t0);
   plan.status = status;
-  plan.source = source;
+  plan.source =
+      start.command == Twist2{} && source == PlanSource::kBraking ? PlanSource::kStanding : source;
   return plan;
 }
 
@@ -293,9 +298,11 @@ Plan Nmpc::State::refuse(const PlanRequest& bad) {
   const Twist2 command = is_finite(bad.command) ? bad.command : Twist2{};
   const Pose2 X_MB = is_finite(bad.X_MB) ? bad.X_MB : Pose2{};
   const double t = std::isfinite(bad.t) ? bad.t : 0.0;
-  return to_plan(braking({X_MB, command, t + params.delay}, params.control_period, robot.a_max,
-                         robot.alpha_max),
-                 t + params.delay);
+  Plan plan = to_plan(braking({X_MB, command, t + params.delay}, params.control_period, robot.a_max,
+                              robot.alpha_max),
+                      t + params.delay);
+  plan.source = command == Twist2{} ? PlanSource::kStanding : PlanSource::kBraking;
+  return plan;
 }
 
 Nmpc::Nmpc(const NmpcParams& params, const RobotParams& robot) {

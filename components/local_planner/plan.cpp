@@ -59,6 +59,8 @@ const char* name(PlanSource source) {
       return "braking";
     case PlanSource::kYielded:
       return "yielded";
+    case PlanSource::kStanding:
+      return "standing";
   }
   return "?";
 }

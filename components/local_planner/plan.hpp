@@ -51,6 +51,7 @@ enum class PlanSource {
   kPrevious,  ///< rest of the last good plan, checked again
   kBraking,   ///< slowing to rest along the current arc
   kYielded,   ///< the person's own wish, unchecked: the plans were refused, see stalemate.hpp
+  kStanding,  ///< zero and nothing else: at rest, or nothing is known to plan from
 };
 
 [[nodiscard]] const char* name(Method method);
@@ -73,6 +74,7 @@ struct Plan {
   PlanStatus status = PlanStatus::kRefused;
   PlanSource source = PlanSource::kBraking;
   SolverKind solver = SolverKind::kIpopt;  ///< whose solution it is, if it is one
+  Verdict verdict = Verdict::kUnjudged;    ///< of the second solver on it
   Twist2 command = {};                     ///< to send now: within reach of the command in force
   double t0 = 0.0;                 ///< when the command acts: request's t plus the delay [s]
   double dt = 0.25;                ///< [s]

@@ -37,7 +37,15 @@ enum class SolverKind {
   kCertified,   ///< structured, and Ipopt from its solution has to find the same
 };
 
+/// How a certified solution was judged.
+enum class Verdict {
+  kUnjudged,     ///< no second solver was asked, or its time was up
+  kConfirmed,    ///< both end in the same optimum
+  kDisagreement  ///< they do not, or the structured solver did not converge
+};
+
 [[nodiscard]] const char* name(SolverKind kind);
+[[nodiscard]] const char* name(Verdict verdict);
 
 /// Throws std::invalid_argument unless `text` is the name of a solver.
 [[nodiscard]] SolverKind solver_named(std::string_view text);

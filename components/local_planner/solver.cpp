@@ -59,6 +59,18 @@ const char* name(SolverKind kind) {
   return "?";
 }
 
+const char* name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kUnjudged:
+      return "unjudged";
+    case Verdict::kConfirmed:
+      return "confirmed";
+    case Verdict::kDisagreement:
+      return "disagreement";
+  }
+  return "?";
+}
+
 SolverKind solver_named(std::string_view text) {
   for (const SolverKind kind :
        {SolverKind::kIpopt, SolverKind::kStructured, SolverKind::kCertified})

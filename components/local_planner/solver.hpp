@@ -6,13 +6,6 @@
 
 namespace tandem {
 
-/// How the answer of a certified solve was judged.
-enum class Verdict {
-  kUnjudged,     ///< no second solver was asked, or its time was up
-  kConfirmed,    ///< both end in the same optimum
-  kDisagreement  ///< they do not, or the structured solver did not converge
-};
-
 struct Answer {
   Solution solution = {};  ///< iterations: of all solvers; iteration_time: Ipopt's, if it was asked
   SolverKind by = SolverKind::kIpopt;  ///< kIpopt or kStructured

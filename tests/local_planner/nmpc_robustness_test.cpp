@@ -31,7 +31,8 @@ TEST(Nmpc, RefusesWhatIsNotFiniteAndBrakes) {
   for (const PlanRequest& request : bad) {
     const Plan plan = planner.solve(request);
     EXPECT_EQ(plan.status, PlanStatus::kRefused);
-    EXPECT_EQ(plan.source, PlanSource::kBraking);
+    EXPECT_EQ(plan.source,
+              is_finite(request.command) ? PlanSource::kBraking : PlanSource::kStanding);
     EXPECT_TRUE(is_finite(plan.command));
     EXPECT_LT(plan.command.v, 0.5);
     EXPECT_EQ(plan.twist.back(), Twist2{});

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
+#include <string>
 
 #include "local_planner/motion_check.hpp"
 #include "local_planner/requests.hpp"
@@ -211,6 +213,54 @@ TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
   EXPECT_LT(plan.command.v, 0.8 - 0.4 * 0.05 - 1e-6);  // harder than comfort
   const Body body{footprint_of(RobotParams{}), {}};
   EXPECT_FALSE(touches(body, plan.X_MB.back(), obstacles.front()));
+}
+
+// A goal so far off that its cost is no number: finite requests that no solver can answer.
+TEST(Nmpc, GoesDownTheLadderRungByRungWhereNoSolverAnswers) {
+  for (const char* solver : {"ipopt", "structured", "certified"}) {
+    NmpcParams params = unlimited();
+    params.solver = solver;
+    Nmpc planner(params, RobotParams{});
+    PlanRequest request = goal_request({4, 0, 0});
+    request.command = request.measured = {0.6, 0.0};
+    const Plan good = planner.solve(request);
+    ASSERT_EQ(good.source, PlanSource::kSolution);
+
+    request.X_MG.x = 1e200;
+    request.t = 0.05;
+    request.X_MB = good.pose_at(0.05);
+    request.command = request.measured = good.command;
+    const Plan rest = planner.solve(request);
+    EXPECT_EQ(rest.source, PlanSource::kPrevious);
+    EXPECT_LT(static_cast<int>(rest.status), 0);
+    EXPECT_NEAR(rest.command.v, good.at(0.05).v, 1e-9);
+    EXPECT_EQ(rest.twist.back(), Twist2{});
+
+    const std::vector<Obstacle> in_the_way{pole(request.X_MB.x + 1.1, 0.0)};
+    request.obstacles = in_the_way;
+    const Plan braking = planner.solve(request);  // the rest of the plan is checked again
+    EXPECT_EQ(braking.source, PlanSource::kBraking);
+    EXPECT_LT(braking.command.v, request.command.v);
+    EXPECT_GT(braking.command.v, 0.0);
+
+    request.t = 2.0;  // the plan is too old
+    request.command = request.measured = {};
+    const Plan standing = planner.solve(request);
+    EXPECT_EQ(standing.source, PlanSource::kStanding);
+    EXPECT_EQ(standing.command, Twist2{});
+    EXPECT_EQ(standing.cost, 0.0);
+    for (const Plan& plan : {rest, braking, standing}) EXPECT_EQ(plan.verdict, Verdict::kUnjudged);
+  }
+}
+
+TEST(Nmpc, EachRungHasItsName) {
+  std::set<std::string> names;
+  for (const PlanSource source :
+       {PlanSource::kSolution, PlanSource::kPrevious, PlanSource::kBraking, PlanSource::kYielded,
+        PlanSource::kStanding})
+    names.insert(name(source));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"solution", "previous", "braking", "yielded", "standing"}));
 }
 
 // Whatever is planned, the robot stands; only where the filter says that it refuses the plans, for

@@ -75,6 +75,8 @@ TEST(Solver, PlanTellsWhoseSolutionItIsAndWhetherItIsConfirmed) {
     const bool by_ipopt = params.solver == "ipopt";
     EXPECT_EQ(plan.solver, by_ipopt ? SolverKind::kIpopt : SolverKind::kStructured);
     EXPECT_EQ(plan.confirmed, params.solver == "certified" ? 1 : 0);  // the winner
+    EXPECT_EQ(plan.verdict,
+              params.solver == "certified" ? Verdict::kConfirmed : Verdict::kUnjudged);
     EXPECT_EQ(plan.disagreements, 0);
   }
   params.solver = "simplex";

@@ -2,6 +2,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "support/captured_log.hpp"
 #include "system/one_component.hpp"
@@ -25,8 +26,11 @@ class PlannerOverDds : public OneComponent {
       command_ = from_msg(msg).value();
       command_out_.publish(msg);
     });
-    status_in_ = node_.create_subscription(topics::planner_status,
-                                           [this](const auto& msg) { says_ = msg.status_text(); });
+    status_in_ = node_.create_subscription(topics::planner_status, [this](const auto& msg) {
+      status_ = msg;
+      says_ = msg.status_text();
+      rungs_.insert(msg.source());
+    });
     beat_ = node_.create_wall_timer(kBeat, [this] { beat(); });
   }
 
@@ -66,6 +70,8 @@ class PlannerOverDds : public OneComponent {
   Pose2 X_;
   Twist2 command_;
   std::string says_;
+  tandem_msgs::msg::PlannerStatus status_;
+  std::set<std::string> rungs_;  // that the status has named
   bool sees_obstacles_ = true, sees_nan_ = false;
   std::vector<Obstacle> around_;
   std::optional<Twist2> user_;
@@ -123,6 +129,38 @@ TEST_F(PlannerOverDds, AnObstacleThatIsNotANumberIsDroppedAndTheOthersStay) {
   ASSERT_TRUE(wait_until([&] { return log_.lines("1 obstacles are not finite") > 0; }));
   EXPECT_TRUE(wait_until([&] { return command_.v < 0.25; }));
   EXPECT_LT(X_.x, wall);
+}
+
+TEST_F(PlannerOverDds, SaysHowItsSolutionWasJudgedAndNothingOfItOnceItStands) {
+  ASSERT_TRUE(wait_until_driving());
+  EXPECT_TRUE(wait_until([&] { return status_.verdict() == "confirmed"; }));
+  EXPECT_EQ(status_.solver(), "structured");
+  EXPECT_EQ(status_.source(), "solution");
+  EXPECT_GT(status_.cost(), 0.0);
+  const auto cycles = status_.cycles();
+  sees_obstacles_ = false;
+  ASSERT_TRUE(wait_until_standing("obstacles are silent"));
+  EXPECT_EQ(status_.source(), "standing");
+  EXPECT_LT(status_.status(), 0);
+  EXPECT_EQ(status_.solver() + status_.verdict(), "");
+  EXPECT_EQ(status_.cost() + status_.cost_pose() + status_.cost_twist() + status_.cost_change(), 0);
+  EXPECT_EQ(status_.solve_time() + status_.slack() + status_.clearance(), 0.0);
+  EXPECT_EQ(status_.iterations() + status_.guesses() + status_.solves(), 0);
+  EXPECT_GE(status_.cycles(), cycles) << "what counts from the start is kept";
+}
+
+// A goal so far off that its cost is no number: no solver answers. The last plan serves for a
+// second.
+TEST_F(PlannerOverDds, NamesEachRungOfTheFallbackLadder) {
+  ASSERT_TRUE(wait_until_driving());
+  EXPECT_EQ(status_.source(), "solution");
+  rungs_.clear();
+  send_goal({1e200, 0.0, 0.0});
+  EXPECT_TRUE(wait_until([&] { return rungs_.contains("previous"); }));
+  EXPECT_TRUE(wait_until([&] { return rungs_.contains("braking"); }));
+  EXPECT_TRUE(wait_until([&] { return command_ == Twist2{} && status_.source() == "standing"; }));
+  EXPECT_EQ(status_.solver() + status_.verdict(), "");
+  EXPECT_TRUE(wait_until_driving());
 }
 
 class PlannerWithLocaliser : public PlannerOverDds {
