@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdio>
 #include <limits>
+#include <map>
 
 #include "local_planner/ipopt_solve.hpp"
 #include "local_planner/optimality.hpp"
@@ -49,6 +50,19 @@ bool is_optimal(const Ocp& ocp, const Solution& solution) {
 int percentile(std::vector<int> values, double p) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
+}
+
+TEST(RandomCases, AreOfEveryMethodAndPathsHaveATrail) {
+  std::map<Method, int> drawn;
+  int trails = 0;
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    const PlanningCase c = random_case(seed);
+    ++drawn[c.request.method];
+    trails += trail_of(c, c.request, body_of(c.params, c.robot)).size() > 2 ? 1 : 0;
+  }
+  for (const Method method : {Method::kLeader, Method::kIntention, Method::kPath, Method::kGoal})
+    EXPECT_GT(drawn[method], 60) << name(method);
+  EXPECT_GT(trails, 0.9 * drawn[Method::kPath]);
 }
 
 TEST(StructuredSolver, EndsInAnOptimumFromWarmColdAndInfeasibleStarts) {
