@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Closed loop of Devalla 2020, script B.2, with CasADi and the Ipopt in its wheel.
 
-One JSON object on standard output: `ms`, the time of each solve; `cpu_ms`, its thread's share; `cost`, the sum of the stage costs
+One JSON object on standard output: `ms`, the time of each solve; `cpu_ms`, its thread's share;
+`violations`, how many solutions come nearer to a pole than allowed; `cost`, the sum of the stage costs
 along the driven path; `error`, the last ‖x − x_g‖ in the plane; `path`, the poses.
 
     casadi_script_b2.py script|best [--steps N]
@@ -82,7 +83,7 @@ def drive(options, steps):
         "solver", "ipopt", nlp, {"ipopt": {"print_level": 0, "sb": "yes", **options}, "print_time": 0}
     )
     x, guess = START.copy(), np.r_[np.tile(START, N + 1), np.zeros(2 * N)]
-    multipliers, times, cpu_times, path, cost = {}, [], [], [x.tolist()], 0.0
+    multipliers, times, cpu_times, path, cost, violations = {}, [], [], [x.tolist()], 0.0, 0
     for _ in range(steps):
         start, cpu_start = time.perf_counter(), time.thread_time()
         solution = solver(x0=guess, p=np.r_[x, GOAL], **limits, **multipliers)
@@ -90,6 +91,9 @@ def drive(options, steps):
         cpu_times.append(1e3 * (time.thread_time() - cpu_start))
         z = np.array(solution["x"]).ravel()
         u = z[3 * (N + 1) :][:2]
+        X = z[: 3 * (N + 1)].reshape(N + 1, 3)
+        distances = np.hypot(X[1:, :1] - POLES_X, X[1:, 1:2] - POLES_Y)
+        violations += int(distances.min() < GAP - 1e-4)
         if options.get("warm_start_init_point") == "yes":
             multipliers = {"lam_x0": solution["lam_x"], "lam_g0": solution["lam_g"]}
         cost += float((x - GOAL) @ Q @ (x - GOAL) + u @ R @ u)
@@ -99,6 +103,7 @@ def drive(options, steps):
     return {
         "ms": times,
         "cpu_ms": cpu_times,
+        "violations": violations,
         "cost": cost,
         "error": float(np.hypot(*(x - GOAL)[:2])),
         "path": path,
