@@ -73,6 +73,11 @@ struct Seen {
                 when, seconds, commands, without_command, plans, without_plan, overruns);
   }
 
+  /// Of the plans.
+  [[nodiscard]] double share_late() const {
+    return static_cast<double>(overruns) / std::max(1.0, static_cast<double>(plans));
+  }
+
   double seconds, without_command, without_plan;
   long commands, plans;
   unsigned long overruns;
@@ -122,7 +127,7 @@ TEST(LargeMap, IsDecodedWhileTheLoopsGoOn) {
   // No deadline is missed that would not be without the map, on a machine as busy as this one.
   EXPECT_LT(busy.without_command, std::max(kBaseStops, 2.0 * calm.without_command));
   EXPECT_LT(busy.without_plan, std::max(kPlannerIsSilent, 2.0 * calm.without_plan));
-  EXPECT_LE(busy.overruns, calm.overruns + 1);
+  EXPECT_LE(busy.share_late(), calm.share_late() + 0.1);
   EXPECT_EQ(system.collisions, 0U);
   EXPECT_TRUE(system.wait_until_driving()) << "does not drive on";
 }
