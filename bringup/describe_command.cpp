@@ -99,9 +99,10 @@ const std::map<std::string, Description>& descriptions() {
            "odom, tf, obstacles, cmd_vel, leader_pose | cmd_vel_user | goal_pose -> "
            "cmd_vel_shared, plan, user_path, planner/status")},
       {"arbitration",
-       describe<ArbiterParams>("cmd_vel_user, cmd_vel_shared, cmd_vel_nav, planner/status, e_stop "
-                               "-> cmd_vel_arbitrated, arbitration/status; services "
-                               "~/set_policy, ~/release_emergency_stop")},
+       describe<ArbiterParams>("cmd_vel_user, cmd_vel_shared, cmd_vel_nav, planner/status, "
+                               "safety_filter/status, e_stop -> cmd_vel_arbitrated, "
+                               "arbitration/status, /diagnostics; services ~/set_policy, "
+                               "~/release_emergency_stop")},
       {"safety_filter", describe<SafetyFilterNodeParams>(
                             "cmd_vel_arbitrated, octomap_binary, octomap_local, odom, tf "
                             "-> cmd_vel, safety_filter/status, /diagnostics")},

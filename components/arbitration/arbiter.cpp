@@ -12,6 +12,7 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
 }
 
 constexpr double kLetsGo = 0.5;  // [s] of silence: no gap in a stream, the stick is let go
+constexpr double kGone = 0.5;    // [s] of a node's silence: no gap, nobody is there
 
 bool is_rest(const Twist2& twist, double threshold) {
   return std::abs(twist.v) <= threshold && std::abs(twist.w) <= threshold;
@@ -71,6 +72,8 @@ const char* name(ArbitrationReason reason) {
       return "cmd_vel_shared is silent";
     case ArbitrationReason::kAllSilent:
       return "no command";
+    case ArbitrationReason::kClockSilent:
+      return "/clock is silent";
   }
   return "?";
 }
@@ -201,6 +204,22 @@ Decision Arbiter::ramp(Decision decision, double now) {
   if (decision.reason == ArbitrationReason::kFollowsSource)
     decision.reason = ArbitrationReason::kHandover;
   return decision;
+}
+
+std::string Arbiter::why(const Decision& decision, double now) const {
+  const std::string own = name(decision.reason);
+  const bool stops_here = decision.source == Source::kNone;
+  if (stops_here && decision.reason != ArbitrationReason::kUserSilent) return own;
+  if (const std::string trouble = trouble_of_filter(now); !trouble.empty()) return trouble;
+  const bool planned = decision.source == Source::kShared || decision.source == Source::kBlend;
+  if (planned && !planner_.trouble.empty() && now - planner_.t <= kGone)
+    return "planner: " + planner_.trouble;
+  return own;
+}
+
+std::string Arbiter::trouble_of_filter(double now) const {
+  if (filter_.heard && now - filter_.t > kGone) return "safety filter is silent";
+  return filter_.trouble.empty() ? std::string{} : "safety filter: " + filter_.trouble;
 }
 
 std::vector<std::string> Arbiter::silent_sources(double now) const {

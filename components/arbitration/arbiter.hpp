@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the person's, the planner's and an outside autonomy's commands with the time each arrived.
-// Out: one command, and why.
+// In: the person's, the planner's and an outside autonomy's commands with the time each arrived,
+// and what planner and safety filter have to complain of. Out: one command, and why.
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arbitration/performance.hpp"
@@ -30,6 +31,7 @@ enum class ArbitrationReason {
   kUserSilent,
   kSharedSilent,
   kAllSilent,
+  kClockSilent,  ///< nobody knows what is old
 };
 
 [[nodiscard]] const char* name(Policy policy);
@@ -105,6 +107,10 @@ class Arbiter {
   void on_nav(const Twist2& twist, double t);
   /// Distance of the robot to the nearest obstacle [m], which drives `blend`.
   void on_clearance(double clearance, double t);
+  /// Why the planner has no plan; empty: it has one.
+  void on_planner(std::string trouble, double t) { planner_ = {std::move(trouble), t, true}; }
+  /// Why the safety filter lets nothing pass; empty: something passes.
+  void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t, true}; }
 
   /// Latches: only release_emergency_stop() frees, and only after the last word was `false`. It
   /// ends policy kAutonomous (kShared follows), and the person has to let go before they drive on:
@@ -118,6 +124,10 @@ class Arbiter {
   [[nodiscard]] Policy policy() const { return policy_; }
 
   [[nodiscard]] Decision decide(double now);
+  /// Why the robot does what it does after `decision`. Of several reasons to stand the one that
+  /// somebody has to mend: what stops here or in the filter, before that nobody steers; then what
+  /// hinders the planner, if its command goes on; else the decision's own.
+  [[nodiscard]] std::string why(const Decision& decision, double now) const;
   /// Names of the inputs that were heard once and are silent now.
   [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
 
@@ -133,6 +143,13 @@ class Arbiter {
     }
   };
 
+  struct Word {
+    std::string trouble;
+    double t = 0.0;
+    bool heard = false;
+  };
+
+  [[nodiscard]] std::string trouble_of_filter(double now) const;
   [[nodiscard]] Decision choose(double now);
   [[nodiscard]] bool steers(double now) const;
   [[nodiscard]] Decision choose_autonomous(double now) const;
@@ -143,6 +160,7 @@ class Arbiter {
   ArbiterParams params_;
   Policy policy_;
   Input user_, shared_, nav_;
+  Word planner_, filter_;
   double clearance_ = 0.0, clearance_time_ = 0.0;
   bool clearance_heard_ = false;
   Performance performance_;

@@ -2,6 +2,7 @@
 #include "arbitration/arbitration_node.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "runtime/component.hpp"
 #include "topics.hpp"
@@ -16,14 +17,22 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
       arbiter_{params_->arbiter},
       cmd_vel_arbitrated_{node.create_publisher(topics::cmd_vel_arbitrated)},
       status_{node.create_publisher(topics::arbitration_status)},
+      diagnostics_{node},
       user_{node, topics::cmd_vel_user, topics::kUserInput, params_->input,
             [this](const auto& msg) { on_command(msg, Source::kUser); }},
       shared_{node, topics::cmd_vel_shared, params_->input,
               [this](const auto& msg) { on_command(msg, Source::kShared); }},
       nav_{node, topics::cmd_vel_nav, params_->input,
            [this](const auto& msg) { on_command(msg, Source::kNav); }},
-      planner_{node.create_subscription(topics::planner_status, [this](const auto& msg) {
-        arbiter_.on_clearance(msg.clearance(), node_.now());
+      planner_{node.create_subscription(
+          topics::planner_status,
+          [this](const auto& msg) {
+            arbiter_.on_clearance(msg.clearance(), node_.now());
+            arbiter_.on_planner(msg.status() < 0 ? msg.status_text() : "", node_.now());
+          })},
+      filter_{node.create_subscription(topics::filter_status, [this](const auto& msg) {
+        const bool nothing_passes = msg.scale() == 0.0 && from_msg(msg.passed()) == Twist2{};
+        arbiter_.on_filter(nothing_passes ? msg.reason() : "", node_.now());
       })} {
   subscribe_emergency_stop();
   offer_services();
@@ -98,11 +107,22 @@ void ArbitrationNode::watch() {
   if (node_.clock_silence() > kClockSilence) {
     node_.log().warn_every(1.0, "/clock is silent: stopping");
     cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
+    decision_ = Decision{};
+    decision_.reason = ArbitrationReason::kClockSilent;
+    say_why();
     return;
   }
   const Source in_charge = arbiter_.decide(node_.now()).source;
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;
   if (just_stopped || node_.steady_now() - published_ >= kRepeat) decide(in_charge);
+  say_why();
+}
+
+void ArbitrationNode::say_why() {
+  const std::string why = arbiter_.why(decision_, node_.now());
+  const bool stands = decision_.source == Source::kNone || why != name(decision_.reason);
+  diagnostics_.say(!stands, why);
+  if (std::exchange(why_, why) != why) publish_status();
 }
 
 void ArbitrationNode::publish_status() {
@@ -111,7 +131,7 @@ void ArbitrationNode::publish_status() {
   msg.policy(name(arbiter_.policy()));
   msg.source(name(decision_.source));
   msg.alpha(decision_.alpha);
-  msg.reason(name(decision_.reason));
+  msg.reason(why_);
   msg.emergency_stop(arbiter_.emergency_stopped());
   msg.deadman(decision_.reason != ArbitrationReason::kUserSilent);
   msg.command(to_msg(decision_.command));

@@ -3,6 +3,7 @@
 
 #include "arbitration/arbiter.hpp"
 #include "convert.hpp"
+#include "diagnostics.hpp"
 #include "runtime/node.hpp"
 #include "twist_input.hpp"
 
@@ -19,10 +20,12 @@ struct ArbitrationNodeParams {
   }
 };
 
-/// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop → cmd_vel_arbitrated, arbitration/status.
+/// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop, planner/status, safety_filter/status →
+/// cmd_vel_arbitrated, arbitration/status, /diagnostics.
 ///
 /// Passes a command on when it arrives; in between it repeats the command in force, and says zero
-/// as soon as the source in charge is silent. Services: ~/set_policy, ~/release_emergency_stop.
+/// as soon as the source in charge is silent. Why the robot stands, whoever of the three stopped
+/// it, is in status and diagnostics at once. Services: ~/set_policy, ~/release_emergency_stop.
 class ArbitrationNode {
  public:
   static constexpr double kWatchdog = 0.0125;    // [s]
@@ -40,6 +43,7 @@ class ArbitrationNode {
   void offer_services();
   void decide(Source arrived);
   void watch();
+  void say_why();
   void publish_status();
 
   rt::Node& node_;
@@ -48,11 +52,13 @@ class ArbitrationNode {
   Decision decision_;
   double performance_ = 1.0;  ///< as last logged
   double published_ = -1.0;   ///< steady time of the last command [s]
+  std::string why_;           ///< as last published
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;
+  Diagnostics diagnostics_;
   TwistInput user_, shared_, nav_;
-  rt::Subscription planner_, stop_latched_, stop_any_;
+  rt::Subscription planner_, filter_, stop_latched_, stop_any_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
 };

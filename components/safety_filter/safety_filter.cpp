@@ -67,6 +67,8 @@ const char* name(FilterReason reason) {
       return "no map";
     case FilterReason::kNoPeople:
       return "people silent";
+    case FilterReason::kClockSilent:
+      return "/clock is silent";
   }
   return "unknown";
 }

@@ -85,7 +85,8 @@ enum class FilterReason {
   kNotLocalized,
   kPoseJumped,  ///< the pose is not where the wheels lead
   kNoMap,
-  kNoPeople,  ///< they are watched, and nobody says where they are
+  kNoPeople,     ///< they are watched, and nobody says where they are
+  kClockSilent,  ///< the node's word: nobody knows what is old
 };
 
 [[nodiscard]] const char* name(FilterReason reason);

@@ -15,7 +15,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       map_{node, params_->map},
       robot_{node, params_->input},
       status_{node.create_publisher(topics::filter_status)},
-      diagnostics_{node.create_publisher(topics::diagnostics)},
+      diagnostics_{node},
       command_{node, topics::cmd_vel_arbitrated, params_->twist_input, [this](const auto& msg) {
                  // Not finite goes on to the core, which stops for it.
                  filter_.on_command({msg.linear().x(), msg.angular().z()}, node_.now());
@@ -33,8 +33,6 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
   else
     cmd_vel_ = node.create_publisher(topics::cmd_vel);
   watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
-  diagnostics_timer_ =
-      node.create_wall_timer(kDiagnosticsPeriod, [this] { publish_diagnostics(); });
 }
 
 void SafetyFilterNode::update() {
@@ -46,6 +44,7 @@ void SafetyFilterNode::update() {
   updated_ = node_.steady_now();
   send(out.twist);
   publish_status(out);
+  diagnose();
 }
 
 void SafetyFilterNode::send(const Twist2& twist) {
@@ -60,7 +59,11 @@ void SafetyFilterNode::send(const Twist2& twist) {
 void SafetyFilterNode::watch() {
   if (node_.clock_silence() > kClockSilence) {
     node_.log().warn_every(1.0, "/clock is silent: stopping");
-    send(Twist2{});
+    last_ = Filtered{};
+    last_.reason = FilterReason::kClockSilent;
+    send(last_.twist);
+    publish_status(last_);
+    diagnose();
     return;
   }
   if (node_.steady_now() - updated_ >= 0.5 * params_->filter.control_period) update();
@@ -83,22 +86,11 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
   status_.publish(msg);
 }
 
-void SafetyFilterNode::publish_diagnostics() {
-  using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
-  diagnostic_msgs::msg::DiagnosticStatus status;
-  status.name(node_.name());
-  status.hardware_id("tandem");
-  status.level(last_.reason >= FilterReason::kNoCommand ? WARN : OK);
-  status.message(name(last_.reason));
-  if (!params_->filter.enforce) {
-    status.level(WARN);
-    status.message("NOT ENFORCING: commands pass unchanged");
-    node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
-  }
-  diagnostic_msgs::msg::DiagnosticArray msg;
-  msg.header(header(node_.stamp(), ""));
-  msg.status().push_back(std::move(status));
-  diagnostics_.publish(msg);
+void SafetyFilterNode::diagnose() {
+  if (params_->filter.enforce)
+    return diagnostics_.say(last_.reason < FilterReason::kNoCommand, name(last_.reason));
+  node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
+  diagnostics_.say(false, "NOT ENFORCING: commands pass unchanged");
 }
 
 }  // namespace tandem

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "diagnostics.hpp"
 #include "map_input.hpp"
 #include "people_input.hpp"
 #include "robot_state_input.hpp"
@@ -39,8 +40,7 @@ struct SafetyFilterNodeParams {
 /// is simulated: a real robot never runs without it.
 class SafetyFilterNode {
  public:
-  static constexpr double kClockSilence = 0.5;       // [s] of steady time
-  static constexpr double kDiagnosticsPeriod = 1.0;  // [s]
+  static constexpr double kClockSilence = 0.5;  // [s] of steady time
 
   explicit SafetyFilterNode(rt::Node& node);
 
@@ -49,7 +49,7 @@ class SafetyFilterNode {
   void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);
-  void publish_diagnostics();
+  void diagnose();
 
   rt::Node& node_;
   rt::Parameters<SafetyFilterNodeParams> params_;
@@ -64,9 +64,9 @@ class SafetyFilterNode {
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_;                 ///< either this
   rt::Publisher<geometry_msgs::msg::TwistStamped> cmd_vel_stamped_;  ///< or this
   rt::Publisher<tandem_msgs::msg::FilterStatus> status_;
-  rt::Publisher<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
+  Diagnostics diagnostics_;
   TwistInput command_;
-  rt::Timer watchdog_, diagnostics_timer_;
+  rt::Timer watchdog_;
 };
 
 }  // namespace tandem

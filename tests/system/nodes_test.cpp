@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "map/octomap_file.hpp"
@@ -21,17 +22,21 @@ class ArbitrationOverDds : public OneComponent {
     });
     status_ = node_.create_subscription(topics::arbitration_status,
                                         [this](const auto& msg) { reason_ = msg.reason(); });
+    diagnostics_ = node_.create_subscription(topics::diagnostics, [this](const auto& msg) {
+      for (const auto& status : msg.status()) diagnosis_ = {status.level(), status.message()};
+    });
     push_ = node_.create_wall_timer(0.03, [this] { user_.publish(to_msg(Twist2{push_v_, 0.0})); });
   }
 
   rt::RunningComponent arbitration_ = rt::load_component(
       "arbitration", options("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}}));
   rt::Publisher<geometry_msgs::msg::Twist> user_ = node_.create_publisher(topics::cmd_vel_user);
-  rt::Subscription out_, status_;
+  rt::Subscription out_, status_, diagnostics_;
   rt::Timer push_;
   double push_v_ = 0.5, v_ = 0.0;
   long commands_ = 0;
   std::string reason_;
+  std::pair<int, std::string> diagnosis_;  ///< level and message
 };
 
 TEST_F(ArbitrationOverDds, PassesThePersonOnAndStopsWhenTheyFallSilent) {
@@ -44,6 +49,27 @@ TEST_F(ArbitrationOverDds, PassesThePersonOnAndStopsWhenTheyFallSilent) {
 TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsNoCommand) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   push_v_ = kNaN;
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
+}
+
+// What planner and filter complain of is said here too: one place to look at.
+TEST_F(ArbitrationOverDds, SaysInStatusAndDiagnosticsWhyTheRobotStandsWhoeverStoppedIt) {
+  using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
+  const auto says = [&](int level, const std::string& why) {
+    return wait_until([&] { return reason_ == why && diagnosis_ == std::pair{level, why}; });
+  };
+  EXPECT_TRUE(says(OK, "follows the source"));
+  const auto filter = node_.create_publisher(topics::filter_status);
+  tandem_msgs::msg::FilterStatus refusal;
+  refusal.reason("not localized");
+  rt::Timer beat = node_.create_wall_timer(0.02, [&] { filter.publish(refusal); });
+  EXPECT_TRUE(says(WARN, "safety filter: not localized"));
+  refusal.reason("slowed");
+  refusal.scale(0.5);
+  EXPECT_TRUE(says(OK, "follows the source"));
+  beat = {};
+  EXPECT_TRUE(says(WARN, "safety filter is silent"));
+  push_ = {};
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
 }
 
