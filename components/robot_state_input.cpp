@@ -27,7 +27,7 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
   });
 }
 
-std::optional<RobotState> RobotStateInput::state() const {
+std::optional<RobotState> RobotStateInput::state() {
   return localization_.state(node_.now());
 }
 

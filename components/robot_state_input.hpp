@@ -32,7 +32,7 @@ class RobotStateInput {
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
   /// Nothing while odometry or transform is missing or too old.
-  [[nodiscard]] std::optional<RobotState> state() const;
+  [[nodiscard]] std::optional<RobotState> state();
 
  private:
   rt::Node& node_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tandem {
 namespace {
@@ -12,7 +13,8 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
 }
 
 constexpr double kLetsGo = 0.5;  // [s] of silence: no gap in a stream, the stick is let go
-constexpr double kGone = 0.5;    // [s] of a node's silence: no gap, nobody is there
+constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
+constexpr double kGone = 0.5;  // [s] of a node's silence: no gap, nobody is there
 
 bool is_rest(const Twist2& twist, double threshold) {
   return std::abs(twist.v) <= threshold && std::abs(twist.w) <= threshold;
@@ -130,12 +132,25 @@ bool Arbiter::release_emergency_stop() {
 }
 
 Decision Arbiter::decide(double now) {
+  watch_clock(now);
   Decision decision = stop_latched_ ? stop(ArbitrationReason::kEmergencyStop) : choose(now);
   decision = ramp(decision, now);
   decision.performance = performance_.performance();
   last_ = decision;
   last_time_ = now;
   return decision;
+}
+
+// Where the clock was set back, what was heard before is of no known age, and would be as good as
+// new when the clock comes there again.
+void Arbiter::watch_clock(double now) {
+  if (now >= last_time_) return;
+  for (Input* input : {&user_, &shared_, &nav_})
+    if (input->t > now) input->t = kNever;
+  for (Word* word : {&planner_, &filter_})
+    if (word->t > now) *word = {};
+  if (clearance_time_ > now) clearance_heard_ = false;
+  ramp_start_ = kNever;
 }
 
 bool Arbiter::steers(double now) const {

@@ -149,6 +149,7 @@ class Arbiter {
     bool heard = false;
   };
 
+  void watch_clock(double now);
   [[nodiscard]] std::string trouble_of_filter(double now) const;
   [[nodiscard]] Decision choose(double now);
   [[nodiscard]] bool steers(double now) const;

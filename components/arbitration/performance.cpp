@@ -25,7 +25,7 @@ void Performance::on_user(const Twist2& user, double t, const AdaptiveParams& pa
     const double rate = std::min(difference(user, user_) / dt, 2.0 * params.unsteady);
     change_ = toward(change_, rate, dt, kChangeTime);
   }
-  if (dt <= 0.0) return;
+  if (dt == 0.0) return;
   user_ = user;
   user_time_ = t;
 }

@@ -32,24 +32,27 @@ struct LocalizationParams {
 };
 
 /// Composes X_MB = X_MW X_WB. Knows nothing (nullopt) while either part is missing or too old:
-/// then nobody may drive.
+/// then nobody may drive. A clock that is set back makes all old that was heard before.
 class Localization {
  public:
   explicit Localization(const LocalizationParams& params) : params_{params} {}
 
   void on_odom(const Pose2& X_WB, const Twist2& twist, double t) {
+    watch_clock(t);
     if (!is_finite(X_WB) || !is_finite(twist)) return;
     X_WB_ = X_WB;
     twist_ = twist;
     odom_time_ = t;
   }
   void on_transform(const Pose2& X_MW, double t) {
+    watch_clock(t);
     if (!is_finite(X_MW)) return;
     X_MW_ = X_MW;
     transform_time_ = t;
   }
 
-  [[nodiscard]] std::optional<RobotState> state(double now) const {
+  [[nodiscard]] std::optional<RobotState> state(double now) {
+    watch_clock(now);
     if (!odom_time_ || now - *odom_time_ > params_.odom_timeout) return std::nullopt;
     if (params_.map_is_odom) return RobotState{X_WB_, twist_, *odom_time_};
     if (!transform_time_ || now - *transform_time_ > params_.transform_timeout) return std::nullopt;
@@ -57,6 +60,13 @@ class Localization {
   }
 
  private:
+  // What is later than now is of before the clock was set back: it would be as good as new when the
+  // clock comes there again.
+  void watch_clock(double now) {
+    if (odom_time_ && *odom_time_ > now) odom_time_.reset();
+    if (transform_time_ && *transform_time_ > now) transform_time_.reset();
+  }
+
   LocalizationParams params_;
   Pose2 X_WB_, X_MW_;
   Twist2 twist_;

@@ -69,7 +69,7 @@ void OctomapBuilderNode::insert(const char* topic, const Echoes& echoes,
 }
 
 // A message without a stamp is one of now.
-std::optional<Pose2> OctomapBuilderNode::pose_at(const Stamp& stamp) const {
+std::optional<Pose2> OctomapBuilderNode::pose_at(const Stamp& stamp) {
   const auto robot = robot_.state();
   if (!robot) return std::nullopt;
   return is_zero(stamp) ? robot->X_MB : poses_.at(rt::to_seconds(stamp));

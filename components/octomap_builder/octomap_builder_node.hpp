@@ -42,7 +42,7 @@ class OctomapBuilderNode {
   void subscribe();
   void insert(const char* topic, const Echoes& echoes, const std_msgs::msg::Header& header,
               const Eigen::Isometry3d& X_BS);
-  [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp) const;
+  [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp);
   void publish_if_due();
 
   rt::Node& node_;

@@ -94,12 +94,13 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
   bounds_ = {robot.command_delay + robot.motor_lag, robot.a_brake, robot.alpha_brake,
              params.brake_spread};
   people_check_.emplace(params.people, robot, body_, params.brake_spread);
-  jumped_until_ = -std::numeric_limits<double>::infinity();
+  jumped_until_ = updated_ = -std::numeric_limits<double>::infinity();
 }
 
 void SafetyFilter::on_command(const Twist2& twist, double t) { command_ = TimedTwist{twist, t}; }
 
 Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now) {
+  watch_clock(now);
   if (state) watch_pose(*state, now);
   Filtered out = decide(state, now);
   const bool drives =
@@ -108,6 +109,15 @@ Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now
   out.refused = out.reason < FilterReason::kNoCommand && moves(out.requested) && !moves(out.twist);
   remember(out.twist, now);
   return out;
+}
+
+// Where the clock was set back, what was heard before is of no known age; what was sent last acts.
+void SafetyFilter::watch_clock(double now) {
+  if (std::exchange(updated_, now) <= now) return;
+  if (command_ && command_->t > now) command_.reset();
+  if (people_.t > now) people_.t = -std::numeric_limits<double>::infinity();
+  jumped_until_ = std::min(jumped_until_, now + params_.jump_rest);
+  if (!sent_.empty()) sent_.assign(1, TimedTwist{sent_.back().twist, now});
 }
 
 // From one pose to the next the wheels must lead there, but for how late odometry may arrive.

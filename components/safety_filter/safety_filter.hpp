@@ -139,6 +139,7 @@ class SafetyFilter {
  private:
   struct Scene;
 
+  void watch_clock(double now);
   void watch_pose(const RobotState& state, double now);
   [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
@@ -163,6 +164,7 @@ class SafetyFilter {
   std::vector<TimedTwist> sent_;  // oldest first
   std::optional<RobotState> last_state_;
   double jumped_until_;  // [s]
+  double updated_;       // [s]
 };
 
 }  // namespace tandem

@@ -75,10 +75,11 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
 }
 
 std::optional<Intent> Teleop::update(double now) {
-  if (!held_ || now - last_ <= params_.joy_timeout) return std::nullopt;
+  const double silence = now - last_;  // below zero: the clock was set back
+  if (!held_ || (0.0 <= silence && silence <= params_.joy_timeout)) return std::nullopt;
   held_ = false;
   X_ML_.reset();
-  return Intent{};
+  return silence > 0.0 ? std::optional<Intent>{Intent{}} : std::nullopt;
 }
 
 void Teleop::drive_leader(const Stick& stick, const Pose2& X_MB, double dt) {

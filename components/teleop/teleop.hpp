@@ -93,7 +93,8 @@ class Teleop {
   [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                                double t);
 
-  /// A joystick that fell silent is a released one.
+  /// A joystick that fell silent is a released one. So is one from before the clock was set back,
+  /// without a zero: nobody has said anything since.
   [[nodiscard]] std::optional<Intent> update(double now);
 
  private:

@@ -194,6 +194,26 @@ TEST(Arbiter, RefusesAnUnknownPolicy) {
   EXPECT_THROW((void)policy_from(""), std::invalid_argument);
 }
 
+TEST(Arbiter, ACommandOfBeforeTheClockWasSetBackIsOld) {
+  Arbiter it = arbiter("manual");
+  it.on_user({0.5, 0.0}, 60.0);
+  EXPECT_EQ(it.decide(60.0).command.v, 0.5);
+  EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kUserSilent);
+  EXPECT_EQ(it.decide(60.05).reason, ArbitrationReason::kUserSilent);
+  it.on_user({0.5, 0.0}, 60.1);
+  EXPECT_EQ(it.decide(60.1).command.v, 0.5);
+}
+
+TEST(Arbiter, ARampEndsWhereTheClockIsSetBack) {
+  Arbiter it = arbiter("autonomous", 0.4);
+  it.on_nav({0.2, 0.0}, 60.0);
+  EXPECT_EQ(it.decide(60.0).command.v, 0.2);
+  it.on_user({0.6, 0.0}, 60.1);
+  EXPECT_EQ(it.decide(60.1).command.v, 0.2);
+  it.on_user({0.6, 0.0}, 0.0);
+  EXPECT_EQ(it.decide(0.0).command.v, 0.6);
+}
+
 // Drives for the planner at time t [s].
 void drive(Arbiter& it, double t) {
   it.on_user({0.5, 0.0}, t);

@@ -78,6 +78,19 @@ TEST(Localization, KnowsNothingOnceAPartIsTooOld) {
   EXPECT_TRUE(localization.state(1.2));
 }
 
+TEST(Localization, KnowsNothingOfBeforeTheClockWasSetBack) {
+  Localization localization({});
+  localization.on_transform({}, 5.0);
+  localization.on_odom({}, {}, 5.0);
+  EXPECT_FALSE(localization.state(0.0));
+  localization.on_odom({}, {}, 0.0);
+  EXPECT_FALSE(localization.state(0.0));
+  EXPECT_FALSE(localization.state(5.0));
+  localization.on_transform({}, 5.0);
+  localization.on_odom({}, {}, 5.0);
+  EXPECT_TRUE(localization.state(5.0));
+}
+
 TEST(Localization, NeedsNoTransformIfTheFramesAreOne) {
   Localization localization({.map_is_odom = true});
   localization.on_odom({1.0, 2.0, 0.3}, {}, 0.0);

@@ -193,6 +193,20 @@ TEST(SafetyFilter, StandsWhenThePoseJumpsAndBelievesItOnlyAfterAWhile) {
   }
 }
 
+TEST(SafetyFilter, AfterTheClockWasSetBackOldCommandsAreNoneAndOldDoubtsEnd) {
+  SafetyFilter filter = filter_on(wall_ahead());
+  const auto driven = [&](double x, double now) {
+    filter.on_command({0.5, 0.0}, now);
+    return filter.update(RobotState{{x, 0.0, 0.0}, {}, now}, now).reason;
+  };
+  EXPECT_EQ(driven(-3.0, 60.0), FilterReason::kClear);
+  EXPECT_EQ(driven(-2.0, 60.05), FilterReason::kPoseJumped);  // for a second from then on
+  const RobotState state{{-3.0, 0.0, 0.0}, {}, 0.0};
+  EXPECT_EQ(filter.update(state, 0.0).reason, FilterReason::kNoCommand);
+  EXPECT_EQ(driven(-3.0, 0.5), FilterReason::kPoseJumped);
+  EXPECT_EQ(driven(-3.0, 1.05), FilterReason::kClear);
+}
+
 TEST(SafetyFilter, RefusesWhatIsNotFinite) {
   for (const Twist2 command : {Twist2{kNaN, 0.0}, Twist2{0.1, kNaN}, Twist2{kInf, 0.0}}) {
     EXPECT_EQ(once(command, at(-2.0)).reason, FilterReason::kNotFinite);

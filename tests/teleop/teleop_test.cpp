@@ -86,6 +86,14 @@ TEST(Teleop, TakesASilentJoystickAsReleased) {
   EXPECT_FALSE(teleop.update(0.3));
 }
 
+TEST(Teleop, SaysNothingOfAStickOfBeforeTheClockWasSetBack) {
+  Teleop teleop{{}};
+  ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 60.0));
+  EXPECT_FALSE(teleop.update(0.0));
+  EXPECT_FALSE(teleop.update(60.2));
+  EXPECT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 60.3));
+}
+
 TEST(Teleop, LeaderStartsAtTheRobotAndIntegratesTheStick) {
   Teleop teleop{{.gains = {.leader_scale_linear = 0.9}}};
   const Pose2 X_MB{2.0, 1.0, 0.0};
