@@ -3,25 +3,18 @@
 // real DDS: it touches nothing, stands within its bound, somebody says why, and it drives on
 // afterwards. Prints a table; TANDEM_FAULT_TRIES=n tries each fault n times.
 #include <limits>
+#include <memory>
 #include <random>
 
 #include "system/faulty_system.hpp"
+#include "system/not_finite.hpp"
 
 namespace tandem::test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-// Sets one number of a message after the other to NaN, +∞ and −∞, one per message.
-template <class M>
-std::function<void(M&)> each_number(std::vector<std::function<void(M&, double)>> setters) {
-  return [setters, i = std::size_t{0}](M& msg) mutable {
-    const double values[] = {kNaN, kInf, -kInf};
-    setters[i / 3 % setters.size()](msg, values[i % 3]);
-    ++i;
-  };
-}
+constexpr double kNumbersLast = 1.0;  // [s] at least; there is no more to come of it
 
 using Twist = geometry_msgs::msg::Twist;
 using Odom = nav_msgs::msg::Odometry;
@@ -30,49 +23,79 @@ using Obstacles = tandem_msgs::msg::ObstacleArray;
 using Joy = sensor_msgs::msg::Joy;
 using Tf = tf2_msgs::msg::TFMessage;
 
-std::function<void(Twist&)> each_twist() {
-  return each_number<Twist>(
-      {[](Twist& m, double x) { m.linear().x(x); }, [](Twist& m, double x) { m.linear().y(x); },
-       [](Twist& m, double x) { m.linear().z(x); }, [](Twist& m, double x) { m.angular().x(x); },
-       [](Twist& m, double x) { m.angular().y(x); }, [](Twist& m, double x) { m.angular().z(x); }});
+// A fault that sets one number of a message after the other to NaN, +∞ and −∞, one per message, and
+// lasts until each of them was sent.
+template <class M>
+Fault each_number(const char* name, Relay<M>& relay, Setters<M> setters) {
+  const auto sent = std::make_shared<std::size_t>(0);
+  const std::size_t all = 3 * setters.size();
+  const auto spoil = [setters = std::move(setters), sent](M& msg) {
+    setters[*sent / 3 % setters.size()](msg, kNotFinite[*sent % 3]);
+    ++*sent;
+  };
+  Fault fault;
+  fault.name = std::string{"NaN, inf in each of "} + name;
+  fault.begin = [&relay, spoil, sent] {
+    *sent = 0;
+    relay.spoil(spoil);
+  };
+  fault.end = [&relay] { relay.pass(); };
+  fault.lasts = kNumbersLast;
+  fault.done = [sent, all] { return *sent >= all; };
+  return fault;
 }
 
-template <class M, class Pose>
-std::vector<std::function<void(M&, double)>> pose_numbers(Pose pose) {
-  return {[=](M& m, double x) { pose(m).position().x(x); },
-          [=](M& m, double x) { pose(m).position().y(x); },
-          [=](M& m, double x) { pose(m).position().z(x); },
-          [=](M& m, double x) { pose(m).orientation().x(x); },
-          [=](M& m, double x) { pose(m).orientation().y(x); },
-          [=](M& m, double x) { pose(m).orientation().z(x); },
-          [=](M& m, double x) { pose(m).orientation().w(x); }};
+Setters<Twist> command_numbers() {
+  return twist_numbers<Twist>([](Twist & m) -> auto& { return m; });
 }
 
-std::function<void(Odom&)> each_odom() {
+Setters<Odom> odom_numbers() {
   auto all = pose_numbers<Odom>([](Odom & m) -> auto& { return m.pose().pose(); });
-  all.push_back([](Odom& m, double x) { m.twist().twist().linear().x(x); });
-  all.push_back([](Odom& m, double x) { m.twist().twist().angular().z(x); });
-  all.push_back([](Odom& m, double x) { m.pose().covariance()[0] = x; });
-  return each_number<Odom>(std::move(all));
+  for (auto& setter : twist_numbers<Odom>([](Odom & m) -> auto& { return m.twist().twist(); }))
+    all.push_back(std::move(setter));
+  all.push_back([](Odom& m, double x) { m.pose().covariance().fill(x); });
+  all.push_back([](Odom& m, double x) { m.twist().covariance().fill(x); });
+  return all;
 }
 
-std::function<void(Obstacles&)> each_obstacle() {
+// Of both transforms, map → odom and odom → base_link, at once.
+Setters<Tf> tf_numbers() {
+  using Number = std::function<void(geometry_msgs::msg::Transform&, double)>;
+  const std::vector<Number> numbers{[](auto& t, double x) { t.translation().x(x); },
+                                    [](auto& t, double x) { t.translation().y(x); },
+                                    [](auto& t, double x) { t.translation().z(x); },
+                                    [](auto& t, double x) { t.rotation().x(x); },
+                                    [](auto& t, double x) { t.rotation().y(x); },
+                                    [](auto& t, double x) { t.rotation().z(x); },
+                                    [](auto& t, double x) { t.rotation().w(x); }};
+  Setters<Tf> all;
+  for (const auto& number : numbers)
+    all.push_back([number](Tf& m, double x) {
+      for (auto& transform : m.transforms()) number(transform.transform(), x);
+    });
+  return all;
+}
+
+Setters<Obstacles> obstacle_numbers() {
   using Number = std::function<void(tandem_msgs::msg::Obstacle&, double)>;
   const std::vector<Number> numbers{
-      [](auto& o, double x) { o.center().x(x); },  [](auto& o, double x) { o.center().y(x); },
-      [](auto& o, double x) { o.semi_axis_a(x); }, [](auto& o, double x) { o.semi_axis_b(x); },
-      [](auto& o, double x) { o.angle(x); },       [](auto& o, double x) { o.velocity().x(x); }};
-  std::vector<std::function<void(Obstacles&, double)>> all;
+      [](auto& o, double x) { o.center().x(x); },   [](auto& o, double x) { o.center().y(x); },
+      [](auto& o, double x) { o.center().z(x); },   [](auto& o, double x) { o.semi_axis_a(x); },
+      [](auto& o, double x) { o.semi_axis_b(x); },  [](auto& o, double x) { o.angle(x); },
+      [](auto& o, double x) { o.velocity().x(x); }, [](auto& o, double x) { o.velocity().y(x); },
+      [](auto& o, double x) { o.velocity().z(x); }};
+  Setters<Obstacles> all;
   for (const auto& number : numbers)
     all.push_back([number](Obstacles& m, double x) {
       for (auto& obstacle : m.obstacles()) number(obstacle, x);
     });
-  return each_number<Obstacles>(std::move(all));
+  return all;
 }
 
 TEST_F(Faults, OfLinks) {
   auto& s = system_;
   const char* no_user = "cmd_vel_user is silent";
+  const char* jumped = "safety filter: pose jumped";
   const std::function<void(Odom&)> a_metre_off = [](Odom& m) {
     m.pose().pose().position().x(m.pose().pose().position().x() + 1.0);
   };
@@ -86,22 +109,23 @@ TEST_F(Faults, OfLinks) {
     m.pose().pose().position().y() += off(random);
   };
   const auto cut = [](octomap_msgs::msg::Octomap& m) { m.data().resize(m.data().size() / 2); };
-  Fault no_transform = lost("tf", s.tf, "not localized");
+  Fault no_transform = lost("tf", s.tf, "safety filter: not localized");
   no_transform.zero_within = kNoTransform + kZeroWithin;
+  Fault no_wheels = lost("cmd_vel (the base's own time-out)", s.cmd_vel, nullptr);
+  no_wheels.told = Told::kNowhere;
   suffer({lost("joy", s.joy, no_user),
           lost("cmd_vel_user", s.user, no_user),
-          lost("leader_pose", s.leader, "leader_pose is silent"),
-          lost("obstacles", s.obstacles, "obstacles are silent"),
+          lost("leader_pose", s.leader, "planner: leader_pose is silent"),
+          lost("obstacles", s.obstacles, "planner: obstacles are silent"),
           lost("cmd_vel_shared", s.shared, "cmd_vel_shared is silent"),
-          lost("cmd_vel_arbitrated", s.arbitrated, "no command"),
-          lost("cmd_vel (the base's own time-out)", s.cmd_vel, nullptr),
-          lost("odom", s.odom, "not localized"),
-          spoiled("odom jumps by 1 m, and back", s.odom, a_metre_off, "pose jumped", true),
+          lost("cmd_vel_arbitrated", s.arbitrated, "safety filter: no command"),
+          no_wheels,
+          lost("odom", s.odom, "safety filter: not localized"),
+          spoiled("odom jumps by 1 m, and back", s.odom, a_metre_off, jumped),
           no_transform,
-          spoiled("tf jumps by 1 m, and back", s.tf, map_off, "pose jumped", true),
-          spoiled("odom off by up to 1 cm, each by another", s.odom, noisy, nullptr, false),
-          {"half a map after the whole one", [&s, cut] { s.map.say_again(cut); }, [] {}, nullptr,
-           false}});
+          spoiled("tf jumps by 1 m, and back", s.tf, map_off, jumped),
+          spoiled("odom off by up to 1 cm, each by another", s.odom, noisy),
+          {"half a map after the whole one", [&s, cut] { s.map.say_again(cut); }, [] {}}});
 }
 
 TEST_F(Faults, OfNumbers) {
@@ -113,84 +137,88 @@ TEST_F(Faults, OfNumbers) {
     m.angular().z(1e9 * sign);
   };
   const std::function<void(Odom&)> no_place = [](Odom& m) { m.pose().pose().position().x(kInf); };
-  suffer({spoiled("cmd_vel_user NaN", s.user, no_speed, "cmd_vel_user is silent", true),
-          spoiled("cmd_vel_shared NaN", s.shared, no_speed, "cmd_vel_shared is silent", true),
-          spoiled("cmd_vel_arbitrated NaN", s.arbitrated, no_speed, "command not finite", true),
-          spoiled("cmd_vel_shared 1e9 to and fro", s.shared, nonsense, nullptr, false),
-          spoiled("cmd_vel NaN", s.cmd_vel, no_speed, nullptr, true),
-          spoiled("odom at infinity", s.odom, no_place, "not localized", true),
-          spoiled("NaN, inf in each of joy", s.joy,
-                  each_number<Joy>({[](Joy& m, double x) { m.axes()[0] = static_cast<float>(x); },
-                                    [](Joy& m, double x) { m.axes()[1] = static_cast<float>(x); }}),
-                  nullptr, false),
-          spoiled("NaN, inf in each of cmd_vel_user", s.user, each_twist(), nullptr, false),
-          spoiled("NaN, inf in each of leader_pose", s.leader,
-                  each_number<LeaderPose>(
+  Fault no_wheels = spoiled("cmd_vel NaN", s.cmd_vel, no_speed);
+  no_wheels.told = Told::kNowhere;
+  suffer({spoiled("cmd_vel_user NaN", s.user, no_speed, "cmd_vel_user is silent"),
+          spoiled("cmd_vel_shared NaN", s.shared, no_speed, "cmd_vel_shared is silent"),
+          spoiled("cmd_vel_arbitrated NaN", s.arbitrated, no_speed,
+                  "safety filter: command not finite"),
+          spoiled("cmd_vel_shared 1e9 to and fro", s.shared, nonsense), no_wheels,
+          spoiled("odom at infinity", s.odom, no_place, "safety filter: not localized"),
+          each_number<Joy>("joy", s.joy,
+                           {[](Joy& m, double x) { m.axes()[0] = static_cast<float>(x); },
+                            [](Joy& m, double x) { m.axes()[1] = static_cast<float>(x); }}),
+          each_number("cmd_vel_user", s.user, command_numbers()),
+          each_number("leader_pose", s.leader,
                       pose_numbers<LeaderPose>([](LeaderPose & m) -> auto& { return m.pose(); })),
-                  nullptr, false),
-          spoiled("NaN, inf in each of obstacles", s.obstacles, each_obstacle(), nullptr, false),
-          spoiled("NaN, inf in each of cmd_vel_shared", s.shared, each_twist(), nullptr, false),
-          spoiled("NaN, inf in each of cmd_vel_arbitrated", s.arbitrated, each_twist(), nullptr,
-                  false),
-          spoiled("NaN, inf in each of cmd_vel", s.cmd_vel, each_twist(), nullptr, false),
-          spoiled("NaN, inf in each of odom", s.odom, each_odom(), nullptr, false)});
+          each_number("obstacles", s.obstacles, obstacle_numbers()),
+          each_number("cmd_vel_shared", s.shared, command_numbers()),
+          each_number("cmd_vel_arbitrated", s.arbitrated, command_numbers()),
+          each_number("cmd_vel", s.cmd_vel, command_numbers()),
+          each_number("odom", s.odom, odom_numbers()), each_number("tf", s.tf, tf_numbers())});
+}
+
+// Relays of several links that all do the same.
+template <class Change, class... Relays>
+Fault to_all(const char* name, Change change, Relays&... relays) {
+  return {name, [=, &relays...] { (change(relays), ...); }, [&relays...] { (relays.pass(), ...); }};
 }
 
 TEST_F(Faults, OfTime) {
   auto& s = system_;
-  const auto on = [](auto& relay, auto change) {
-    return std::function<void()>{[&relay, change] { change(relay); }};
-  };
-  const auto off = [](auto& relay) { return std::function<void()>{[&relay] { relay.pass(); }}; };
   const auto half = [](auto& relay) { relay.lose(0.5); };
   const auto late = [](auto& relay) { relay.delay(0.0, 0.5); };
   const auto thrice = [](auto& relay) { relay.repeat(3); };
-  suffer(
-      {{"half of joy lost", on(s.joy, half), off(s.joy), nullptr, false},
-       {"half of cmd_vel_user lost", on(s.user, half), off(s.user), nullptr, false},
-       {"half of cmd_vel_shared lost", on(s.shared, half), off(s.shared), nullptr, false},
-       {"half of cmd_vel lost", on(s.cmd_vel, half), off(s.cmd_vel), nullptr, false},
-       {"half of odom lost", on(s.odom, half), off(s.odom), nullptr, false},
-       {"joy 0-0.5 s late, out of order", on(s.joy, late), off(s.joy), nullptr, false},
-       {"cmd_vel_user 0-0.5 s late, out of order", on(s.user, late), off(s.user), nullptr, false},
-       {"cmd_vel_shared 0-0.5 s late, out of order", on(s.shared, late), off(s.shared), nullptr,
-        false},
-       {"cmd_vel_arbitrated 0-0.5 s late", on(s.arbitrated, late), off(s.arbitrated), nullptr,
-        false},
-       {"obstacles 0-0.5 s late, out of order", on(s.obstacles, late), off(s.obstacles), nullptr,
-        false},
-       {"cmd_vel_shared three times", on(s.shared, thrice), off(s.shared), nullptr, false},
-       {"cmd_vel three times", on(s.cmd_vel, thrice), off(s.cmd_vel), nullptr, false}});
+  suffer({to_all("half of joy, cmd_vel_user, leader_pose lost", half, s.joy, s.user, s.leader),
+          to_all("half of obstacles, cmd_vel_shared lost", half, s.obstacles, s.shared),
+          to_all("half of cmd_vel_arbitrated, cmd_vel lost", half, s.arbitrated, s.cmd_vel),
+          to_all("half of odom, tf lost", half, s.odom, s.tf),
+          to_all("joy 0-0.5 s late, out of order", late, s.joy),
+          to_all("cmd_vel_user, leader_pose 0-0.5 s late, out of order", late, s.user, s.leader),
+          to_all("obstacles 0-0.5 s late, out of order", late, s.obstacles),
+          to_all("cmd_vel_shared 0-0.5 s late, out of order", late, s.shared),
+          to_all("cmd_vel_arbitrated 0-0.5 s late, out of order", late, s.arbitrated),
+          to_all("cmd_vel 0-0.5 s late, out of order", late, s.cmd_vel),
+          to_all("odom, tf 0-0.5 s late, out of order", late, s.odom, s.tf),
+          to_all("joy, cmd_vel_user, leader_pose, obstacles thrice", thrice, s.joy, s.user,
+                 s.leader, s.obstacles),
+          to_all("cmd_vel_shared, _arbitrated, cmd_vel, odom, tf thrice", thrice, s.shared,
+                 s.arbitrated, s.cmd_vel, s.odom, s.tf)});
 }
 
 // A second robot on the same names, or a second person at the stick.
 TEST_F(Faults, OfStrangers) {
   auto& s = system_;
-  const auto intruded = [](const char* name, auto& relay, auto spoil, const char* reason,
-                           bool stands) {
+  const auto intruded = [](const char* name, auto& relay, auto spoil,
+                           const char* reason = nullptr) {
     return Fault{name, [&relay, spoil] { relay.intrude(spoil); }, [&relay] { relay.pass(); },
-                 reason, stands};
+                 reason};
   };
   const auto full_ahead = [](Twist& m) {
     m.linear().x(0.8);
     m.angular().z(0.0);
   };
+  const auto elsewhere = [](Tf& m) {
+    for (auto& transform : m.transforms()) transform.transform().translation().y(3.0);
+  };
   suffer({intruded(
               "odom of a second robot", s.odom, [](Odom& m) { m.pose().pose().position().y(3.0); },
-              "pose jumped", true),
-          intruded(
-              "obstacles of a second robot: none", s.obstacles,
-              [](Obstacles& m) { m.obstacles({}); }, nullptr, false),
-          intruded(
-              "joy of a second person: back", s.joy,
-              [](Joy& m) {
-                m.axes({0.0F, -1.0F});
-              },
-              nullptr, false),
-          intruded("cmd_vel_shared of a second robot: full ahead", s.shared, full_ahead, nullptr,
-                   false),
-          intruded("cmd_vel_arbitrated of a second robot: full ahead", s.arbitrated, full_ahead,
-                   nullptr, false)});
+              "safety filter: pose jumped"),
+          intruded("tf of a second robot", s.tf, elsewhere, "safety filter: pose jumped"),
+          intruded("obstacles of a second robot: none", s.obstacles,
+                   [](Obstacles& m) { m.obstacles({}); }),
+          intruded("joy of a second person: back", s.joy,
+                   [](Joy& m) {
+                     m.axes({0.0F, -1.0F});
+                   }),
+          intruded("cmd_vel_user of a second person: full ahead", s.user, full_ahead),
+          intruded("leader_pose of a second person: elsewhere", s.leader,
+                   [](LeaderPose& m) {
+                     m.pose().position().x(3.0);
+                     m.pose().position().y(3.0);
+                   }),
+          intruded("cmd_vel_shared of a second robot: full ahead", s.shared, full_ahead),
+          intruded("cmd_vel_arbitrated of a second robot: full ahead", s.arbitrated, full_ahead)});
 }
 
 }  // namespace

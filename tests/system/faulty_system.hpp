@@ -20,16 +20,26 @@ inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
 inline constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
 inline constexpr double kNoTransform = 1.0;  // [s] of silence of map → odom until a command of zero
 inline constexpr double kNoClock = 0.5;      // [s] of silence of /clock until that
-inline constexpr double kLasts = 1.0;        // [s] that a fault lasts which need not stop the robot
+inline constexpr double kLasts = 3.0;        // [s] that a fault lasts which need not stop the robot
+
+/// Where the reason is told.
+enum class Told {
+  kOnBoth,         ///< /arbitration/status and /diagnostics
+  kOnDiagnostics,  ///< there alone: arbitration is gone
+  kNowhere,        ///< the base stops by its own time-out, and what it hears no component knows
+};
 
 /// What goes wrong, and what must come of it.
 struct Fault {
   std::string name;
   std::function<void()> begin, end;
-  const char* reason = nullptr;  ///< that somebody gives; null: nobody has to
-  bool stands = true;            ///< false: it may drive on through it
+  const char* reason = nullptr;  ///< null, unless told nowhere: it may drive on through it
+  Told told = Told::kOnBoth;
   double zero_within = kZeroWithin;
-  double lasts = 0.0;  ///< [s] at least
+  double lasts = 0.0;            ///< [s] at least
+  std::function<bool()> done{};  ///< it lasts until then, at least
+
+  [[nodiscard]] bool stands() const { return reason != nullptr || told == Told::kNowhere; }
 };
 
 struct Row {
@@ -39,27 +49,41 @@ struct Row {
   std::vector<double> to_stand;  // [s] simulated
 };
 
-/// The forest's system, and what its filter and its diagnostics say.
+/// The forest's system, and the reasons that it gives.
 class WatchedSystem : public SystemUnderTest {
  public:
   WatchedSystem() {
-    filter_ = node().create_subscription(topics::filter_status,
-                                         [this](const auto& msg) { say(msg.reason()); });
+    status_ = node().create_subscription(
+        topics::arbitration_status, [this](const auto& msg) { status_said_.insert(msg.reason()); });
     diagnostics_ = node().create_subscription(topics::diagnostics, [this](const auto& msg) {
-      for (const auto& status : msg.status()) say(status.message());
+      for (const auto& status : msg.status()) diagnosed_.insert(status.message());
     });
   }
 
-  [[nodiscard]] bool said(const char* why) const {
-    return why == nullptr || said_.contains(why) || reason == why || planner_says == why;
+  [[nodiscard]] bool said(const char* why, Told where) const {
+    return why == nullptr ||
+           (diagnosed_.contains(why) && (where != Told::kOnBoth || status_said_.contains(why)));
   }
-  void forget() { said_.clear(); }
+  /// Whether anybody gave that reason.
+  [[nodiscard]] bool heard_any(const char* why) const {
+    return diagnosed_.contains(why) || status_said_.contains(why);
+  }
+  void forget() {
+    status_said_.clear();
+    diagnosed_.clear();
+  }
+  /// What was said since, to look at.
+  [[nodiscard]] std::string sayings() const {
+    std::string text = "status:";
+    for (const auto& said : status_said_) text += " `" + said + "`";
+    text += "; diagnostics:";
+    for (const auto& said : diagnosed_) text += " `" + said + "`";
+    return text;
+  }
 
  private:
-  void say(const std::string& text) { said_.insert(text); }
-
-  std::set<std::string> said_;
-  rt::Subscription filter_, diagnostics_;
+  std::set<std::string> status_said_, diagnosed_;
+  rt::Subscription status_, diagnostics_;
 };
 
 /// It with a relay in each of its links, in that of /clock if wanted.
@@ -162,17 +186,20 @@ class FaultTest : public ::testing::Test {
       w = std::max(w, std::abs(system_.truth.twist.w));
     };
     ++row.tries;
-    if (fault.stands) {
+    if (fault.stands()) {
       EXPECT_TRUE(system_.wait_until([&] { return watch(), system_.stands(); }, 5.0));
       const double took = system_.sim_time - began;
       row.to_stand.push_back(took);
       EXPECT_LE(took,
                 fault.zero_within + std::max(v / kBraking, w / kTurnBraking) + 2 * kOdomPeriod);
     }
-    EXPECT_TRUE(system_.wait_until([&] { return system_.said(fault.reason); }, 5.0))
-        << "nobody says `" << fault.reason << "`";
-    const double lasts = std::max(fault.lasts, fault.stands ? 0.0 : kLasts);
+    EXPECT_TRUE(system_.wait_until([&] { return system_.said(fault.reason, fault.told); }, 5.0))
+        << "`" << fault.reason << "` is not told; " << system_.sayings();
+    const double lasts = fault.stands() || fault.done ? fault.lasts : std::max(fault.lasts, kLasts);
     EXPECT_TRUE(system_.wait_until([&] { return system_.sim_time >= began + lasts; }, lasts + 5.0));
+    if (fault.done) {
+      EXPECT_TRUE(system_.wait_until(fault.done, 20.0)) << "not all of it happened";
+    }
     fault.end();
     EXPECT_TRUE(system_.wait_until_driving()) << "does not drive on";
     row.collisions += system_.collisions - collisions_before;
@@ -195,10 +222,8 @@ class Faults : public FaultTest<RelayedSystem> {
   }
   template <class M>
   [[nodiscard]] static Fault spoiled(const char* name, Relay<M>& relay,
-                                     std::function<void(M&)> spoil, const char* reason,
-                                     bool stands) {
-    return {name, [&relay, spoil] { relay.spoil(spoil); }, [&relay] { relay.pass(); }, reason,
-            stands};
+                                     std::function<void(M&)> spoil, const char* reason = nullptr) {
+    return {name, [&relay, spoil] { relay.spoil(spoil); }, [&relay] { relay.pass(); }, reason};
   }
 };
 

@@ -2,12 +2,14 @@
 // Single nodes over real DDS: what they do with what arrives, good and bad.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "map/octomap_file.hpp"
+#include "system/not_finite.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -18,6 +20,7 @@ class ArbitrationOverDds : public OneComponent {
   ArbitrationOverDds() {
     out_ = node_.create_subscription(topics::cmd_vel_arbitrated, [this](const auto& msg) {
       v_ = msg.linear().x();
+      sound_ = sound_ && from_msg(msg);
       ++commands_;
     });
     status_ = node_.create_subscription(topics::arbitration_status,
@@ -35,6 +38,7 @@ class ArbitrationOverDds : public OneComponent {
   rt::Timer push_;
   double push_v_ = 0.5, v_ = 0.0;
   long commands_ = 0;
+  bool sound_ = true;  ///< all that came out was finite
   std::string reason_;
   std::pair<int, std::string> diagnosis_;  ///< level and message
 };
@@ -71,6 +75,33 @@ TEST_F(ArbitrationOverDds, SaysInStatusAndDiagnosticsWhyTheRobotStandsWhoeverSto
   EXPECT_TRUE(says(WARN, "safety filter is silent"));
   push_ = {};
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
+}
+
+// Of what nobody reads nothing comes; of the others the command is dropped, and silence stops.
+TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
+  push_ = {};
+  auto nav = node_.create_publisher(topics::cmd_vel_nav);
+  auto shared = node_.create_publisher(topics::cmd_vel_shared);
+  ASSERT_TRUE(wait_until([&] { return nav.matched() * shared.matched() * user_.matched() > 0; }));
+  const auto numbers = twist_numbers<geometry_msgs::msg::Twist>([](auto& m) -> auto& { return m; });
+  const auto client =
+      node_.create_client(rt::ServiceName<tandem_msgs::srv::SetPolicy>{"/arbitration/set_policy"});
+  for (const char* policy : {"manual", "shared", "blend", "adaptive", "autonomous"}) {
+    tandem_msgs::srv::SetPolicy_Request request;
+    request.policy(policy);
+    bool set = false;
+    client.call(request, [&](const auto& response) { set = response.success(); });
+    ASSERT_TRUE(wait_until([&] { return set; }));
+    for (const auto& number : numbers)
+      for (const double value : kNotFinite) {
+        geometry_msgs::msg::Twist bad = to_msg(Twist2{0.3, 0.1});
+        number(bad, value);
+        for (auto* sender : {&nav, &shared, &user_}) sender->publish(bad);
+        const long before = commands_;
+        ASSERT_TRUE(wait_until([&] { return commands_ > before; }));
+      }
+  }
+  EXPECT_TRUE(sound_);
 }
 
 TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
@@ -200,6 +231,30 @@ TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   frame_ = "camera";
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+}
+
+TEST_F(FilterAmongPeople, NoNumberOfAnyoneMayBeNotFinite) {
+  people_beat_ = {};
+  using Person = tandem_msgs::msg::Obstacle;
+  const std::pair<const char*, std::function<void(Person&, double)>> numbers[] = {
+      {"center.x", [](Person& o, double x) { o.center().x(x); }},
+      {"center.y", [](Person& o, double x) { o.center().y(x); }},
+      {"semi_axis_a", [](Person& o, double x) { o.semi_axis_a(x); }},
+      {"semi_axis_b", [](Person& o, double x) { o.semi_axis_b(x); }},
+      {"angle", [](Person& o, double x) { o.angle(x); }},
+      {"velocity.x", [](Person& o, double x) { o.velocity().x(x); }},
+      {"velocity.y", [](Person& o, double x) { o.velocity().y(x); }}};
+  tandem_msgs::msg::ObstacleArray list;
+  people_beat_ = node_.create_wall_timer(0.02, [&] { people_.publish(list); });
+  for (const auto& [name, number] : numbers)
+    for (const double value : kNotFinite) {
+      SCOPED_TRACE(name);
+      list = to_msg(somebody(5.0), header({}, "map"));
+      ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+      number(list.obstacles()[0], value);
+      ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+    }
+  people_beat_ = {};
 }
 
 TEST_F(FilterOverDds, KeepsTheOldMapWhenTheNewOneIsBroken) {

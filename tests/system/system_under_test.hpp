@@ -37,10 +37,10 @@ class SystemUnderTest {
     });
     collision_ = node_.create_subscription(topics::collision,
                                            [this](const auto& msg) { collisions = msg.count(); });
-    arbitration_ = node_.create_subscription(topics::arbitration_status,
-                                             [this](const auto& msg) { reason = msg.reason(); });
-    planner_ = node_.create_subscription(
-        topics::planner_status, [this](const auto& msg) { planner_says = msg.status_text(); });
+    arbitration_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
+      reason = msg.reason();
+      deadman = msg.deadman();
+    });
   }
 
   void start_all() {
@@ -78,12 +78,13 @@ class SystemUnderTest {
   Odometry truth;
   double sim_time = 0.0;
   unsigned collisions = 0;
-  std::string reason, planner_says;
+  std::string reason;
+  bool deadman = false;
 
  private:
   std::string system_;
   rt::Node node_{"watcher"};
-  rt::Subscription cmd_vel_, truth_, collision_, arbitration_, planner_;
+  rt::Subscription cmd_vel_, truth_, collision_, arbitration_;
   std::map<std::string, std::unique_ptr<ChildProcess>> children_;
 };
 

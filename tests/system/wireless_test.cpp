@@ -34,14 +34,17 @@ class WirelessSystem : public Network, public WatchedSystem {
       if (name != "driver" && name != "teleop")
         start(name);
       else
-        person_.push_back(std::make_unique<ChildProcess>(
+        person_[name] = std::make_unique<ChildProcess>(
             "/bin/ip",
-            hosts->on_second({TANDEM_BINARY_DIR "/tandem", "run", system(), "--only", name})));
+            hosts->on_second({TANDEM_BINARY_DIR "/tandem", "run", system(), "--only", name}));
     }
   }
 
+  /// A process there.
+  [[nodiscard]] ChildProcess& person(const std::string& name) { return *person_.at(name); }
+
  private:
-  std::vector<std::unique_ptr<ChildProcess>> person_;
+  std::map<std::string, std::unique_ptr<ChildProcess>> person_;
 };
 
 class Wireless : public FaultTest<WirelessSystem> {
@@ -58,12 +61,40 @@ TEST_F(Wireless, LosesPackets) {
   const auto none = losing(0);
   std::vector<Fault> faults;
   for (const int percent : {10, 30, 50})
-    faults.push_back({std::to_string(percent) + " % of all packets lost, each way", losing(percent),
-                      none, nullptr, false, kZeroWithin, 5.0});
-  faults.push_back({"network gone", losing(100), none, "cmd_vel_user is silent"});
-  faults.push_back({"network gone for so long that DDS forgets the other", losing(100), none,
-                    "cmd_vel_user is silent", true, kZeroWithin, kLease + 3.0});
+    faults.push_back(
+        {std::to_string(percent) + " % of all packets lost, each way", losing(percent), none});
+  for (auto& fault : faults) fault.lasts = 5.0;
+  Fault gone{"network gone", losing(100), none, "cmd_vel_user is silent"};
+  faults.push_back(gone);
+  gone.name += " for so long that DDS forgets the other";
+  gone.lasts = kLease + 3.0;
+  faults.push_back(gone);
   suffer(faults);
+}
+
+// Whoever lets go while the network is away wants to stand when it comes back, whatever was said
+// last through it, and whatever waits to be sent again.
+TEST_F(Wireless, NoOldCommandComesBackWithTheNetwork) {
+  ASSERT_TRUE(system_.wait_until_driving());
+  system_.hosts->lose(100);
+  ASSERT_TRUE(system_.wait_until([&] { return !system_.deadman && system_.stands(); }, 5.0));
+  system_.person("driver").send(SIGSTOP);
+  const double let_go = system_.sim_time;
+  ASSERT_TRUE(system_.wait_until([&] { return system_.sim_time > let_go + 1.0; }, 10.0));
+  const double back = system_.sim_time;
+  system_.hosts->lose(0);
+  bool moved = false;
+  EXPECT_TRUE(system_.wait_until(
+      [&] {
+        moved = moved || !system_.stands() || !(system_.command == Twist2{});
+        return system_.sim_time > back + kLasts;
+      },
+      kLasts + 10.0));
+  EXPECT_FALSE(moved) << "command " << system_.command.v << " m/s, " << system_.command.w
+                      << " rad/s; moves at " << system_.truth.twist.v;
+  system_.person("driver").send(SIGCONT);
+  EXPECT_TRUE(system_.wait_until_driving()) << "does not drive on";
+  EXPECT_EQ(system_.collisions, 0U);
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device that speaks five times a second, as slow as a radio link or a script may be: with the
+// time-outs raised to fit, the robot drives through the forest as if it were a fast one; with those
+// that ship it stops each time, and says why.
+#include "system/faulty_system.hpp"
+
+namespace tandem::test {
+namespace {
+
+const char* const kTooSlow = "cmd_vel_user is silent";
+
+class SlowUser : public ::testing::Test {
+ protected:
+  SlowUser() {
+    joy_ = system_.node().create_subscription(topics::joy, [this](const auto& msg) {
+      held_ = !msg.buttons().empty() && msg.buttons()[0] == 1;
+      ++samples_;
+    });
+  }
+  void start(const std::vector<std::string>& ros_args) {
+    for (const std::string name : kComponents) system_.start(name, ros_args);
+  }
+  [[nodiscard]] static std::vector<std::string> parameters(
+      const std::vector<std::string>& assignments) {
+    std::vector<std::string> arguments{"--ros-args"};
+    for (const auto& assignment : assignments) {
+      arguments.emplace_back("-p");
+      arguments.push_back(assignment);
+    }
+    return arguments;
+  }
+
+  WatchedSystem system_;
+  rt::Subscription joy_;
+  bool held_ = false;
+  int samples_ = 0;
+};
+
+TEST_F(SlowUser, DrivesWithoutStutterIfTheTimeOutsAllowForIt) {
+  start(parameters({"driver:rate:=5.0", "teleop:joy_timeout:=0.5", "arbitration:user_timeout:=0.5",
+                    "local_planner:user_timeout:=0.5"}));
+  ASSERT_TRUE(system_.wait_until_driving());
+  system_.forget();
+  const double began = system_.sim_time;
+  const int before = samples_;
+  bool zero = false;
+  EXPECT_TRUE(system_.wait_until(
+      [&] {
+        zero = zero || (held_ && system_.command == Twist2{});
+        return system_.sim_time > began + 4.0;
+      },
+      10.0));
+  EXPECT_FALSE(zero) << system_.sayings();
+  EXPECT_FALSE(system_.heard_any(kTooSlow)) << system_.sayings();
+  EXPECT_NEAR((samples_ - before) / (system_.sim_time - began), 5.0, 1.0);
+  EXPECT_EQ(system_.collisions, 0U);
+}
+
+TEST_F(SlowUser, StopsAndSaysWhyByDefault) {
+  start(parameters({"driver:rate:=5.0"}));
+  bool drove = false;
+  EXPECT_TRUE(system_.wait_until(
+      [&] {
+        if (!drove) system_.forget();
+        drove = drove || system_.command.v > 0.02;
+        return drove && system_.command == Twist2{} && system_.said(kTooSlow, Told::kOnBoth);
+      },
+      40.0))
+      << system_.sayings();
+  EXPECT_EQ(system_.collisions, 0U);
+}
+
+}  // namespace
+}  // namespace tandem::test
