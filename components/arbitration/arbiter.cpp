@@ -151,6 +151,7 @@ void Arbiter::watch_clock(double now) {
     if (word->t > now) *word = {};
   if (clearance_time_ > now) clearance_heard_ = false;
   ramp_start_ = kNever;
+  set_back_ = now;
 }
 
 bool Arbiter::steers(double now) const {
@@ -159,7 +160,8 @@ bool Arbiter::steers(double now) const {
 }
 
 Decision Arbiter::choose(double now) {
-  const bool silent = !user_.fresh(now, std::max(kLetsGo, params_.user_timeout));
+  const double patience = std::max(kLetsGo, params_.user_timeout);
+  const bool silent = !user_.fresh(now, patience) && now - set_back_ > patience;
   if (silent || is_rest(user_.twist, params_.takeover_threshold)) must_let_go_ = false;
   if (must_let_go_) return stop(ArbitrationReason::kLetGoFirst);
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);

@@ -124,9 +124,9 @@ class Arbiter {
   [[nodiscard]] Policy policy() const { return policy_; }
 
   [[nodiscard]] Decision decide(double now);
-  /// Why the robot does what it does after `decision`. Of several reasons to stand the one that
-  /// somebody has to mend: what stops here or in the filter, before that nobody steers; then what
-  /// hinders the planner, if its command goes on; else the decision's own.
+  /// Why the robot does what it does after `decision`. The first of: why it is stopped here, unless
+  /// only nobody steers; why the filter would stop it, whoever steered; that nobody steers; what
+  /// hinders the planner whose command goes on; the decision's own reason.
   [[nodiscard]] std::string why(const Decision& decision, double now) const;
   /// Names of the inputs that were heard once and are silent now.
   [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
@@ -170,6 +170,7 @@ class Arbiter {
 
   Decision last_;
   double last_time_ = 0.0;
+  double set_back_ = -1e9;  ///< when the clock was [s]
   Twist2 ramp_from_;
   double ramp_start_ = -1e9;
   double alpha_ = 0.0;

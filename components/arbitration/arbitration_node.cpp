@@ -87,6 +87,7 @@ void ArbitrationNode::offer_services() {
 
 // A command goes on when the source that arrived is in charge; whatever stops goes on at once.
 void ArbitrationNode::decide(Source arrived) {
+  if (stands_without_clock()) return;
   const Decision decision = arbiter_.decide(node_.now());
   const bool in_charge = decision.source == arrived || decision.source == Source::kNone ||
                          (decision.source == Source::kBlend && arrived == Source::kUser);
@@ -103,15 +104,19 @@ void ArbitrationNode::decide(Source arrived) {
   published_ = node_.steady_now();
 }
 
+// While time stands nothing grows old: what was said before it stood must not count as new.
+bool ArbitrationNode::stands_without_clock() {
+  if (node_.clock_silence() <= kClockSilence) return false;
+  node_.log().warn_every(1.0, "/clock is silent: stopping");
+  cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
+  decision_ = Decision{};
+  decision_.reason = ArbitrationReason::kClockSilent;
+  say_why();
+  return true;
+}
+
 void ArbitrationNode::watch() {
-  if (node_.clock_silence() > kClockSilence) {
-    node_.log().warn_every(1.0, "/clock is silent: stopping");
-    cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
-    decision_ = Decision{};
-    decision_.reason = ArbitrationReason::kClockSilent;
-    say_why();
-    return;
-  }
+  if (stands_without_clock()) return;
   const Source in_charge = arbiter_.decide(node_.now()).source;
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;
   if (just_stopped || node_.steady_now() - published_ >= kRepeat) decide(in_charge);
@@ -120,8 +125,7 @@ void ArbitrationNode::watch() {
 
 void ArbitrationNode::say_why() {
   const std::string why = arbiter_.why(decision_, node_.now());
-  const bool stands = decision_.source == Source::kNone || why != name(decision_.reason);
-  diagnostics_.say(!stands, why);
+  diagnostics_.say(decision_.source != Source::kNone && why == name(decision_.reason), why);
   if (std::exchange(why_, why) != why) publish_status();
 }
 

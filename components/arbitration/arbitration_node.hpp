@@ -42,6 +42,7 @@ class ArbitrationNode {
   void subscribe_emergency_stop();
   void offer_services();
   void decide(Source arrived);
+  [[nodiscard]] bool stands_without_clock();
   void watch();
   void say_why();
   void publish_status();

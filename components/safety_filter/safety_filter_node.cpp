@@ -36,15 +36,26 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
 }
 
 void SafetyFilterNode::update() {
-  const auto robot = robot_.state();
-  filter_.on_map(map_.map(robot));
-  const Filtered out = filter_.update(robot, node_.now());
+  const Filtered out = next();
   if (out.reason != last_.reason) node_.log().debug("{}", name(out.reason));
   last_ = out;
   updated_ = node_.steady_now();
   send(out.twist);
   publish_status(out);
   diagnose();
+}
+
+// While time stands nothing grows old: what was said before it stood must not count as new.
+Filtered SafetyFilterNode::next() {
+  if (node_.clock_silence() > kClockSilence) {
+    node_.log().warn_every(1.0, "/clock is silent: stopping");
+    Filtered none;
+    none.reason = FilterReason::kClockSilent;
+    return none;
+  }
+  const auto robot = robot_.state();
+  filter_.on_map(map_.map(robot));
+  return filter_.update(robot, node_.now());
 }
 
 void SafetyFilterNode::send(const Twist2& twist) {
@@ -57,15 +68,6 @@ void SafetyFilterNode::send(const Twist2& twist) {
 
 // Half a control period at the latest after the last word, so that one late beat breaks no promise.
 void SafetyFilterNode::watch() {
-  if (node_.clock_silence() > kClockSilence) {
-    node_.log().warn_every(1.0, "/clock is silent: stopping");
-    last_ = Filtered{};
-    last_.reason = FilterReason::kClockSilent;
-    send(last_.twist);
-    publish_status(last_);
-    diagnose();
-    return;
-  }
   if (node_.steady_now() - updated_ >= 0.5 * params_->filter.control_period) update();
 }
 

@@ -46,6 +46,7 @@ class SafetyFilterNode {
 
  private:
   void update();
+  [[nodiscard]] Filtered next();
   void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);

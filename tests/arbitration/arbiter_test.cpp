@@ -204,6 +204,20 @@ TEST(Arbiter, ACommandOfBeforeTheClockWasSetBackIsOld) {
   EXPECT_EQ(it.decide(60.1).command.v, 0.5);
 }
 
+TEST(Arbiter, AClockThatIsSetBackIsNoLettingGo) {
+  Arbiter it = arbiter("manual");
+  it.on_user({0.5, 0.0}, 60.0);
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  EXPECT_EQ(it.decide(60.0).reason, ArbitrationReason::kLetGoFirst);
+  EXPECT_EQ(it.decide(0.0).reason, ArbitrationReason::kLetGoFirst);
+  it.on_user({0.5, 0.0}, 0.1);
+  EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kLetGoFirst);
+  it.on_user({0.0, 0.0}, 0.2);
+  EXPECT_EQ(it.decide(0.2).reason, ArbitrationReason::kFollowsSource);
+}
+
 TEST(Arbiter, ARampEndsWhereTheClockIsSetBack) {
   Arbiter it = arbiter("autonomous", 0.4);
   it.on_nav({0.2, 0.0}, 60.0);

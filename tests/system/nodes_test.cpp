@@ -151,6 +151,38 @@ TEST_F(ArbitrationOverDds, PolicyChangesByServiceAndABadOneIsRefused) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));  // no planner here
 }
 
+// Nothing grows old then: the person's last word would be good for ever.
+TEST_F(OneComponent, ArbitrationPassesNothingWhileSimulatedTimeStandsStill) {
+  const auto arbitration = load(
+      "arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}, {"use_sim_time", "true"}});
+  const auto clock = node_.create_publisher(topics::clock);
+  const auto user = node_.create_publisher(topics::cmd_vel_user);
+  double time = 0.0, v = 0.0;
+  long commands = 0;
+  std::string reason;
+  const auto out = node_.create_subscription(topics::cmd_vel_arbitrated, [&](const auto& msg) {
+    v = std::max(v, msg.linear().x());
+    ++commands;
+  });
+  const auto status = node_.create_subscription(topics::arbitration_status,
+                                                [&](const auto& msg) { reason = msg.reason(); });
+  rt::Timer ticks = node_.create_wall_timer(0.01, [&] {
+    rosgraph_msgs::msg::Clock msg;
+    msg.clock(rt::to_stamp(std::llround(1e9 * (time += 0.01))));
+    clock.publish(msg);
+  });
+  const rt::Timer push = node_.create_wall_timer(0.03, [&] {
+    user.publish(to_msg(Twist2{0.5, 0.0}));
+  });
+  ASSERT_TRUE(wait_until([&] { return v == 0.5; }));
+  ticks = {};
+  ASSERT_TRUE(wait_until([&] { return reason == "/clock is silent"; }));
+  v = 0.0;
+  const long before = commands;
+  ASSERT_TRUE(wait_until([&] { return commands > before + 100; }));
+  EXPECT_EQ(v, 0.0);
+}
+
 class FilterOverDds : public OneComponent {
  protected:
   explicit FilterOverDds(const std::string& people = "false")

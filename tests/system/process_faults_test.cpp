@@ -52,11 +52,16 @@ class SimulatorFaults : public Faults {
     EXPECT_TRUE(
         system_.wait_until([&] { return system_.said("/clock is silent", Told::kOnBoth); }, 5.0))
         << system_.sayings();
-    std::printf("\nsimulator %s: a command of zero after %.2f s\n", what, took);
+    rows_.push_back({std::string{"simulator "} + what + " (to a command of zero)",
+                     1,
+                     system_.collisions,
+                     {took}});
     system_.truth = {};  // nobody knows
     system_.sim_time = kNever;
   }
   [[nodiscard]] ChildProcess& simulator() { return system_.process("diff_drive_sim"); }
+
+  std::vector<Row> rows_;
 
   static constexpr double kNever = -1.0;
   static constexpr double kOld = 4.0;  // [s] more than it takes to find the new one
@@ -74,17 +79,20 @@ TEST_F(SimulatorFaults, StandsWhileItIsAwayAndDrivesOnInTheTimeThatItBrings) {
   system_.start_relayed("diff_drive_sim");
   ASSERT_TRUE(system_.wait_until([&] { return system_.sim_time != kNever; }, 10.0));
   EXPECT_LT(system_.sim_time, kOld);
-  bool moved = false;
+  bool moves = false;
   EXPECT_TRUE(system_.wait_until(
       [&] {
-        moved = moved || !system_.stands() || !(system_.command == Twist2{});
-        return system_.sim_time > kOld + 1.0;
+        moves = !system_.stands() || !(system_.command == Twist2{});
+        return moves || system_.sim_time > kOld + 1.0;
       },
       20.0));
-  EXPECT_FALSE(moved) << "an old command came back";
+  EXPECT_FALSE(moves) << "an old command came back at " << system_.sim_time
+                      << " s: " << system_.command.v << " m/s, " << system_.command.w
+                      << " rad/s; moves at " << system_.truth.twist.v << "; " << system_.sayings();
   system_.process("driver").send(SIGCONT);
   EXPECT_TRUE(system_.wait_until_driving()) << "does not drive on";
   EXPECT_EQ(system_.collisions, 0U);
+  print(rows_);
 }
 
 // What was under way when a process stopped is not carried out when it comes back.
