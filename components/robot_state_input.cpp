@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robot_state_input.hpp"
 
+#include <algorithm>
+
 #include "topics.hpp"
 
 namespace tandem {
@@ -17,7 +19,8 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
       node_.log().warn_every(1.0, "odom is not finite: dropped");
       return;
     }
-    localization_.on_odom(odometry->X, odometry->twist, node_.now());
+    localization_.on_odom(odometry->X, odometry->twist, node_.now(),
+                          lateness(msg.header().stamp()));
     if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
   });
   tf_ = node.create_subscription(topics::tf, [this](const tf2_msgs::msg::TFMessage& msg) {
@@ -27,8 +30,17 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
   });
 }
 
-std::optional<RobotState> RobotStateInput::state() {
-  return localization_.state(node_.now());
+double RobotStateInput::lateness(const Stamp& stamp) const {
+  if (!usual_age_ || (stamp.sec() == 0 && stamp.nanosec() == 0)) return 0.0;
+  const double late = rt::to_seconds(node_.stamp()) - rt::to_seconds(stamp) - *usual_age_;
+  if (late > params_.localization.odom_timeout)
+    node_.log().warn_every(1.0,
+                           "odom comes {:.3f} s late by its stamp: the network is slow, or the "
+                           "sender's clock is wrong (odom_stamped: false if it cannot be set)",
+                           late);
+  return std::max(0.0, late);
 }
+
+std::optional<RobotState> RobotStateInput::state() { return localization_.state(node_.now()); }
 
 }  // namespace tandem

@@ -28,6 +28,9 @@ class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
                   std::function<void(double)> on_odom = {});
+  /// From now on odometry that is older by its stamp than `usual` [s] counts as of when it was due,
+  /// not of when it came: a slow network must not make an old pose new.
+  void believe_stamps(double usual) { usual_age_ = usual; }
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
@@ -35,8 +38,11 @@ class RobotStateInput {
   [[nodiscard]] std::optional<RobotState> state();
 
  private:
+  [[nodiscard]] double lateness(const Stamp& stamp) const;
+
   rt::Node& node_;
   RobotStateParams params_;
+  std::optional<double> usual_age_;  ///< of odometry when it comes [s]
   Localization localization_;
   std::function<void(double)> on_odom_;
   rt::Subscription odom_, tf_;

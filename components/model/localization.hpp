@@ -2,6 +2,7 @@
 // In: odometry and the transform map → odom, with the times they arrived. Out: where the robot is.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "model/se2.hpp"
@@ -37,12 +38,15 @@ class Localization {
  public:
   explicit Localization(const LocalizationParams& params) : params_{params} {}
 
-  void on_odom(const Pose2& X_WB, const Twist2& twist, double t) {
+  /// Heard at time t, `late` seconds later than usual: it holds for so much earlier, and counts for
+  /// nothing if something newer was heard before.
+  void on_odom(const Pose2& X_WB, const Twist2& twist, double t, double late = 0.0) {
     watch_clock(t);
     if (!is_finite(X_WB) || !is_finite(twist)) return;
+    if (t - late < odom_time_) return;
     X_WB_ = X_WB;
     twist_ = twist;
-    odom_time_ = t;
+    odom_time_ = t - late;
   }
   void on_transform(const Pose2& X_MW, double t) {
     watch_clock(t);
@@ -53,24 +57,26 @@ class Localization {
 
   [[nodiscard]] std::optional<RobotState> state(double now) {
     watch_clock(now);
-    if (!odom_time_ || now - *odom_time_ > params_.odom_timeout) return std::nullopt;
-    if (params_.map_is_odom) return RobotState{X_WB_, twist_, *odom_time_};
-    if (!transform_time_ || now - *transform_time_ > params_.transform_timeout) return std::nullopt;
-    return RobotState{compose(X_MW_, X_WB_), twist_, *odom_time_};
+    if (now - odom_time_ > params_.odom_timeout) return std::nullopt;
+    if (params_.map_is_odom) return RobotState{X_WB_, twist_, odom_time_};
+    if (now - transform_time_ > params_.transform_timeout) return std::nullopt;
+    return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_};
   }
 
  private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+
   // What is later than now is of before the clock was set back: it would be as good as new when the
   // clock comes there again.
   void watch_clock(double now) {
-    if (odom_time_ && *odom_time_ > now) odom_time_.reset();
-    if (transform_time_ && *transform_time_ > now) transform_time_.reset();
+    if (odom_time_ > now) odom_time_ = kNever;
+    if (transform_time_ > now) transform_time_ = kNever;
   }
 
   LocalizationParams params_;
   Pose2 X_WB_, X_MW_;
   Twist2 twist_;
-  std::optional<double> odom_time_, transform_time_;
+  double odom_time_ = kNever, transform_time_ = kNever;  // [s]
 };
 
 }  // namespace tandem

@@ -24,6 +24,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
   if (!params_->filter.enforce && !node.use_sim_time())
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
+  if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
     people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto people) {
       filter_.on_people(std::move(people), node_.now());

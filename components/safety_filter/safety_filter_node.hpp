@@ -20,6 +20,7 @@ struct SafetyFilterNodeParams {
   RobotStateParams input;
   TwistInputParams twist_input;
   bool stamped = false;
+  bool odom_stamped = true;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -29,6 +30,10 @@ struct SafetyFilterNodeParams {
     input.visit(field);
     twist_input.visit(field);
     field("stamped", stamped, "cmd_vel is sent as TwistStamped, as ros2_control and Nav2 want it");
+    field(
+        "odom_stamped", odom_stamped,
+        "odom that is older by its stamp than sensor_delay holds for so much earlier; false for a "
+        "base whose clock is not this one's");
   }
 };
 

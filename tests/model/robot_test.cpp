@@ -78,6 +78,19 @@ TEST(Localization, KnowsNothingOnceAPartIsTooOld) {
   EXPECT_TRUE(localization.state(1.2));
 }
 
+TEST(Localization, WhatCameLateHoldsForEarlierAndOvertakesNothing) {
+  Localization localization({.map_is_odom = true});
+  localization.on_odom({1.0, 0.0, 0.0}, {}, 2.0, 0.1);
+  ASSERT_TRUE(localization.state(2.0));
+  EXPECT_NEAR(localization.state(2.0)->t, 1.9, 1e-12);
+  EXPECT_FALSE(localization.state(2.06));
+  localization.on_odom({2.0, 0.0, 0.0}, {}, 2.02, 0.0);
+  localization.on_odom({1.5, 0.0, 0.0}, {}, 2.04, 0.08);
+  EXPECT_EQ(localization.state(2.04)->X_MB.x, 2.0);
+  localization.on_odom({3.0, 0.0, 0.0}, {}, 3.0, 0.5);  // as good as none
+  EXPECT_FALSE(localization.state(3.0));
+}
+
 TEST(Localization, KnowsNothingOfBeforeTheClockWasSetBack) {
   Localization localization({});
   localization.on_transform({}, 5.0);

@@ -169,6 +169,11 @@ TEST_F(Faults, OfTime) {
   const auto half = [](auto& relay) { relay.lose(0.5); };
   const auto late = [](auto& relay) { relay.delay(0.0, 0.5); };
   const auto thrice = [](auto& relay) { relay.repeat(3); };
+  Fault all_late = to_all(
+      "odom, tf 0.5 s late, each of them", [](auto& relay) { relay.delay(0.5, 0.5); }, s.odom,
+      s.tf);
+  all_late.reason = "safety filter: not localized";
+  all_late.lasts = 1.5;  // it comes again, and it is old
   suffer({to_all("half of joy, cmd_vel_user, leader_pose lost", half, s.joy, s.user, s.leader),
           to_all("half of obstacles, cmd_vel_shared lost", half, s.obstacles, s.shared),
           to_all("half of cmd_vel_arbitrated, cmd_vel lost", half, s.arbitrated, s.cmd_vel),
@@ -179,7 +184,7 @@ TEST_F(Faults, OfTime) {
           to_all("cmd_vel_shared 0-0.5 s late, out of order", late, s.shared),
           to_all("cmd_vel_arbitrated 0-0.5 s late, out of order", late, s.arbitrated),
           to_all("cmd_vel 0-0.5 s late, out of order", late, s.cmd_vel),
-          to_all("odom, tf 0-0.5 s late, out of order", late, s.odom, s.tf),
+          to_all("odom, tf 0-0.5 s late, out of order", late, s.odom, s.tf), all_late,
           to_all("joy, cmd_vel_user, leader_pose, obstacles thrice", thrice, s.joy, s.user,
                  s.leader, s.obstacles),
           to_all("cmd_vel_shared, _arbitrated, cmd_vel, odom, tf thrice", thrice, s.shared,
