@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "local_planner/local_planner_node.hpp"
 
+#include <utility>
+
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -105,8 +107,18 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   return request;
 }
 
+// Where the clock was set back, what was heard before is of no known age, and would be as good as
+// new when the clock comes there again.
+void LocalPlannerNode::watch_clock(double now) {
+  if (std::exchange(last_time_, now) <= now) return;
+  for (double* t : {&obstacles_.t, &user_.t, &command_.t, &refused_.t, &leader_.t})
+    if (*t > now) *t = kNever;
+  nmpc_.reset();
+}
+
 void LocalPlannerNode::plan() {
   const double now = node_.now();
+  watch_clock(now);
   const auto robot = robot_.state();
   if (!robot) return stop("not localised: odom or map → odom is missing or too old");
   if (const char* reason = missing(now)) return stop(reason);

@@ -69,16 +69,19 @@ class LocalPlannerNode {
   explicit LocalPlannerNode(rt::Node& node);
 
  private:
+  static constexpr double kNever = -1e9;  // [s]
+
   template <class T>
   struct Heard {
     T value{};
-    double t = -1e9;
+    double t = kNever;
   };
 
   void hear(const geometry_msgs::msg::Twist& msg, Heard<Twist2>& heard);
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
   void subscribe();
+  void watch_clock(double now);
   void plan();
   void watch();
   /// Why there can be no plan now; null if there can.
@@ -108,6 +111,7 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
+  double last_time_ = kNever;  ///< of the last plan [s]
   rt::Timer timer_, watchdog_;
 };
 

@@ -31,7 +31,9 @@ void SharedDwaNode::choose() {
   const auto map = map_.map(robot);
   if (!robot) return stop("not localised: odom or map → odom is missing or too old");
   if (!map) return stop("no map");
-  if (node_.now() - user_time_ > params_->user_timeout) return stop("cmd_vel_user is silent");
+  const double silence = node_.now() - user_time_;
+  if (silence < 0.0) user_time_ = kNever;  // the clock was set back: how old it is nobody knows
+  if (silence < 0.0 || silence > params_->user_timeout) return stop("cmd_vel_user is silent");
   const double start = node_.steady_now();
   const DwaChoice choice = dwa_.choose(robot->X_MB, robot->twist, user_, *map);
   publish(choice, node_.steady_now() - start);

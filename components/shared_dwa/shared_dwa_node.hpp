@@ -47,7 +47,8 @@ class SharedDwaNode {
   MapInput map_;
   RobotStateInput robot_;
   Twist2 user_;
-  double user_time_ = -1e9;
+  static constexpr double kNever = -1e9;  // [s]
+  double user_time_ = kNever;
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
