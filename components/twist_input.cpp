@@ -10,6 +10,7 @@ TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist
       stamped_topic_{topic.name, topic.qos},
       max_stamp_age_{params.max_stamp_age},
       command_{std::move(command)},
+      now_{[&node] { return rt::to_seconds(node.stamp()); }},
       plain_{node.create_subscription(topic, qos, command_)},
       stamped_wanted_{
           node.when_published(stamped_topic_, [this, qos] { subscribe_stamped(qos); })} {}
@@ -24,7 +25,7 @@ void TwistInput::subscribe_stamped(const rt::QoS& qos) {
 // Either way: a clock that runs ahead would hide how old a command is.
 bool TwistInput::in_time(const builtin_interfaces::msg::Time& stamp) const {
   if (max_stamp_age_ == 0.0 || (stamp.sec() == 0 && stamp.nanosec() == 0)) return true;
-  const double age = rt::to_seconds(node_.stamp()) - rt::to_seconds(stamp);
+  const double age = now_() - rt::to_seconds(stamp);
   if (std::abs(age) <= max_stamp_age_) return true;
   node_.log().warn_every(1.0,
                          "{}: a command stamped {:.3f} s {} was dropped (max_stamp_age {} s): it "

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "runtime/node.hpp"
 
@@ -30,6 +31,8 @@ class TwistInput {
   TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,
              const TwistInputParams& params, Command command)
       : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
+  /// Stamps are of this time [s], for a node that makes it; else of the node's own.
+  void judge_stamps_by(std::function<double()> now) { now_ = std::move(now); }
   TwistInput(const TwistInput&) = delete;
   TwistInput& operator=(const TwistInput&) = delete;
 
@@ -41,6 +44,7 @@ class TwistInput {
   rt::Topic<geometry_msgs::msg::TwistStamped> stamped_topic_;
   double max_stamp_age_;  // [s]
   Command command_;
+  std::function<double()> now_;
   rt::Subscription plain_, stamped_;
   std::shared_ptr<void> stamped_wanted_;
 };

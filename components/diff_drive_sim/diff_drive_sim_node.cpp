@@ -42,6 +42,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       people_{node.create_publisher(topics::people)},
       cmd_vel_{node, topics::cmd_vel, params_->input,
                [this](const auto& msg) { on_command(msg); }} {
+  cmd_vel_.judge_stamps_by([this] { return sim_.state().t; });
   subscribe();
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
 }

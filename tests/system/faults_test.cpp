@@ -183,12 +183,47 @@ TEST_F(Faults, OfTime) {
           to_all("obstacles 0-0.5 s late, out of order", late, s.obstacles),
           to_all("cmd_vel_shared 0-0.5 s late, out of order", late, s.shared),
           to_all("cmd_vel_arbitrated 0-0.5 s late, out of order", late, s.arbitrated),
-          to_all("cmd_vel 0-0.5 s late, out of order", late, s.cmd_vel),
           to_all("odom, tf 0-0.5 s late, out of order", late, s.odom, s.tf), all_late,
           to_all("joy, cmd_vel_user, leader_pose, obstacles thrice", thrice, s.joy, s.user,
                  s.leader, s.obstacles),
           to_all("cmd_vel_shared, _arbitrated, cmd_vel, odom, tf thrice", thrice, s.shared,
                  s.arbitrated, s.cmd_vel, s.odom, s.tf)});
+}
+
+// The filter's commands as TwistStamped, and a base that drops what is older than the filter's
+// argument allows. A plain Twist tells its age only by when it was sent, which a node on its way
+// makes new: nothing can be promised of it when it comes later than `command_delay`.
+class StampedSystem : public WatchedSystem {
+ public:
+  StampedSystem() {
+    told_ = node().create_subscription(topics::cmd_vel_stamped, [this](const auto& msg) {
+      if (const auto twist = from_msg(msg.twist())) command = *twist;
+    });
+    for (const std::string name : kComponents) start(name, arguments(name));
+  }
+
+  Relay<geometry_msgs::msg::TwistStamped> cmd_vel{node(), topics::cmd_vel_stamped};
+
+ private:
+  [[nodiscard]] std::vector<std::string> arguments(const std::string& name) const {
+    if (name == "diff_drive_sim") return {"--ros-args", "-p", "max_stamp_age:=0.05"};
+    if (name != "safety_filter") return {};
+    std::vector<std::string> all = cmd_vel.remapping();
+    all.insert(all.end(), {"-p", "stamped:=true", "-p", "command_delay:=0.05"});
+    return all;
+  }
+
+  rt::Subscription told_;
+};
+
+class StampedFaults : public FaultTest<StampedSystem> {};
+
+TEST_F(StampedFaults, OfTheLastLink) {
+  auto& s = system_;
+  const auto late = [](double least) { return [least](auto& relay) { relay.delay(least, 0.5); }; };
+  Fault all_late = to_all("cmd_vel (stamped) 0.5 s late, each of them", late(0.5), s.cmd_vel);
+  all_late.told = Told::kNowhere;
+  suffer({to_all("cmd_vel (stamped) 0-0.5 s late, out of order", late(0.0), s.cmd_vel), all_late});
 }
 
 // A second robot on the same names, or a second person at the stick.

@@ -20,7 +20,7 @@ inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
 inline constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
 inline constexpr double kNoTransform = 1.0;  // [s] of silence of map → odom until a command of zero
 inline constexpr double kNoClock = 0.5;      // [s] of silence of /clock until that
-inline constexpr double kLasts = 3.0;        // [s] that a fault lasts which need not stop the robot
+inline constexpr double kLasts = 2.0;        // [s] that a fault lasts which need not stop the robot
 
 /// Where the reason is told.
 enum class Told {
