@@ -90,6 +90,12 @@ void StudyFolder::read_back() {
     const auto line = nlohmann::json::parse(text.substr(begin, end - begin), nullptr, false);
     if (!line.is_object() || !line.contains("name") || !line.contains("drive"))
       fail(name + ":" + std::to_string(number), "no finished drive; remove the line");
+    try {
+      (void)line.at("drive").get<DriveResult>();
+    } catch (const nlohmann::json::exception&) {
+      fail(name + ":" + std::to_string(number),
+           "a drive of another version of tandem; name another folder, or remove the line");
+    }
     finished_.emplace(line.at("name").get<std::string>(), line);
   }
   if (begin < text.size() && ftruncate(file_, static_cast<off_t>(begin)) != 0)
