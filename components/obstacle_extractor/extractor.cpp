@@ -141,7 +141,7 @@ bool Extractor::patch(Tile& tile) const {
     for (const CellIndex& cell : cluster) {
       const Eigen::Vector2d p_MC = grid.center(cell.ix - shift_.x(), cell.iy - shift_.y());
       const double radius = side * std::sqrt(0.5) * (1.0 + 1e-9);
-      alone.push_back({Obstacle{.id = id_of(cell), .p_MO = p_MC, .a = radius, .b = radius},
+      alone.push_back({Obstacle{.id = id_of(cell, p_MC), .p_MO = p_MC, .a = radius, .b = radius},
                        p_MC.array() - 0.5 * side, p_MC.array() + 0.5 * side});
     }
   std::erase_if(tile.shapes, [&](const CoverShape& shape) {
@@ -164,11 +164,18 @@ bool Extractor::patch(Tile& tile) const {
   return true;
 }
 
-// The same cell has the same id in every map.
-std::uint32_t Extractor::id_of(const CellIndex& cell) const {
-  return ((static_cast<std::uint32_t>(cell.iy) & 0xFFFFU) << 16U |
-          (static_cast<std::uint32_t>(cell.ix) & 0xFFFFU)) +
-         1;
+// FNV-1a hash of a shape's lowest cell, which no other shape has, and of its centre in half cells:
+// the same shape has the same id in every map, and what has the same id is where it was.
+std::uint32_t Extractor::id_of(const CellIndex& lowest, const Eigen::Vector2d& p_MO) const {
+  const Grid& grid = map_->grid();
+  const Eigen::Vector2d halves =
+      2.0 * ((p_MO - grid.origin) / grid.resolution + shift_.cast<double>());
+  std::uint32_t hash = 0x811c9dc5U;
+  for (const int number : {lowest.ix, lowest.iy, static_cast<int>(std::lround(halves.x())),
+                           static_cast<int>(std::lround(halves.y()))})
+    for (int byte = 0; byte < 32; byte += 8)
+      hash = (hash ^ (static_cast<std::uint32_t>(number) >> byte & 0xFFU)) * 0x01000193U;
+  return std::max(hash, 1U);
 }
 
 void Extractor::fit(Tile& tile, int tx, int ty) const {
@@ -191,7 +198,8 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
             {.max_excess = params_.max_excess, .space_per_shape = params_.space_per_shape});
   for (CoverShape& shape : tile.shapes) {
     const auto index = static_cast<int>(shape.obstacle.id - 1);
-    shape.obstacle.id = id_of({index % grid.width + shift_.x(), index / grid.width + shift_.y()});
+    shape.obstacle.id = id_of({index % grid.width + shift_.x(), index / grid.width + shift_.y()},
+                              shape.obstacle.p_MO);
   }
 }
 

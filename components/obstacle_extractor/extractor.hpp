@@ -87,7 +87,7 @@ class Extractor {
   [[nodiscard]] const Tile& tile_at(int tx, int ty);
   void fit(Tile& tile, int tx, int ty) const;
   [[nodiscard]] bool patch(Tile& tile) const;
-  [[nodiscard]] std::uint32_t id_of(const CellIndex& cell) const;
+  [[nodiscard]] std::uint32_t id_of(const CellIndex& lowest, const Eigen::Vector2d& p_MO) const;
   [[nodiscard]] std::uint64_t space_round(const CellRect& cells) const;
   void enter_region(const Eigen::Vector2d& p_MB);
 
