@@ -37,7 +37,7 @@ class TwistInputTest : public testing::Test {
 
   rt::Node sender_{"sender"}, receiver_{"receiver"};
   std::vector<double> got_;
-  TwistInput input_{receiver_, kTopic, TwistInputParams{},
+  TwistInput input_{receiver_, kTopic, StampParams{},
                     [this](const Twist& msg) { got_.push_back(msg.linear().x()); }};
 };
 

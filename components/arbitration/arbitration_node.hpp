@@ -11,7 +11,7 @@ namespace tandem {
 
 struct ArbitrationNodeParams {
   ArbiterParams arbiter;
-  TwistInputParams input;
+  StampParams input;
 
   template <class Visitor>
   void visit(Visitor&& field) {

@@ -28,7 +28,7 @@ struct DiffDriveSimNodeParams {
   double scan_rate = 10.0;
   int scan_beams = 360;
   double scan_range = 10.0;
-  TwistInputParams input{.max_stamp_age = 0.0};  // not all who send know its time
+  StampParams input{.max_stamp_age = 0.0};  // not all who send know its time
 
   template <class Visitor>
   void visit(Visitor&& field) {

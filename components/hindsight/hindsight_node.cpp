@@ -21,7 +21,7 @@ HindsightNode::HindsightNode(rt::Node& node)
       robot_{node, params_->input},
       assisted_{node.create_publisher(topics::cmd_vel_assisted)},
       markers_{node.create_publisher(topics::hindsight_markers)},
-      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->twist_input,
+      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const auto& msg) {
                  if (const auto twist = from_msg(msg)) on_user(*twist);
                }} {

@@ -16,7 +16,7 @@ struct HindsightNodeParams {
   HindsightParams hindsight;
   MapInputParams map;
   RobotStateParams input;
-  TwistInputParams twist_input;
+  StampParams stamp;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -24,7 +24,7 @@ struct HindsightNodeParams {
     hindsight.visit(field);
     map.visit(field);
     input.visit(field);
-    twist_input.visit(field);
+    stamp.visit(field);
   }
 };
 

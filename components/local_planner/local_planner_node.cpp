@@ -21,9 +21,10 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
       plan_{node.create_publisher(topics::plan)},
       user_path_{node.create_publisher(topics::user_path)},
       status_out_{node.create_publisher(topics::planner_status)},
-      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->twist_input,
+      leader_stamp_{node, topics::leader_pose.name, params_->stamp},
+      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const auto& msg) { hear(msg, user_); }},
-      on_command_{node, topics::cmd_vel, params_->twist_input,
+      on_command_{node, topics::cmd_vel, params_->stamp,
                   [this](const auto& msg) { hear(msg, command_); }} {
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
@@ -64,6 +65,7 @@ void LocalPlannerNode::subscribe() {
   });
   on_leader_ =
       node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
+        if (!leader_stamp_.in_time(msg.header().stamp())) return;
         if (const auto X_ML = from_msg(msg.pose())) leader_ = {*X_ML, node_.now()};
       });
   on_goal_ = node_.create_subscription(topics::goal_pose, [this](const auto& msg) {

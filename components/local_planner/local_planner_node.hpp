@@ -33,7 +33,7 @@ struct LocalPlannerNodeParams {
   double user_timeout = 0.12;
   double obstacle_timeout = 0.1;
   double command_timeout = 0.2;
-  TwistInputParams twist_input;
+  StampParams stamp;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -49,7 +49,7 @@ struct LocalPlannerNodeParams {
           "[s] silence of obstacles that stops");
     field("command_timeout", command_timeout, Range{0.02, 5.0},
           "[s] age after which the command in force is taken as zero");
-    twist_input.visit(field);
+    stamp.visit(field);
   }
 };
 
@@ -108,6 +108,7 @@ class LocalPlannerNode {
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
   rt::Publisher<nav_msgs::msg::Path> plan_, user_path_;
   rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
+  StampCheck leader_stamp_;
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;

@@ -16,7 +16,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       robot_{node, params_->input},
       status_{node.create_publisher(topics::filter_status)},
       diagnostics_{node},
-      command_{node, topics::cmd_vel_arbitrated, params_->twist_input, [this](const auto& msg) {
+      command_{node, topics::cmd_vel_arbitrated, params_->stamp, [this](const auto& msg) {
                  // Not finite goes on to the core, which stops for it.
                  filter_.on_command({msg.linear().x(), msg.angular().z()}, node_.now());
                  update();

@@ -18,7 +18,7 @@ struct SafetyFilterNodeParams {
   SafetyFilterParams filter;
   MapInputParams map;
   RobotStateParams input;
-  TwistInputParams twist_input;
+  StampParams stamp;
   bool stamped = false;
   bool odom_stamped = true;
 
@@ -28,7 +28,7 @@ struct SafetyFilterNodeParams {
     filter.visit(field);
     map.visit(field);
     input.visit(field);
-    twist_input.visit(field);
+    stamp.visit(field);
     field("stamped", stamped, "cmd_vel is sent as TwistStamped, as ros2_control and Nav2 want it");
     field(
         "odom_stamped", odom_stamped,

@@ -14,7 +14,7 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
       robot_{node, params_->input},
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
       status_out_{node.create_publisher(topics::planner_status)},
-      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->twist_input,
+      on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const auto& msg) {
                  const auto twist = from_msg(msg);
                  if (!twist) return;

@@ -14,7 +14,7 @@ struct SharedDwaNodeParams {
   SharedDwaParams dwa;
   MapInputParams map;
   RobotStateParams input;
-  TwistInputParams twist_input;
+  StampParams stamp;
   double user_timeout = 0.12;
 
   template <class Visitor>
@@ -23,7 +23,7 @@ struct SharedDwaNodeParams {
     dwa.visit(field);
     map.visit(field);
     input.visit(field);
-    twist_input.visit(field);
+    stamp.visit(field);
     field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence of cmd_vel_user that stops");
   }
 };

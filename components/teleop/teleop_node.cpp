@@ -14,6 +14,7 @@ TeleopNode::TeleopNode(rt::Node& node)
       teleop_{params_->teleop},
       robot_{node, params_->input},
       holder_{params_->teleop.joy_timeout},
+      joy_stamp_{node, topics::joy.name, params_->stamp},
       cmd_vel_user_{node.create_publisher(topics::cmd_vel_user)},
       leader_pose_{node.create_publisher(topics::leader_pose)},
       markers_{node.create_publisher(topics::leader_markers)},
@@ -26,6 +27,7 @@ TeleopNode::TeleopNode(rt::Node& node)
 }
 
 void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
+  if (!joy_stamp_.in_time(msg.header().stamp())) return;
   const Stick stick = read_stick(msg.axes(), msg.buttons(), params_->teleop);
   if (!holder_.counts(msg.header().frame_id(), stick.deadman, node_.now())) return;
   const auto robot = robot_.state();

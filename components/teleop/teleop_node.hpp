@@ -3,6 +3,7 @@
 
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
+#include "stamp_check.hpp"
 #include "teleop/stick_holder.hpp"
 #include "teleop/teleop.hpp"
 
@@ -11,11 +12,13 @@ namespace tandem {
 struct TeleopNodeParams {
   TeleopParams teleop;
   RobotStateParams input;
+  StampParams stamp;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     teleop.visit(field);
     input.visit(field);
+    stamp.visit(field);
   }
 };
 
@@ -36,6 +39,7 @@ class TeleopNode {
   Teleop teleop_;
   RobotStateInput robot_;
   StickHolder holder_;
+  StampCheck joy_stamp_;
   bool end_pressed_ = false;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_user_;

@@ -86,6 +86,23 @@ Pairs missed(const Ocp& ocp, const Iterate& point, const Pairs& checked) {
   return out;
 }
 
+bool is_among(const Pairs& pairs, const Pair& one) {
+  return std::any_of(pairs.begin(), pairs.end(),
+                     [&](const Pair& other) { return other.obstacle.id == one.obstacle.id; });
+}
+
+// The pairs at every stage; none if they were kept everywhere already.
+std::optional<Ocp> widened(const Ocp& ocp, const Pairs& more) {
+  std::optional<Ocp> wider;
+  for (std::size_t k = 0; k < ocp.stages.size(); ++k)
+    for (const Pair& pair : more) {
+      if (is_among(ocp.stages[k].pairs, pair)) continue;
+      if (!wider) wider = ocp;
+      wider->stages[k].pairs.push_back(pair);
+    }
+  return wider;
+}
+
 // The problem that holds for all that was checked, and its solution.
 struct Checked {
   std::optional<Ocp> wider = {};  // with obstacles that had been left out; none: as it was
@@ -101,20 +118,14 @@ template <class Solver>
   Checked out{.solution = solver(recorded.ocp, recorded.guess)};
   while (true) {
     const Ocp& ocp = out.wider ? *out.wider : recorded.ocp;
-    Pairs more = missed(ocp, out.solution.point, recorded.checked);
+    const Pairs more = missed(ocp, out.solution.point, recorded.checked);
     out.violates = !more.empty();
-    std::erase_if(more, [&](const Pair& pair) {
-      const Pairs& kept = ocp.stages.front().pairs;
-      return std::any_of(kept.begin(), kept.end(),
-                         [&](const Pair& other) { return other.obstacle.id == pair.obstacle.id; });
-    });
     if (more.empty() || out.solves == kMostSolves) return out;
-    Ocp wider = ocp;
-    for (Stage& stage : wider.stages)
-      stage.pairs.insert(stage.pairs.end(), more.begin(), more.end());
+    auto wider = widened(ocp, more);
+    if (!wider) return out;
     const Solved so_far{ocp, std::move(out.solution.point), 0.0};
     const int iterations = out.solution.iterations;
-    out.solution = solver(wider, warm_start(so_far, 0.0, wider));
+    out.solution = solver(*wider, warm_start(so_far, 0.0, *wider));
     out.solution.iterations += iterations;
     out.wider = std::move(wider);
     ++out.solves;
@@ -132,20 +143,15 @@ Pairs script_pairs(const std::vector<Obstacle>& poles) {
 constexpr double kHard = 2000.0;
 
 // Devalla's script B.2 as written: no margin, no terminal cost, the first twist tied to nothing.
-Ocp script_b2(const Pose2& X_MB, const Twist2& command, std::size_t nearest) {
+// Its poles are not in it yet.
+Ocp script_b2(const Pose2& X_MB, const Twist2& command) {
   Ocp ocp{.half = 0.0, .slack_weight = kHard, .X_MB = X_MB, .command = command, .workspace = 4.2};
-  auto poles = forest(false);
-  std::sort(poles.begin(), poles.end(), [&](const Obstacle& a, const Obstacle& b) {
-    return (a.p_MO - X_MB.position()).norm() < (b.p_MO - X_MB.position()).norm();
-  });
-  poles.resize(std::min(poles.size(), nearest));
   Stage stage;
   stage.cost.X_MR = {4, 4, 0};
   stage.cost.q_x = stage.cost.q_y = 6.0;
   stage.cost.q_theta = 4.0;
   stage.cost.r_v = 0.3;
   stage.cost.r_w = 0.15;
-  stage.pairs = script_pairs(poles);
   for (int k = 0; k < 15; ++k) {
     const double change = k == 0 ? 2.0 : 0.1;
     ocp.v.push_back({-0.4, 0.8});
@@ -163,20 +169,27 @@ double script_cost(const Pose2& X, const Twist2& u) {
          0.15 * u.w * u.w;
 }
 
+// The poles within `reach` of where the last plan is at a stage; those that it leaves out are
+// checked after the solve.
 template <class Solver>
-Recording record_script_b2(std::size_t nearest) {
+Recording record_script_b2(double reach) {
   constexpr double kPeriod = 0.25;
+  const Body body{.footprint = {}, .discs = {{{0.0, 0.0}, 0.45}}, .round = true};
+  const PairLimits limits{.margin = 0.0, .reach = reach, .max_pairs = 16};
+  const std::vector<Obstacle> poles = forest(false);
   Solver solver;
   Recording out;
   Pose2 X{-4, -4, 0};
   Twist2 command;
   std::optional<Solved> last;
   for (int i = 0; i < 120; ++i) {
-    const Ocp ocp = script_b2(X, command, nearest);
-    const Iterate guess =
-        last ? warm_start(*last, kPeriod, ocp)
-             : cold_start(ocp, {std::vector<Twist2>(15), std::vector<Pose2>(16, X)});
-    Recorded now{ocp, guess, script_pairs(forest(false))};
+    Ocp ocp = script_b2(X, command);
+    const Forecast motion = last ? shifted_motion(*last, kPeriod, ocp)
+                                 : Forecast{std::vector<Twist2>(15), std::vector<Pose2>(16, X)};
+    auto pairs = nearest_pairs(body, poles, std::span(motion.X_MB).subspan(1), limits);
+    for (std::size_t k = 0; k < pairs.size(); ++k) ocp.stages[k].pairs = std::move(pairs[k]);
+    const Iterate guess = last ? warm_start(*last, kPeriod, ocp) : cold_start(ocp, motion);
+    Recorded now{ocp, guess, script_pairs(poles)};
     Checked end = solve_checked(solver, now);
     if (last) out.problems.push_back(std::move(now));
     last = Solved{end.wider.value_or(ocp), std::move(end.solution.point), 0.0};
@@ -323,10 +336,12 @@ void add_rows(const std::string& problem, const Recorder& recorder) {
 
 template <class Solver>
 void add_script(const std::string& solver) {
-  for (const std::size_t nearest : {16, 2}) {
-    const std::string row = solver + "/script_b2/nearest:" + std::to_string(nearest);
-    add_row<Solver>(row, row, [=] { return record_script_b2<Solver>(nearest); });
-  }
+  const auto add = [&](const std::string& poles, double reach) {
+    const std::string row = solver + "/script_b2/" + poles;
+    add_row<Solver>(row, row, [=] { return record_script_b2<Solver>(reach); });
+  };
+  add("poles:all", 1e9);
+  add("poles:near", PairLimits{}.reach);
 }
 
 void add_all() {

@@ -208,5 +208,18 @@ TEST_F(LeaderOverDds, FollowsTheLeaderAndStandsWhenItFallsSilent) {
   EXPECT_TRUE(wait_until_standing("leader_pose is silent"));
 }
 
+TEST_F(LeaderOverDds, ALeaderThatIsLateByItsStampIsSilent) {
+  double age = 0.7;
+  const auto leader = node_.create_publisher(topics::leader_pose);
+  const auto lead = node_.create_wall_timer(kBeat, [&] {
+    leader.publish(to_msg(Pose2{X_.x + 1.0, 0.0, 0.0}, header(ago(age), "map")));
+  });
+  ASSERT_TRUE(wait_until_standing("leader_pose is silent"));
+  age = 0.0;
+  ASSERT_TRUE(wait_until([&] { return command_.v > 0.2; }));
+  age = 0.7;
+  EXPECT_TRUE(wait_until_standing("leader_pose is silent"));
+}
+
 }  // namespace
 }  // namespace tandem::test

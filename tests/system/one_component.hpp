@@ -11,6 +11,7 @@
 
 #include "convert.hpp"
 #include "runtime/component.hpp"
+#include "runtime/time.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
@@ -44,6 +45,11 @@ class OneComponent : public ::testing::Test {
 
   rt::Node node_{"tester"};
 };
+
+// A stamp of the computer's time, `age` [s] ago.
+inline builtin_interfaces::msg::Time ago(double age) {
+  return rt::to_stamp(rt::system_nanoseconds() - static_cast<std::int64_t>(age * 1e9));
+}
 
 inline bool is_near(double a, double b) { return std::abs(a - b) < 1e-6; }
 

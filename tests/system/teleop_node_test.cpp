@@ -35,6 +35,7 @@ class TeleopOverDds : public OneComponent {
   void beat() {
     odom_.publish(to_msg(Odometry{kRobot, {}}, header({}, "odom"), "base_link"));
     sensor_msgs::msg::Joy msg;
+    if (stamp_age_) msg.header().stamp(ago(*stamp_age_));
     msg.axes(axes_);
     msg.buttons(buttons_);
     if (holds_joystick_) joy_.publish(msg);
@@ -50,6 +51,7 @@ class TeleopOverDds : public OneComponent {
   rt::Timer beat_;
 
   bool holds_joystick_ = true;
+  std::optional<double> stamp_age_;       // [s]; none: without a stamp
   std::vector<float> axes_{-0.5f, 1.0f};  // right, ahead
   std::vector<int> buttons_{1, 0};        // dead-man, end
   Twist2 twist_;
@@ -96,6 +98,18 @@ TEST_F(TeleopOverDds, ASilentJoystickIsAReleasedOne) {
   ASSERT_TRUE(wait_for(kScale, 0.0));
   holds_joystick_ = false;
   EXPECT_TRUE(wait_for(0.0, 0.0));
+}
+
+TEST_F(TeleopOverDds, WhatIsLateByItsStampIsNoStick) {
+  axes_ = {0.0f, 1.0f};
+  stamp_age_ = 0.0;
+  ASSERT_TRUE(wait_for(kScale, 0.0));
+  for (const double age : {0.7, -0.7}) {
+    stamp_age_ = age;
+    EXPECT_TRUE(wait_for(0.0, 0.0)) << age;
+    stamp_age_ = 0.0;
+    EXPECT_TRUE(wait_for(kScale, 0.0)) << age;
+  }
 }
 
 TEST_F(TeleopOverDds, TheEndButtonEndsOncePerPress) {
