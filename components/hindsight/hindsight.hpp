@@ -16,7 +16,7 @@ struct HindsightParams {
   double lookahead = 1.0;
   double certainty = 2.0;
   double change_of_mind = 0.05;
-  double weight_user = 0.6;
+  double weight_user = 2.5;
   double heading_distance = 0.5;
   int v_samples = 9;
   int w_samples = 21;
