@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/study_command.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +14,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/drive_jobs.hpp"
+#include "bringup/progress_bar.hpp"
 #include "bringup/study.hpp"
 #include "bringup/study_folder.hpp"
 #include "bringup/study_summary.hpp"
@@ -26,9 +25,6 @@ namespace tandem {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kLogEvery = 10.0;  // [s] between lines that are no terminal's
-constexpr std::size_t kBar = 24;    // characters
 
 struct Request {
   std::string study, out, shard;
@@ -52,46 +48,6 @@ Shard read_shard(const std::string& text) {
   return shard;
 }
 
-std::string duration(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
-  if (s < 60) return fmt::format("{} s", s);
-  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
-  return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
-}
-
-// On a terminal one line that is written over; else a line now and then, fit for a log.
-class ProgressBar {
- public:
-  ProgressBar(std::size_t all, std::size_t before)
-      : all_{all}, before_{before}, terminal_{isatty(STDERR_FILENO) == 1} {}
-
-  void step(const DriveResult& drive) {
-    ++now_;
-    collisions_ += drive.collisions;
-    const double t = rt::steady_seconds();
-    const bool last = before_ + now_ == all_;
-    if (!last && t < next_) return;
-    next_ = t + (terminal_ ? 0.1 : kLogEvery);
-    std::fprintf(stderr, terminal_ ? "\r\033[K%s" : "%s\n", line(t).c_str());
-    if (last && terminal_) std::fputc('\n', stderr);
-  }
-
- private:
-  [[nodiscard]] std::string line(double t) const {
-    const std::size_t done = before_ + now_;
-    const double left = (t - start_) / static_cast<double>(now_) * static_cast<double>(all_ - done);
-    const std::size_t filled = kBar * done / all_;
-    return fmt::format("[{}{}] {} of {} drives, {} collisions, {}", std::string(filled, '#'),
-                       std::string(kBar - filled, '.'), done, all_, collisions_,
-                       done == all_ ? duration(t - start_) : duration(left) + " left");
-  }
-
-  std::size_t all_, before_, now_ = 0;
-  long collisions_ = 0;
-  bool terminal_;
-  double start_ = rt::steady_seconds(), next_ = start_;
-};
-
 // The drives that are still to be made, of this shard; in no order, so that those to come take
 // about as long as those made, and the time left is one.
 std::vector<std::size_t> missing(const Study& study, const StudyFolder& folder, Shard shard) {
@@ -110,7 +66,8 @@ void make_drives(const Study& study, StudyFolder& folder, const Request& request
                shard.count > 1 ? " of this shard" : "", request.jobs,
                todo.size() < all ? fmt::format(", {} made before", all - todo.size()).c_str() : "");
   Lockstep lockstep;  // each process has its own from here on
-  ProgressBar bar{all, all - todo.size()};
+  ProgressBar bar{all, all - todo.size(), "drives"};
+  long collisions = 0;
   work_side_by_side(
       todo.size(), request.jobs,
       [&](std::size_t i) {
@@ -123,7 +80,8 @@ void make_drives(const Study& study, StudyFolder& folder, const Request& request
       },
       [&](std::size_t i, const nlohmann::json& line) {
         folder.append(name_of(study, study.drives[todo[i]]), line);
-        bar.step(line.at("drive").get<DriveResult>());
+        collisions += line.at("drive").get<DriveResult>().collisions;
+        bar.step(fmt::format("{} collisions", collisions));
       });
 }
 

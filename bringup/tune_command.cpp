@@ -10,6 +10,7 @@
 
 #include "bringup/drive_jobs.hpp"
 #include "bringup/lockstep.hpp"
+#include "bringup/progress_bar.hpp"
 #include "bringup/tuning.hpp"
 
 namespace tandem {
@@ -140,11 +141,14 @@ void run(const Request& request) {
   print_head();
   int n = 0;
   double best = 1e300;
+  ProgressBar bar{static_cast<std::size_t>(request.evaluations), 0, "evaluations"};
   const Tuned tuned = tune(knobs, request.evaluations, [&](const std::vector<double>& values) {
     const Summary s = study.run(knobs, values);
+    bar.clear();
     if (s.cost < best) print_row(n == 0 ? "now" : fmt::format("evaluation {}", n).c_str(), s);
     std::fflush(stdout);
     best = std::min(best, s.cost);
+    bar.step(fmt::format("lowest cost {:.4f}", best));
     ++n;
     return s.cost;
   });
