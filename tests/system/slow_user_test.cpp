@@ -16,6 +16,12 @@ class SlowUser : public ::testing::Test {
       held_ = !msg.buttons().empty() && msg.buttons()[0] == 1;
       ++samples_;
     });
+    // What the safety filter makes of it, on a machine that is late, is not what is asked here.
+    asked_ =
+        system_.node().create_subscription(topics::cmd_vel_arbitrated, [this](const auto& msg) {
+          const auto twist = from_msg(msg);
+          stutters_ += held_ && twist == Twist2{} ? 1 : 0;
+        });
   }
   void start(const std::vector<std::string>& ros_args) {
     for (const std::string name : kComponents) system_.start(name, ros_args);
@@ -31,9 +37,9 @@ class SlowUser : public ::testing::Test {
   }
 
   WatchedSystem system_;
-  rt::Subscription joy_;
+  rt::Subscription joy_, asked_;
   bool held_ = false;
-  int samples_ = 0;
+  int samples_ = 0, stutters_ = 0;
 };
 
 TEST_F(SlowUser, DrivesWithoutStutterIfTheTimeOutsAllowForIt) {
@@ -45,14 +51,9 @@ TEST_F(SlowUser, DrivesWithoutStutterIfTheTimeOutsAllowForIt) {
   system_.forget();
   const double began = system_.sim_time;
   const int before = samples_;
-  bool zero = false;
-  EXPECT_TRUE(system_.wait_until(
-      [&] {
-        zero = zero || (held_ && system_.command == Twist2{});
-        return system_.sim_time > began + 4.0;
-      },
-      10.0));
-  EXPECT_FALSE(zero) << system_.sayings();
+  stutters_ = 0;
+  EXPECT_TRUE(system_.wait_until([&] { return system_.sim_time > began + 4.0; }, 10.0));
+  EXPECT_EQ(stutters_, 0) << system_.sayings();
   EXPECT_FALSE(system_.heard_any(kTooSlow)) << system_.sayings();
   EXPECT_NEAR((samples_ - before) / (system_.sim_time - began), 5.0, 1.0);
   EXPECT_EQ(system_.collisions, 0U);
