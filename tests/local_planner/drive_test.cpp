@@ -15,6 +15,12 @@
 namespace tandem::test {
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;  // forty times as slow: what only compares is left out
+#else
+constexpr bool kSanitized = false;
+#endif
+
 const Plant kAtStart{.X_MB = {-4, -4, 0}, .twist = {}, .delay = 0.02, .lag = 0.05};
 
 NmpcParams lockstep() { return unlimited(); }
@@ -98,7 +104,7 @@ TEST(Drive, LeaderThroughTheForestIsFollowedWithoutContact) {
 TEST(Drive, BlindPeopleInTheForestNeverTouchAndSeldomNeedAFallback) {
   int cycles = 0, fallbacks = 0;
   for (const Method method : {Method::kLeader, Method::kIntention, Method::kGoal})
-    for (unsigned seed = 1; seed <= 2; ++seed) {
+    for (unsigned seed = 1; seed <= (kSanitized ? 1U : 2U); ++seed) {
       std::mt19937 random(seed);
       std::uniform_real_distribution<double> place(-4.5, 4.5);
       double change = 0.0;
@@ -350,6 +356,7 @@ TEST(MotorLag, ToldToThePlannerIsForeseen) {
   EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
   EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
   EXPECT_LE(result.worst_rate, 0.05 + 1e-9);
+  if (kSanitized) return;
   const Drive unaware = driven(untold);
   EXPECT_GT(unaware.contacts, 0) << "the lag matters, else this proves nothing";
   EXPECT_LT(surprise(result, told), 0.5 * surprise(unaware, untold));
