@@ -8,12 +8,12 @@
 namespace tandem {
 namespace {
 
-using Stick = TerminalKeys::Stick;
-
-const std::map<char, Stick> kMoves{{'i', {1, 0}}, {'o', {1, -1}}, {'j', {0, 1}},  {'l', {0, -1}},
-                                   {'u', {1, 1}}, {',', {-1, 0}}, {'.', {-1, 1}}, {'m', {-1, -1}}};
-const std::map<char, Stick> kScales{{'q', {1.1, 1.1}}, {'z', {0.9, 0.9}}, {'w', {1.1, 1}},
-                                    {'x', {0.9, 1}},   {'e', {1, 1.1}},   {'c', {1, 0.9}}};
+const std::map<char, TerminalKeys::Stick> kMoves{{'i', {1, 0}},  {'o', {1, -1}}, {'j', {0, 1}},
+                                                 {'l', {0, -1}}, {'u', {1, 1}},  {',', {-1, 0}},
+                                                 {'.', {-1, 1}}, {'m', {-1, -1}}};
+const std::map<char, TerminalKeys::Stick> kScales{{'q', {1.1, 1.1}}, {'z', {0.9, 0.9}},
+                                                  {'w', {1.1, 1}},   {'x', {0.9, 1}},
+                                                  {'e', {1, 1.1}},   {'c', {1, 0.9}}};
 
 // ESC [ A … D (or ESC O …) are the arrows: as i , l j.
 std::string without_escapes(std::string_view characters) {
@@ -57,7 +57,7 @@ void TerminalKeys::press(char key, double now) {
   }
 }
 
-std::optional<Stick> TerminalKeys::held(double now) const {
+std::optional<TerminalKeys::Stick> TerminalKeys::held(double now) const {
   if (key_ == 0 || now > until_) return std::nullopt;
   const Stick& move = kMoves.at(key_);
   return Stick{move.linear * linear_, move.angular * angular_};
