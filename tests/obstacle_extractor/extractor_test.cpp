@@ -298,7 +298,8 @@ struct Watch {
 
 // A robot goes 5 cm at a time and sees what stands there in the window that the node looks at. No
 // shape moves by that; only where its tile is fitted again, because more of the free space about it
-// is seen, may others take the place of some.
+// is seen, may others take the place of some. That an id stays where it is, is how ids are made;
+// what a user sees as a flicker is counted as gone.
 void expect_stable(const char* name, const Grid& world, const Eigen::Vector2d& from,
                    const Eigen::Vector2d& to) {
   constexpr double kReach = 10.0;

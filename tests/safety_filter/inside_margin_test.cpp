@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A robot that is too close already, for something appeared beside it or the map says so of its
-// start: whoever steers can get out, and nobody gets it further in.
+// start: whoever steers gets out of nearly all such places, and nobody gets it further in.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,8 +55,9 @@ std::vector<Twist2> sticks(const RobotParams& robot) {
   return all;
 }
 
-TEST(InsideTheMargin, SomeStickLeadsOutAndNoneFurtherIn) {
-  int starts = 0, wedged = 0;
+TEST(InsideTheMargin, SomeStickMostlyLeadsOutAndNoneFurtherIn) {
+  int starts = 0, out = 0, nearer_out = 0;
+  double most_lost = 0.0;
   for (unsigned seed = 1; seed <= kScenes; ++seed) {
     Scene scene(seed);
     DiffDriveSimParams base;
@@ -71,16 +72,19 @@ TEST(InsideTheMargin, SomeStickLeadsOutAndNoneFurtherIn) {
       loop.start_at(*start);
       for (int i = 0; i < 40; ++i) (void)loop.tick(stick, kPeriod);
       most = std::max(most, scene.clearance(loop.sim().state().X_MB));
+      most_lost = std::max(most_lost, before - loop.sim().min_clearance());
       ASSERT_GE(loop.sim().min_clearance(), before - kBetweenChecks)
           << "scene " << seed << ", stick " << stick.v << ", " << stick.w;
     }
-    wedged += most < before + 0.002 ? 1 : 0;
+    out += most >= loop.filter().hard_margin() ? 1 : 0;
+    nearer_out += most >= before + 0.002 ? 1 : 0;
   }
-  // Between two walls with less than the margin on either side no motion gains clearance, and the
-  // errors that the margin is for may have used it up: there it stands.
-  std::printf("%d starts inside the margin, %d of them wedged in\n", starts, wedged);
+  std::printf("%d starts: a stick leads out of %d, nearer to it of %d; most lost %.4f m\n", starts,
+              out, nearer_out, most_lost);
   EXPECT_GT(starts, 0.9 * kScenes);
-  EXPECT_LE(wedged, 0.03 * starts);
+  // Where no motion gains clearance the pose's error may have used up what there is: it stands.
+  EXPECT_GE(nearer_out, 0.97 * starts);
+  EXPECT_GE(out, 0.9 * starts);
 }
 
 TEST(InsideTheMargin, MaliceGetsItNoFurtherIn) {
