@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <string>
 #include <thread>
 
 namespace tandem::test {
@@ -15,23 +16,36 @@ namespace {
 
 constexpr double kStepsBeyond = 5e4;
 
+void print(const char* what, const Tally& tally);
+
+// A long run says every twentieth of the way how it stands, so that one that is ended early was
+// not for nothing.
+constexpr double kLongRun = 1e6;  // steps
+constexpr double kTellEvery = 0.05;
+
 template <class Scene>
-Tally run(double steps, unsigned first_seed, Scene scene) {
+Tally run(const char* what, double steps, unsigned first_seed, Scene scene) {
   Tally all;
   std::mutex mutex;
   std::atomic<unsigned> next{first_seed};
+  double tell = steps < kLongRun ? steps : kTellEvery * steps;
   const auto work = [&] {
     for (;;) {
       const Tally tally = scene(next++);
       const std::lock_guard lock{mutex};
       all.add(tally);
-      if (static_cast<double>(all.steps) >= steps) return;
+      const auto done = static_cast<double>(all.steps);
+      if (done >= steps) return;
+      if (done < tell) continue;
+      tell += kTellEvery * steps;
+      print(("so far, " + std::string{what}).c_str(), all);
     }
   };
   std::vector<std::jthread> workers;
   for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
     workers.emplace_back(work);
   workers.clear();
+  print(what, all);
   return all;
 }
 
@@ -52,7 +66,7 @@ void print_beyond() {
     const auto row = [&](const char* what, const Beyond& beyond) {
       char text[64];
       std::snprintf(text, sizeof text, "%s %.1f times the bound", what, factor);
-      print(text, run(kStepsBeyond, 1, [&](unsigned seed) { return run_scene(seed, beyond); }));
+      run(text, kStepsBeyond, 1, [&](unsigned seed) { return run_scene(seed, beyond); });
     };
     row("slip", {.slip = factor});
     row("lag", {.lag = factor});
@@ -73,11 +87,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "safety_filter_rollouts [STEPS [FIRST_SEED]]: STEPS must be 1 or more\n");
     return 2;
   }
-  const Tally tally = run(steps, first, [](unsigned seed) { return run_scene(seed); });
-  print("within the bounds", tally);
+  const Tally tally =
+      run("within the bounds", steps, first, [](unsigned seed) { return run_scene(seed); });
   const Tally people =
-      run(0.1 * steps, first, [](unsigned seed) { return run_people_scene(seed); });
-  print("among people", people);
+      run("among people", 0.1 * steps, first, [](unsigned seed) { return run_people_scene(seed); });
   std::printf("%-34s walked into %ld times while it stood, %.1f m per scene\n", "",
               people.walked_into, people.travel / static_cast<double>(people.rollouts));
   if (steps >= 1e6) print_beyond();
