@@ -13,17 +13,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kBumper = 0.038 + 0.445;  // of the MiR 100, ahead of base_link [m]
-
-const RobotParams kMir{};
-
-// A wall of which the near face is the line x = 1.5.
-std::shared_ptr<const StaticMap> wall_ahead() {
-  Grid grid = free_grid(8.0);
-  occupy(grid, [](double x, double) { return x > 1.5 && x < 1.7; });
-  return as_map(std::move(grid));
-}
-
 SafetyFilter filter_on(std::shared_ptr<const StaticMap> map,
                        const SafetyFilterParams& params = {}) {
   SafetyFilter filter(params, kMir);
@@ -233,84 +222,6 @@ TEST(SafetyFilterParams, RejectsAParameterOutsideItsRange) {
   RobotParams robot;
   robot.a_brake = 0.0;
   EXPECT_THROW(SafetyFilter({}, robot), std::invalid_argument);
-}
-
-// --- in closed loop with the simulated base ------------------------------------------------------
-
-// At speed it stops before the band; pushed on, it creeps up to the hard margin and no further.
-TEST(SafetyFilterLoop, StopsBeforeAWallCloseToTheMargin) {
-  Random random(1);
-  ClosedLoop loop({}, kMir, {}, wall_ahead(), random);
-  loop.start_at({0.0, 0.0, 0.0});
-  for (int i = 0; i < 120; ++i) (void)loop.tick({0.8, 0.0}, 0.05);  // 6 s for 1 m
-  EXPECT_TRUE(loop.stands());
-  const double gap = 1.5 - kBumper - loop.sim().state().X_MB.x;
-  EXPECT_GE(gap, loop.filter().hard_margin());
-  EXPECT_LE(gap, loop.filter().hard_margin() + loop.filter().params().band + 0.005);
-}
-
-TEST(SafetyFilterLoop, HugsAWallWithoutGettingStuck) {
-  Grid grid = free_grid(8.0);
-  occupy(grid, [](double, double y) { return y > 0.5 && y < 0.7; });
-  Random random(2);
-  ClosedLoop loop({}, kMir, {}, as_map(std::move(grid)), random);
-  loop.start_at({-3.0, 0.0, 0.1});
-  for (int i = 0; i < 400; ++i) {  // 20 s, always pushed against the wall on the left
-    const double steer = 1.0 * (0.05 - loop.sim().state().X_MB.theta);
-    (void)loop.tick({0.5, steer}, 0.05);
-  }
-  EXPECT_EQ(loop.sim().contacts().count, 0u);
-  const double stuck_at = loop.sim().state().X_MB.x;
-  for (int i = 0; i < 100; ++i) {  // 5 s straight on and away
-    const double steer = 1.0 * (-0.1 - loop.sim().state().X_MB.theta);
-    (void)loop.tick({0.3, steer}, 0.05);
-  }
-  EXPECT_GT(loop.sim().state().X_MB.x - stuck_at, 0.5);
-}
-
-// Steers along y = 0 with a noisy hand, through a door 0.80 m wide in a wall 0.2 m thick.
-TEST(SafetyFilterLoop, LetsAMirThroughADoorItIsSteeredThrough) {
-  Grid grid = free_grid(8.0);
-  occupy(grid, [](double x, double y) { return std::abs(x) < 0.1 && std::abs(y) > 0.4; });
-  const auto map = as_map(std::move(grid));
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    Random random(seed);
-    ClosedLoop loop({}, kMir, {}, map, random);
-    loop.start_at({-2.0, 0.02, 0.02});
-    int changed = 0, ticks = 0;
-    for (; ticks < 200 && loop.sim().state().X_MB.x < 1.0; ++ticks) {
-      const Pose2 X = loop.sim().state().X_MB;
-      const double w = -1.5 * X.theta - 1.5 * X.y + uniform(random, -0.1, 0.1);
-      changed += loop.tick({0.5, w}, 0.05).scale < 1.0 ? 1 : 0;
-    }
-    EXPECT_GE(loop.sim().state().X_MB.x, 1.0) << seed;
-    EXPECT_EQ(loop.sim().contacts().count, 0u);
-    EXPECT_LE(changed, ticks / 20) << seed;
-  }
-}
-
-// Noise, slip and an adversary for a minute each: where measured clearance is below the margin,
-// nothing may add up to a contact.
-TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
-  const auto map = wall_ahead();
-  SafetyFilterParams params;
-  for (unsigned seed = 1; seed <= 24; ++seed) {
-    Random random(seed);
-    DiffDriveSimParams sim;
-    sim.max_step = 0.01;
-    sim.drive.slip = params.slip;
-    ClosedLoop loop(params, kMir, sim, map, random);
-    const double side = seed % 2 ? 0.0 : 0.5 * std::numbers::pi;  // nose to the wall, or alongside
-    const double reach = seed % 2 ? kBumper : 0.29;
-    loop.start_at({1.5 - reach - 0.02, 0.0, side});
-    loop.draw_pose_error(true);
-    Adversary adversary(static_cast<Malice>(seed % kMalices), kMir, random);
-    for (int i = 0; i < 1200; ++i)
-      (void)loop.tick(adversary.command(loop.sim().state().X_MB, loop.sim().footprint(), *map),
-                      0.05);
-    EXPECT_EQ(loop.sim().contacts().count, 0u) << seed;
-    EXPECT_GT(loop.sim().min_clearance(), 0.002) << seed;
-  }
 }
 
 // However the ramp to zero is rounded: a base that reverses may be at its new speed in no time.

@@ -51,6 +51,16 @@ inline std::shared_ptr<const StaticMap> as_map(Grid grid) {
   return std::make_shared<const StaticMap>(std::move(grid));
 }
 
+inline const RobotParams kMir{};                  // the MiR 100
+inline constexpr double kBumper = 0.038 + 0.445;  // of it, ahead of base_link [m]
+
+/// A wall of which the near face is the line x = 1.5.
+inline std::shared_ptr<const StaticMap> wall_ahead() {
+  Grid grid = free_grid(8.0);
+  occupy(grid, [](double x, double) { return x > 1.5 && x < 1.7; });
+  return as_map(std::move(grid));
+}
+
 inline void add_border(Grid& grid) {
   const double edge = -grid.origin.x() - 2.0 * grid.resolution;
   occupy(grid, [&](double x, double y) { return std::max(std::abs(x), std::abs(y)) > edge; });
