@@ -7,6 +7,9 @@
 namespace tandem {
 namespace {
 
+constexpr double kCallsBack = 0.3;  // [1] of the stick's way: less moves the leader bit by bit
+constexpr double kBeside = 0.1;     // [m] the leader is neither before nor behind the robot
+
 double axis(std::span<const float> axes, int index, double deadzone) {
   if (index < 0 || static_cast<std::size_t>(index) >= axes.size()) return 0.0;
   const double value = axes[static_cast<std::size_t>(index)];
@@ -18,6 +21,14 @@ double axis(std::span<const float> axes, int index, double deadzone) {
 bool pressed(std::span<const int> buttons, int index) {
   return index >= 0 && static_cast<std::size_t>(index) < buttons.size() &&
          buttons[static_cast<std::size_t>(index)] != 0;
+}
+
+// Who pushes away from where the leader is wants the robot to turn back now, not when the leader
+// has come all the way from the end of its leash.
+bool is_called_back(double push, const Pose2& X_ML, const Pose2& X_MB) {
+  const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
+  return std::abs(push) > kCallsBack &&
+         std::copysign(1.0, push) * ahead.dot(X_ML.position() - X_MB.position()) < -kBeside;
 }
 
 }  // namespace
@@ -84,6 +95,7 @@ std::optional<Intent> Teleop::update(double now) {
 
 void Teleop::drive_leader(const Stick& stick, const Pose2& X_MB, double dt) {
   if (!X_ML_) X_ML_ = X_MB;
+  if (is_called_back(stick.linear, *X_ML_, X_MB)) X_ML_ = Pose2{X_MB.x, X_MB.y, X_ML_->theta};
   const Twist2 twist{params_.gains.leader_scale_linear * stick.linear,
                      params_.gains.leader_scale_angular * stick.angular};
   *X_ML_ = integrate(*X_ML_, twist, dt);

@@ -80,7 +80,8 @@ struct Intent {
 };
 
 /// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
-/// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4).
+/// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in
+/// the thesis: who pushes away from where the leader is finds it beside the robot at once.
 class Teleop {
  public:
   explicit Teleop(const TeleopParams& params);

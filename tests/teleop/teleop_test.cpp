@@ -113,6 +113,26 @@ TEST(Teleop, LeaderNeverLeavesItsLeash) {
   EXPECT_NEAR(intent->X_ML->position().norm(), 0.5, 1e-9);
 }
 
+TEST(Teleop, LeaderComesBackAtOnceForWhoPushesAwayFromIt) {
+  for (const double way : {1.0, -1.0}) {
+    Teleop teleop{{}};
+    const Pose2 X_MB{2.0, 1.0, 0.3};
+    std::optional<Intent> intent;
+    double t = 0.0;
+    for (; t < 3.0; t += 0.05)
+      intent = teleop.on_stick({.linear = way, .angular = 0.1, .deadman = true}, X_MB, t);
+    ASSERT_GT((intent->X_ML->position() - X_MB.position()).norm(), 0.8);
+    const Pose2 before = *intent->X_ML;
+    // A hand that only gives way, or turns, does not call.
+    intent = teleop.on_stick({.linear = -0.2 * way, .deadman = true}, X_MB, t += 0.05);
+    intent = teleop.on_stick({.angular = 0.1, .deadman = true}, X_MB, t += 0.05);
+    EXPECT_LT((intent->X_ML->position() - before.position()).norm(), 0.02);
+    intent = teleop.on_stick({.linear = -way, .deadman = true}, X_MB, t += 0.05);
+    EXPECT_LT((intent->X_ML->position() - X_MB.position()).norm(), 0.05);
+    EXPECT_NEAR(intent->X_ML->theta, before.theta, 0.01);
+  }
+}
+
 TEST(Teleop, GoesOnWithOtherGainsWhileTheDeadManIsHeld) {
   Teleop teleop{{}};
   const Stick ahead{.linear = 1.0, .deadman = true};
