@@ -131,6 +131,12 @@ bool Arbiter::release_emergency_stop() {
   return !stop_latched_;
 }
 
+bool Arbiter::set_policy(Policy policy) {
+  if (stop_latched_ && policy == Policy::kAutonomous) return false;
+  policy_ = policy;
+  return true;
+}
+
 Decision Arbiter::decide(double now) {
   watch_clock(now);
   Decision decision = stop_latched_ ? stop(ArbitrationReason::kEmergencyStop) : choose(now);

@@ -120,7 +120,9 @@ class Arbiter {
   [[nodiscard]] bool release_emergency_stop();
   [[nodiscard]] bool emergency_stopped() const { return stop_latched_; }
 
-  void set_policy(Policy policy) { policy_ = policy; }
+  /// False, having changed nothing, for kAutonomous while the emergency stop is not released: it
+  /// would start the robot with the release.
+  [[nodiscard]] bool set_policy(Policy policy);
   [[nodiscard]] Policy policy() const { return policy_; }
 
   [[nodiscard]] Decision decide(double now);
@@ -128,6 +130,10 @@ class Arbiter {
   /// only nobody steers; why the filter would stop it, whoever steered; that nobody steers; what
   /// hinders the planner whose command goes on; the decision's own reason.
   [[nodiscard]] std::string why(const Decision& decision, double now) const;
+  /// Whether somebody is at the stick: their command is new.
+  [[nodiscard]] bool hears_person(double now) const {
+    return user_.fresh(now, params_.user_timeout);
+  }
   /// Names of the inputs that were heard once and are silent now.
   [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
 

@@ -19,11 +19,11 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
       status_{node.create_publisher(topics::arbitration_status)},
       diagnostics_{node},
       user_{node, topics::cmd_vel_user, topics::kUserInput, params_->input,
-            [this](const auto& msg) { on_command(msg, Source::kUser); }},
+            [this](const Twist2& twist) { on_command(twist, Source::kUser); }},
       shared_{node, topics::cmd_vel_shared, params_->input,
-              [this](const auto& msg) { on_command(msg, Source::kShared); }},
+              [this](const Twist2& twist) { on_command(twist, Source::kShared); }},
       nav_{node, topics::cmd_vel_nav, params_->input,
-           [this](const auto& msg) { on_command(msg, Source::kNav); }},
+           [this](const Twist2& twist) { on_command(twist, Source::kNav); }},
       planner_{node.create_subscription(
           topics::planner_status,
           [this](const auto& msg) {
@@ -40,16 +40,11 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
   status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
 }
 
-void ArbitrationNode::on_command(const geometry_msgs::msg::Twist& msg, Source source) {
-  const auto twist = from_msg(msg);
-  if (!twist) {
-    node_.log().warn_every(1.0, "cmd_vel_{} is not finite: dropped", name(source));
-    return;
-  }
+void ArbitrationNode::on_command(const Twist2& twist, Source source) {
   const double now = node_.now();
-  if (source == Source::kUser) arbiter_.on_user(*twist, now);
-  if (source == Source::kShared) arbiter_.on_shared(*twist, now);
-  if (source == Source::kNav) arbiter_.on_nav(*twist, now);
+  if (source == Source::kUser) arbiter_.on_user(twist, now);
+  if (source == Source::kShared) arbiter_.on_shared(twist, now);
+  if (source == Source::kNav) arbiter_.on_nav(twist, now);
   decide(source);
 }
 
@@ -68,10 +63,10 @@ void ArbitrationNode::offer_services() {
   set_policy_ =
       node_.create_service(services::set_policy, [this](const auto& request, auto& response) {
         try {
-          arbiter_.set_policy(policy_from(request.policy()));
-          response.success(true);
-          response.message("policy is now " + request.policy());
-          node_.log().info("policy is now {}", request.policy());
+          response.success(arbiter_.set_policy(policy_from(request.policy())));
+          response.message(response.success() ? "policy is now " + request.policy()
+                                              : "release the emergency stop first");
+          node_.log().info("policy {}: {}", request.policy(), response.message());
         } catch (const std::invalid_argument& error) {
           response.success(false);
           response.message(error.what());
@@ -137,7 +132,7 @@ void ArbitrationNode::publish_status() {
   msg.alpha(decision_.alpha);
   msg.reason(why_);
   msg.emergency_stop(arbiter_.emergency_stopped());
-  msg.deadman(decision_.reason != ArbitrationReason::kUserSilent);
+  msg.deadman(arbiter_.hears_person(node_.now()));
   msg.command(to_msg(decision_.command));
   msg.silent_sources(arbiter_.silent_sources(node_.now()));
   status_.publish(msg);

@@ -38,7 +38,7 @@ class ArbitrationNode {
   explicit ArbitrationNode(rt::Node& node);
 
  private:
-  void on_command(const geometry_msgs::msg::Twist& msg, Source source);
+  void on_command(const Twist2& twist, Source source);
   void subscribe_emergency_stop();
   void offer_services();
   void decide(Source arrived);

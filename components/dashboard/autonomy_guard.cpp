@@ -6,44 +6,57 @@
 namespace tandem {
 namespace {
 
-constexpr const char* kService = "arbitration/set_policy";
+using tandem_msgs::srv::SetPolicy;
+
+constexpr const char* kService = "/arbitration/set_policy";
+constexpr const char* kAutonomous = "autonomous";
 
 }  // namespace
 
-AutonomyGuard::AutonomyGuard(rt::Node& node)
-    : node_{node},
-      set_policy_{node.create_client(rt::ServiceName<tandem_msgs::srv::SetPolicy>{kService})},
-      on_status_{node.create_subscription(topics::arbitration_status,
-                                          [this](const auto& msg) { on_policy(msg.policy()); })} {}
-
 void AutonomyGuard::on_call(ClientId client, const std::string& name,
                             const std::vector<std::uint8_t>& request) {
-  if (!name.ends_with(std::string{"/"} + kService)) return;
-  const auto wanted = rt::decode<tandem_msgs::srv::SetPolicy::Request>(request);
+  if (!name.ends_with(kService)) return;
+  const auto wanted = rt::decode<SetPolicy::Request>(request);
   if (!wanted) return;
-  in_force_ = false;
-  if (wanted->policy() == kAutonomous)
-    responsible_ = client;
-  else
-    responsible_.reset();
+  const std::string space = name.substr(0, name.size() - std::string{kService}.size());
+  const bool autonomous = wanted->policy() == kAutonomous;
+  if (!autonomous && !robots_.contains(space)) return;
+  Robot& robot = robot_in(space);
+  robot.in_force = false;
+  robot.responsible = autonomous ? std::optional{client} : std::nullopt;
 }
 
 // A status that was under way before the call ends nobody's responsibility.
-void AutonomyGuard::on_policy(const std::string& policy) {
-  if (policy == kAutonomous)
-    in_force_ = true;
-  else if (in_force_)
-    responsible_.reset();
+AutonomyGuard::Robot& AutonomyGuard::robot_in(const std::string& space) {
+  const auto [it, is_new] = robots_.try_emplace(space);
+  Robot& robot = it->second;
+  if (!is_new) return robot;
+  const std::string service = space + kService;
+  const std::string status = space + "/" + topics::arbitration_status.name;
+  robot.set_policy = node_.create_client(rt::ServiceName<SetPolicy>{service.c_str()});
+  robot.on_status = node_.create_subscription(
+      rt::Topic<tandem_msgs::msg::ArbitrationStatus>{status.c_str(),
+                                                     topics::arbitration_status.qos},
+      [&robot](const auto& msg) {
+        if (msg.policy() == kAutonomous)
+          robot.in_force = true;
+        else if (robot.in_force)
+          robot.responsible.reset();
+      });
+  return robot;
 }
 
 void AutonomyGuard::on_leave(ClientId client) {
-  if (responsible_ != client) return;
-  responsible_.reset();
-  node_.log().warn("web client {}, who let the robot drive by itself, is gone: policy shared",
-                   client);
-  tandem_msgs::srv::SetPolicy::Request request;
-  request.policy("shared");
-  set_policy_.call(request, [](const auto&) {});
+  for (auto& [space, robot] : robots_) {
+    if (robot.responsible != client) continue;
+    robot.responsible.reset();
+    node_.log().warn(
+        "web client {}, who let the robot in {} drive by itself, is gone: policy shared", client,
+        space + "/");
+    SetPolicy::Request request;
+    request.policy("shared");
+    robot.set_policy.call(request, [](const auto&) {});
+  }
 }
 
 }  // namespace tandem

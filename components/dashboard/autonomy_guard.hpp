@@ -2,6 +2,7 @@
 // In: what web clients call, and who of them goes. Out: the end of autonomy that nobody watches.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -12,25 +13,28 @@ namespace tandem {
 
 /// Who lets the robot drive by itself has to stay: when the client that set arbitration's policy
 /// `autonomous` is gone (page closed, network lost), the policy becomes `shared`, in which the
-/// robot stands until somebody holds a stick. Not if another policy is in force by then.
+/// robot stands until somebody holds a stick. Not if another policy is in force by then. Each robot
+/// of the domain for itself: a client may call any of them.
 class AutonomyGuard {
  public:
-  explicit AutonomyGuard(rt::Node& node);
+  explicit AutonomyGuard(rt::Node& node) : node_{node} {}
 
   /// A client's call of the service `name`, its request in CDR.
   void on_call(ClientId client, const std::string& name, const std::vector<std::uint8_t>& request);
   void on_leave(ClientId client);
 
  private:
-  void on_policy(const std::string& policy);
+  struct Robot {
+    rt::Client<tandem_msgs::srv::SetPolicy> set_policy = {};
+    rt::Subscription on_status = {};
+    std::optional<ClientId> responsible = {};
+    bool in_force = false;  // it was heard that the policy is the client's
+  };
 
-  static constexpr const char* kAutonomous = "autonomous";
+  [[nodiscard]] Robot& robot_in(const std::string& space);
 
   rt::Node& node_;
-  rt::Client<tandem_msgs::srv::SetPolicy> set_policy_;
-  rt::Subscription on_status_;
-  std::optional<ClientId> responsible_;
-  bool in_force_ = false;  // it was heard that the policy is the client's
+  std::map<std::string, Robot> robots_;  // by namespace, "" or "/a"; those that somebody let drive
 };
 
 }  // namespace tandem

@@ -94,6 +94,22 @@ TEST(Arbiter, EmergencyStopEndsAutonomy) {
   EXPECT_EQ(it.decide(1.0).command, Twist2{});
 }
 
+TEST(Arbiter, TheReleaseOfAnEmergencyStopStartsNobody) {
+  Arbiter it = arbiter("shared");
+  it.on_emergency_stop(true);
+  EXPECT_FALSE(it.set_policy(Policy::kAutonomous));
+  EXPECT_TRUE(it.set_policy(Policy::kManual));
+  it.on_emergency_stop(false);
+  EXPECT_FALSE(it.set_policy(Policy::kAutonomous));  // not released yet
+  EXPECT_EQ(it.decide(1.0).command, Twist2{});       // nobody is at the stick
+  ASSERT_TRUE(it.release_emergency_stop());
+  it.on_nav({0.5, 0.0}, 2.0);
+  it.on_shared({0.5, 0.0}, 2.0);
+  EXPECT_EQ(it.decide(2.0).command, Twist2{});
+  EXPECT_TRUE(it.set_policy(Policy::kAutonomous));
+  EXPECT_EQ(it.decide(2.0).source, Source::kNav);
+}
+
 TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
   Arbiter it = arbiter("manual");
   it.on_emergency_stop(true);
@@ -131,7 +147,7 @@ TEST(Arbiter, ChangeOfAuthorityRampsAndAStopDoesNot) {
   Arbiter it = arbiter("manual", 0.2);
   it.on_user({0.8, 0.0}, 1.0);
   EXPECT_EQ(it.decide(1.0).command.v, 0.8);
-  it.set_policy(Policy::kShared);
+  ASSERT_TRUE(it.set_policy(Policy::kShared));
   it.on_shared({0.0, 0.0}, 1.0);
   EXPECT_NEAR(it.decide(1.0).command.v, 0.8, 1e-12);
   EXPECT_NEAR(it.decide(1.1).command.v, 0.4, 1e-12);

@@ -19,11 +19,12 @@ constexpr ClientId kFirst = 1, kSecond = 2;
 // A dashboard's guard beside an arbitration that this test plays.
 class AutonomyGuardOverDds : public testing::Test {
  protected:
-  void let_drive_itself(ClientId client) {
+  void call(ClientId client, const std::string& robot, const std::string& policy) {
     SetPolicy::Request request;
-    request.policy("autonomous");
-    guard_.on_call(client, "/arbitration/set_policy", rt::encode(request));
+    request.policy(policy);
+    guard_.on_call(client, robot + "/arbitration/set_policy", rt::encode(request));
   }
+  void let_drive_itself(ClientId client) { call(client, "", "autonomous"); }
   void hear(const std::string& policy) {
     tandem_msgs::msg::ArbitrationStatus status;
     status.policy(policy);
@@ -34,18 +35,24 @@ class AutonomyGuardOverDds : public testing::Test {
     ASSERT_TRUE(
         test::spin_until([&] { return heard_ == policy; }, kTimeout, arbitration_, dashboard_));
   }
-  [[nodiscard]] bool asked_for(const std::vector<std::string>& policies) {
-    return test::spin_until([&] { return policies_ == policies; }, kTimeout, arbitration_,
-                            dashboard_);
+  using Policies = std::vector<std::string>;
+  [[nodiscard]] bool asked_for(const Policies& policies, const Policies& others = {}) {
+    return test::spin_until([&] { return policies_ == policies && others_ == others; }, kTimeout,
+                            arbitration_, other_, dashboard_);
   }
 
  private:
+  static rt::Service play(rt::Node& node, Policies& asked) {
+    return node.create_service(
+        rt::ServiceName<SetPolicy>{"~/set_policy"},
+        [&asked](const auto& request, auto&) { asked.push_back(request.policy()); });
+  }
+
   rt::Node arbitration_{"arbitration"}, dashboard_{"dashboard"};
-  std::vector<std::string> policies_;
+  rt::Node other_{rt::NodeOptions{.name = "arbitration", .ns = "/b"}};
+  Policies policies_, others_;
   std::string heard_;
-  rt::Service service_ = arbitration_.create_service(
-      rt::ServiceName<SetPolicy>{"arbitration/set_policy"},
-      [this](const auto& request, auto&) { policies_.push_back(request.policy()); });
+  rt::Service service_ = play(arbitration_, policies_), others_service_ = play(other_, others_);
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_ =
       arbitration_.create_publisher(topics::arbitration_status);
 
@@ -83,6 +90,17 @@ TEST_F(AutonomyGuardOverDds, LeavesThePolicyThatAnotherNodeSetSince) {
   guard_.on_leave(kSecond);
   EXPECT_EQ(log.lines("is gone: policy shared"), 1);
   EXPECT_TRUE(asked_for({"shared"}));
+}
+
+TEST_F(AutonomyGuardOverDds, TellsRobotsApart) {
+  let_drive_itself(kFirst);
+  call(kSecond, "/b", "manual");
+  guard_.on_leave(kFirst);
+  EXPECT_TRUE(asked_for({"shared"}));
+  call(kSecond, "/b", "autonomous");
+  call(kFirst, "", "manual");
+  guard_.on_leave(kSecond);
+  EXPECT_TRUE(asked_for({"shared"}, {"shared"}));
 }
 
 }  // namespace
