@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "map_input.hpp"
 
+#include <stdexcept>
 #include <utility>
 
 #include "map/octomap_file.hpp"
@@ -30,14 +31,14 @@ std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& lo
 MapInput::MapInput(rt::Node& node, const MapInputParams& params)
     : node_{node}, params_{params}, fixtures_{fixtures_of(params)} {
   if (params_.map_source == "local") base_ = with_forbidden(Grid{}, fixtures_);
-  worker_ = std::thread{[this] { run(); }};
-  if (params_.map_source != "local") static_ = subscribe(topics::octomap_binary, waiting_static_);
-  if (params_.map_source != "static") local_ = subscribe(topics::octomap_local, waiting_local_);
+  if (params_.map_source != "local") subscribe(topics::octomap_binary, static_);
+  if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
+  worker_ = std::thread{[this] { run(); }};  // last: whoever throws before has no thread to end
 }
 
 MapInput::~MapInput() {
-  static_ = {};
-  local_ = {};
+  static_.subscription = {};
+  local_.subscription = {};
   {
     const std::lock_guard lock{mutex_};
     stop_ = true;
@@ -46,78 +47,93 @@ MapInput::~MapInput() {
   worker_.join();
 }
 
-rt::Subscription MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic,
-                                     std::optional<Arrived>& waiting) {
-  return node_.create_subscription(topic, [&](const octomap_msgs::msg::Octomap& msg) {
+void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
+  inbox.subscription = node_.create_subscription(topic, [this, topic, &inbox](const auto& msg) {
+    if (!is_ours(topic.name, inbox.subscription.matched())) return;
     {
       const std::lock_guard lock{mutex_};
-      waiting = Arrived{msg, node_.now()};
+      inbox.waiting = {msg, node_.now()};
     }
     arrived_.notify_one();
   });
 }
 
+// Where two publish, nobody knows whose map is this robot's: the one in force stays.
+bool MapInput::is_ours(const char* topic, int publishers) const {
+  if (publishers <= 1) return true;
+  node_.log().write_every(
+      1.0, rt::LogLevel::kError, topic,
+      std::string{topic} + " refused: " + std::to_string(publishers) +
+          " nodes publish it; give another robot its own namespace or ROS_DOMAIN_ID, or stop one");
+  return false;
+}
+
 std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& robot) {
   const std::lock_guard lock{mutex_};
   if (robot) p_MB_ = robot->X_MB.position();
-  const bool is_old = !local_time_ || node_.now() - *local_time_ > params_.local_timeout;
-  return params_.map_source != "static" && is_old ? nullptr : map_;
+  if (params_.map_source == "static") return map_.value;
+  map_.forget_later_than(node_.now());
+  return map_.fresh(node_.now(), params_.local_timeout) ? map_.value : nullptr;
 }
 
 void MapInput::run() {
   std::unique_lock lock{mutex_};
   while (true) {
-    arrived_.wait(lock, [this] { return stop_ || waiting_static_ || waiting_local_; });
+    arrived_.wait(lock, [this] { return stop_ || static_.waiting || local_.waiting; });
     if (stop_) return;
-    const auto fixed = std::exchange(waiting_static_, std::nullopt);
-    const auto local = std::exchange(waiting_local_, std::nullopt);
+    const auto fixed = std::exchange(static_.waiting, std::nullopt);
+    const auto local = std::exchange(local_.waiting, std::nullopt);
     const auto p_MB = p_MB_;
     lock.unlock();
-    auto map = fixed ? take_static(fixed->msg) : nullptr;
-    const auto seen = local ? take_local(local->msg, p_MB) : nullptr;
+    const auto map =
+        fixed ? unless_refused("octomap_binary", [&] { return take_static(fixed->value); })
+              : nullptr;
+    const auto seen =
+        local ? unless_refused("octomap_local", [&] { return take_local(local->value, p_MB); })
+              : nullptr;
     lock.lock();
-    if (seen) local_time_ = local->t;
-    if (map || seen) map_ = seen ? seen : map;
+    if (map) map_.value = map;
+    if (seen) map_ = {seen, local->t};
+  }
+}
+
+// What `take` makes of a message; null, and the reason logged, if it throws.
+template <class Take>
+std::shared_ptr<const StaticMap> MapInput::unless_refused(const char* topic, const Take& take) {
+  try {
+    return take();
+  } catch (const std::exception& error) {
+    node_.log().write_every(1.0, rt::LogLevel::kError, topic,
+                            std::string{topic} + " refused: " + error.what());
+    return nullptr;
   }
 }
 
 // The map of octomap_binary alone, if that is all that is asked for.
 std::shared_ptr<const StaticMap> MapInput::take_static(const octomap_msgs::msg::Octomap& msg) {
-  auto grid = decode(msg, true);
-  if (!grid) return nullptr;
-  node_.log().info("map: {} x {} cells of {:.3f} m", grid->width, grid->height, grid->resolution);
+  Grid grid = with_forbidden(decode(msg, false), fixtures_);
+  node_.log().info("map: {} x {} cells of {:.3f} m", grid.width, grid.height, grid.resolution);
   if (params_.map_source == "static")
-    return std::make_shared<const StaticMap>(*std::move(grid), params_.unknown_is_obstacle);
+    return std::make_shared<const StaticMap>(std::move(grid), params_.unknown_is_obstacle);
   base_ = std::move(grid);
   return nullptr;
 }
 
 std::shared_ptr<const StaticMap> MapInput::take_local(
     const octomap_msgs::msg::Octomap& msg, const std::optional<Eigen::Vector2d>& p_MB) const {
-  const auto local = decode(msg, false);
-  if (!local || !base_) return nullptr;
+  const Grid local = decode(msg, true);
+  if (!base_) return nullptr;
   const Eigen::Vector2d middle =
-      local->origin + 0.5 * local->resolution * Eigen::Vector2d(local->width, local->height);
-  return local_map_over(*base_, *local, p_MB.value_or(middle), params_);
+      local.origin + 0.5 * local.resolution * Eigen::Vector2d(local.width, local.height);
+  return local_map_over(*base_, local, p_MB.value_or(middle), params_);
 }
 
-// The slice of a message's map, with what the fixtures forbid if it is one that stays. Where
-// nothing is seen nothing may stand: only a map that stays must hold something.
-std::optional<Grid> MapInput::decode(const octomap_msgs::msg::Octomap& msg, bool stays) const {
+// Where nothing is seen nothing may stand: only a map that stays must hold something.
+Grid MapInput::decode(const octomap_msgs::msg::Octomap& msg, bool may_be_empty) const {
   const auto decoded =
-      decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), !stays);
-  std::string error = decoded.error;
-  if (decoded.tree) try {
-      Grid grid = slice(*decoded.tree, params_.slice);
-      return stays ? with_forbidden(std::move(grid), fixtures_) : grid;
-    } catch (const std::exception& thrown) {
-      error = thrown.what();
-    }
-  if (stays)
-    node_.log().error_every(1.0, "octomap_binary refused: {}", error);
-  else
-    node_.log().error_every(1.0, "octomap_local refused: {}", error);
-  return std::nullopt;
+      decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
+  if (!decoded.tree) throw std::runtime_error(decoded.error);
+  return slice(*decoded.tree, params_.slice);
 }
 
 }  // namespace tandem

@@ -11,6 +11,7 @@
 #include "map/fixtures.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
+#include "model/heard.hpp"
 #include "model/localization.hpp"
 #include "runtime/node.hpp"
 
@@ -56,7 +57,8 @@ struct MapInputParams {
 
 /// Subscribes the maps for a node, by `map_source`. A whole building takes 50 to 90 ms to decode,
 /// so a thread of its own does it; the node goes on with the old map meanwhile. Only the newest
-/// message of each topic waits. Bytes that are no map are logged and leave the old map in force.
+/// message of each topic waits. Bytes that are no map are logged and leave the old map in force; so
+/// does a map that comes while two nodes publish its topic.
 ///
 /// `octomap_local` is small and comes with every scan. It is laid over the static map within
 /// `local_reach` of the robot only, so that an update costs the same in any building.
@@ -75,19 +77,23 @@ class MapInput {
   [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
 
  private:
-  /// A map, and when its message arrived [s].
-  struct Arrived {
-    octomap_msgs::msg::Octomap msg;
-    double t = 0.0;
+  using HeardMap = Heard<octomap_msgs::msg::Octomap>;
+
+  struct Inbox {
+    std::optional<HeardMap> waiting = {};  // for the worker
+    rt::Subscription subscription = {};
   };
 
-  [[nodiscard]] rt::Subscription subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic,
-                                           std::optional<Arrived>& waiting);
+  void subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
+  [[nodiscard]] bool is_ours(const char* topic, int publishers) const;
   void run();
+  template <class Take>
+  [[nodiscard]] std::shared_ptr<const StaticMap> unless_refused(const char* topic,
+                                                                const Take& take);
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const octomap_msgs::msg::Octomap& msg);
   [[nodiscard]] std::shared_ptr<const StaticMap> take_local(
       const octomap_msgs::msg::Octomap& msg, const std::optional<Eigen::Vector2d>& p_MB) const;
-  [[nodiscard]] std::optional<Grid> decode(const octomap_msgs::msg::Octomap& msg, bool stays) const;
+  [[nodiscard]] Grid decode(const octomap_msgs::msg::Octomap& msg, bool may_be_empty) const;
 
   rt::Node& node_;
   MapInputParams params_;
@@ -97,13 +103,11 @@ class MapInput {
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   bool stop_ = false;
-  std::optional<Arrived> waiting_static_, waiting_local_;
-  std::shared_ptr<const StaticMap> map_;
-  std::optional<double> local_time_;  // when the newest octomap_local in map_ arrived [s]
+  Inbox static_, local_;
+  Heard<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
   std::optional<Eigen::Vector2d> p_MB_;
 
   std::thread worker_;
-  rt::Subscription static_, local_;
 };
 
 }  // namespace tandem

@@ -12,8 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMostCells = 1e8;
-
 struct Box {
   Vector2d low, high;
 };
@@ -55,7 +53,7 @@ Grid grown(const Grid& grid, const Box& box) {
   const Vector2d above = (((box.high - grid.origin) / r) - size).array().ceil().max(0.0);
   if (below.isZero() && above.isZero()) return grid;
   const Vector2d total = below + size + above;
-  if (!(total.prod() <= kMostCells))
+  if (!(total.prod() <= static_cast<double>(kMostCells)))
     throw std::runtime_error(
         "a forbidden region is so far off the map that the grid grows beyond "
         "10⁸ cells");

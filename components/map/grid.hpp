@@ -10,6 +10,9 @@ namespace tandem {
 
 enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
 
+/// Grids are never larger: what asks for more is an error, not a machine without memory.
+inline constexpr std::int64_t kMostCells = 100'000'000;
+
 /// Row-major cells, row 0 at the lowest y. Cell (ix, iy) is the square of side `resolution` whose
 /// lower left corner is origin + resolution · (ix, iy).
 struct Grid {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace tandem {
 namespace {
@@ -53,11 +55,14 @@ void lay_over(Grid& out, const Grid& in) {
 Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC, double reach) {
   const double r = live.resolution;
   const double step = r * std::max(1.0, std::round(kStep / r));
-  const double side = std::ceil(2.0 * reach / step + 1.0) * step;
+  const double side = std::ceil(2.0 * reach / step + 1.0) * step, cells = std::round(side / r);
+  if (!(cells * cells <= static_cast<double>(kMostCells)))
+    throw std::runtime_error("cells of " + std::to_string(r) + " m are too many within " +
+                             std::to_string(reach) + " m: more than 10⁸");
   Grid out;
   out.resolution = r;
   out.origin = ((p_MC.array() - reach) / step).floor() * step;
-  out.width = out.height = static_cast<int>(std::lround(side / r));
+  out.width = out.height = static_cast<int>(cells);
   out.cells.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height),
                    Cell::kUnknown);
   lay_over(out, base);

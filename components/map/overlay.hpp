@@ -9,7 +9,7 @@ namespace tandem {
 /// The square within `reach` [m] of a point, at the resolution of `live`. A cell is occupied if it
 /// overlaps an occupied cell of either grid, else free if it overlaps a free one, else unknown. The
 /// cells lie where those of OctoMap lie, and the square moves by whole metres, so that it does not
-/// change at each step of the robot.
+/// change at each step of the robot. Throws std::runtime_error if it had more than kMostCells.
 [[nodiscard]] Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC,
                            double reach);
 

@@ -14,7 +14,6 @@ namespace {
 constexpr int kTreeDepth = 16;
 constexpr int kMiddleKey = 1 << (kTreeDepth - 1);  // key of the voxel that starts at 0
 constexpr int kLastKey = (1 << kTreeDepth) - 1;
-constexpr std::int64_t kMostCells = 100'000'000;
 constexpr double kTouching = 1e-6;  // of a voxel: a common face is no overlap
 
 // Voxels [begin, end) along x and y, as keys of OctoMap.

@@ -18,8 +18,7 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       markers_{node.create_publisher(topics::obstacle_markers)} {
   if (params_->people)
     on_people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto all) {
-      people_ = std::move(all);
-      people_heard_ = node_.now();
+      people_ = {std::move(all), node_.now()};
     });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
 }
@@ -37,12 +36,13 @@ void ObstacleExtractorNode::extract() {
     return;
   }
   if (!params_->people) return publish(*near);
-  if (node_.now() - people_heard_ > params_->people_timeout) {
+  people_.forget_later_than(node_.now());
+  if (!people_.fresh(node_.now(), params_->people_timeout)) {
     node_.log().warn_every(1.0, "no obstacles: people are silent");
     return;
   }
   auto shapes = *near;
-  shapes.insert(shapes.end(), people_.begin(), people_.end());
+  shapes.insert(shapes.end(), people_.value.begin(), people_.value.end());
   publish(shapes);
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "map_input.hpp"
+#include "model/heard.hpp"
 #include "obstacle_extractor/shapes_ahead.hpp"
 #include "people_input.hpp"
 #include "robot_state_input.hpp"
@@ -51,8 +52,7 @@ class ObstacleExtractorNode {
   RobotStateInput robot_;
   ShapesAhead shapes_;
   int lists_ = 0;
-  std::vector<Obstacle> people_;
-  double people_heard_ = -1e9;  ///< [s]
+  Heard<std::vector<Obstacle>> people_;
   std::unique_ptr<PeopleInput> on_people_;
 
   rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;

@@ -68,5 +68,12 @@ TEST(Overlay, ReachesAsFarAsAskedAndStandsStillForSmallSteps) {
   }
 }
 
+TEST(Overlay, RefusesToGrowBeyondTheMemory) {
+  Grid live;
+  live.resolution = 0.001;
+  EXPECT_THROW((void)overlay(Grid{}, live, {0.0, 0.0}, 10.0), std::runtime_error);
+  EXPECT_THROW((void)overlay(Grid{}, live, {0.0, 0.0}, 1e9), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace tandem

@@ -4,8 +4,10 @@
 // afterwards. Prints a table; TANDEM_FAULT_TRIES=n tries each fault n times.
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 
+#include "map/octomap_file.hpp"
 #include "system/faulty_system.hpp"
 #include "system/not_finite.hpp"
 
@@ -241,7 +243,21 @@ TEST_F(Faults, OfStrangers) {
   const auto elsewhere = [](Tf& m) {
     for (auto& transform : m.transforms()) transform.transform().translation().y(3.0);
   };
-  suffer({intruded(
+  octomap_msgs::msg::Octomap hall;
+  const auto tree = load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt");
+  hall.binary(true);
+  hall.id("OcTree");
+  hall.resolution(tree->getResolution());
+  hall.data(encode_octomap(*tree));
+  std::optional<rt::Publisher<octomap_msgs::msg::Octomap>> other;
+  const Fault another_map{"octomap_binary of a second robot: an empty hall",
+                          [&] {
+                            other.emplace(system_.node().create_publisher(topics::octomap_binary));
+                            other->publish(hall);  // latched
+                          },
+                          [&] { other.reset(); }};
+  suffer({another_map,
+          intruded(
               "odom of a second robot", s.odom, [](Odom& m) { m.pose().pose().position().y(3.0); },
               "safety filter: pose jumped"),
           intruded("tf of a second robot", s.tf, elsewhere, "safety filter: pose jumped"),

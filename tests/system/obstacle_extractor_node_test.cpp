@@ -106,6 +106,24 @@ TEST_F(ExtractorOverDds, DrawsWhatItLists) {
   EXPECT_EQ(drawn, seen_.size() + 1);  // one deletes the old ones
 }
 
+TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  {
+    const auto other = node_.create_publisher(topics::octomap_binary);
+    ASSERT_TRUE(wait_until([&] { return other.matched() == 1; }));
+    other.publish(octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt"))));
+    ASSERT_TRUE(
+        wait_until([&] { return log_.lines("octomap_binary refused: 2 nodes publish it") == 1; }));
+    ASSERT_TRUE(wait_for_lists(15));
+    EXPECT_TRUE(covered(kPole));
+  }
+  ASSERT_TRUE(wait_until([&] {
+    map_.publish(octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt"))));
+    return !covered(kPole);
+  })) << "its own publisher may change the map";
+}
+
 TEST_F(ExtractorOverDds, IsSilentWithoutAMap) {
   EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: no map yet") > 0; }));
   EXPECT_EQ(lists_, 0);
