@@ -6,16 +6,17 @@
 #include <memory>
 #include <utility>
 
+#include "model/se2.hpp"
 #include "runtime/node.hpp"
 #include "stamp_check.hpp"
 
 namespace tandem {
 
 /// Subscribes a velocity topic for a node. Plain Twist at once, TwistStamped from when somebody
-/// publishes that type.
+/// publishes that type. A command that is not finite is logged and dropped.
 class TwistInput {
  public:
-  using Command = std::function<void(const geometry_msgs::msg::Twist&)>;
+  using Command = std::function<void(const Twist2&)>;
 
   TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic, const rt::QoS& qos,
              const StampParams& params, Command command);
@@ -24,16 +25,20 @@ class TwistInput {
       : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
   /// Stamps are of this time [s], for a node that makes it; else of the node's own.
   void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
+  /// Commands that are not finite go on too, to a node that stops for them.
+  void pass_not_finite() { passes_not_finite_ = true; }
   TwistInput(const TwistInput&) = delete;
   TwistInput& operator=(const TwistInput&) = delete;
 
  private:
   void subscribe_stamped(const rt::QoS& qos);
+  void hear(const geometry_msgs::msg::Twist& msg);
 
   rt::Node& node_;
   rt::Topic<geometry_msgs::msg::TwistStamped> stamped_topic_;
   StampCheck check_;
   Command command_;
+  bool passes_not_finite_ = false;
   rt::Subscription plain_, stamped_;
   std::shared_ptr<void> stamped_wanted_;
 };

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 #include "support/captured_log.hpp"
@@ -38,7 +39,7 @@ class TwistInputTest : public testing::Test {
   rt::Node sender_{"sender"}, receiver_{"receiver"};
   std::vector<double> got_;
   TwistInput input_{receiver_, kTopic, StampParams{},
-                    [this](const Twist& msg) { got_.push_back(msg.linear().x()); }};
+                    [this](const Twist2& twist) { got_.push_back(twist.v); }};
 };
 
 TEST_F(TwistInputTest, HearsBothTypesUnderOneName) {
@@ -66,6 +67,23 @@ TEST_F(TwistInputTest, DropsWhatIsStampedLongAgoOrAhead) {
   ASSERT_TRUE(await([&] { return !got_.empty(); }));
   EXPECT_EQ(got_.front(), 3.0);
   EXPECT_EQ(log.lines("s ago was dropped (max_stamp_age 0.5 s)"), 1);  // the second: held back
+}
+
+TEST_F(TwistInputTest, DropsWhatIsNoNumberAndSaysSoUnlessToldToPassIt) {
+  const auto publisher = sender_.create_publisher(kTopic);
+  ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
+  test::CapturedLog log;
+  Twist none, one;
+  none.angular().z(std::numeric_limits<double>::quiet_NaN());
+  one.linear().x(1.0);
+  publisher.publish(none);
+  publisher.publish(one);
+  ASSERT_TRUE(await([&] { return !got_.empty(); }));
+  EXPECT_EQ(got_, (std::vector<double>{1.0}));
+  EXPECT_EQ(log.lines("cmd_vel is not finite: dropped"), 1);
+  input_.pass_not_finite();
+  publisher.publish(none);
+  EXPECT_TRUE(await([&] { return got_.size() == 2; }));
 }
 
 TEST_F(TwistInputTest, TakesAStampOfZeroForNone) {

@@ -113,7 +113,6 @@ void DiffDriveSim::touch(const Pose2& X_MB) {
 
 void DiffDriveSim::open_episode(const Eigen::Vector2d& p_MQ) {
   contacts_.in_contact = true;
-  contacts_.first_time = state_.t;
   contacts_.p_MQ = p_MQ;
   counted_ = false;
 }

@@ -62,7 +62,6 @@ struct ContactReport {
   bool in_contact = false;  ///< an episode is open
   unsigned count = 0;
   unsigned walked_into = 0;        ///< episodes that began with a person walking into it
-  double first_time = 0.0;         ///< start of the last episode [s]
   Eigen::Vector2d p_MQ{0.0, 0.0};  ///< centre of what was touched in the last episode [m]
 };
 
@@ -93,7 +92,6 @@ class DiffDriveSim {
   /// Smallest gap of the outline to any obstacle since the last reset [m], at most 1.
   [[nodiscard]] double min_clearance() const { return min_clearance_; }
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
-  [[nodiscard]] const Drive& drive() const { return drive_; }
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
   /// Ranges of `beams` rays from B's origin, evenly from −π on, counter-clockwise [m].

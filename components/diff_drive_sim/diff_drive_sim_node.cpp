@@ -41,17 +41,10 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       collision_{node.create_publisher(topics::collision)},
       people_{node.create_publisher(topics::people)},
       cmd_vel_{node, topics::cmd_vel, params_->input,
-               [this](const auto& msg) { on_command(msg); }} {
+               [this](const Twist2& twist) { sim_.command(twist, sim_.state().t); }} {
   cmd_vel_.judge_stamps_by([this] { return sim_.state().t; });
   subscribe();
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
-}
-
-void DiffDriveSimNode::on_command(const geometry_msgs::msg::Twist& msg) {
-  if (const auto twist = from_msg(msg))
-    sim_.command(*twist, sim_.state().t);
-  else
-    node_.log().warn_every(1.0, "cmd_vel is not finite: dropped");
 }
 
 void DiffDriveSimNode::subscribe() {

@@ -69,7 +69,6 @@ class DiffDriveSimNode {
   explicit DiffDriveSimNode(rt::Node& node);
 
  private:
-  void on_command(const geometry_msgs::msg::Twist& msg);
   void subscribe();
   void reset(const Pose2& X_MB);
   void tick();

@@ -58,8 +58,6 @@ class Drive {
   [[nodiscard]] const WheelSpeeds& speeds() const { return speeds_; }
   /// Twist of the body over the ground: rim speeds after slip.
   [[nodiscard]] Twist2 twist_over_ground() const;
-  /// Command that the motors follow now.
-  [[nodiscard]] const Twist2& command_in_force() const { return in_force_; }
 
  private:
   struct Sent {

@@ -10,7 +10,7 @@
 namespace tandem {
 namespace {
 
-constexpr std::uint32_t kFirstId = 0xFFFF0000;  // apart from the ids of what stands
+constexpr std::uint32_t kFirstId = 0xFFFF0000;  // as good as never that of something that stands
 constexpr int kMostDraws = 100;
 
 // Velocity with which a walker at p_MP would like to go on.

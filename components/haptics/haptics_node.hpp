@@ -2,9 +2,22 @@
 #pragma once
 
 #include "haptics/haptics.hpp"
+#include "model/heard.hpp"
 #include "runtime/node.hpp"
+#include "twist_input.hpp"
 
 namespace tandem {
+
+struct HapticsNodeParams {
+  HapticsParams haptics;
+  StampParams input;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    haptics.visit(field);
+    input.visit(field);
+  }
+};
 
 /// cmd_vel_user, safety_filter/status → joy/set_feedback (rumble, 10 Hz while there is any).
 class HapticsNode {
@@ -18,15 +31,15 @@ class HapticsNode {
   void feel();
 
   rt::Node& node_;
-  rt::Parameters<HapticsParams> params_;
+  rt::Parameters<HapticsNodeParams> params_;
   Haptics haptics_;
-  Twist2 user_, robot_;
+  Heard<Twist2> user_, robot_;  // by steady time
   double clearance_ = 0.0;
-  double user_at_ = -1e9, filter_at_ = -1e9;  // [s] steady
   double felt_ = 0.0;
 
   rt::Publisher<sensor_msgs::msg::JoyFeedback> feedback_;
-  rt::Subscription on_user_, on_filter_;
+  TwistInput on_user_;
+  rt::Subscription on_filter_;
   rt::Timer timer_;
 };
 

@@ -22,9 +22,7 @@ HindsightNode::HindsightNode(rt::Node& node)
       assisted_{node.create_publisher(topics::cmd_vel_assisted)},
       markers_{node.create_publisher(topics::hindsight_markers)},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
-               [this](const auto& msg) {
-                 if (const auto twist = from_msg(msg)) on_user(*twist);
-               }} {
+               [this](const Twist2& twist) { on_user(twist); }} {
   if (params_->map.map_source != "static")
     throw std::invalid_argument(
         "map_source: hindsight finds its ways on the finished map, `static`");

@@ -18,6 +18,12 @@ constexpr std::size_t kMostSamples = 4000;
 
 }  // namespace
 
+void DelayEstimator::forget() {
+  sent_.clear();
+  measured_.clear();
+  next_look_ = kAtOnce;
+}
+
 void DelayEstimator::on_command(const Twist2& twist, double t) {
   if (!is_finite(twist) || !std::isfinite(t) || (!sent_.empty() && t < sent_.back().t)) return;
   sent_.push_back({twist, t});

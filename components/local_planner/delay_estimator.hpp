@@ -30,6 +30,9 @@ class DelayEstimator {
   /// A twist that arrived at t.
   void on_measurement(const Twist2& twist, double t);
 
+  /// The clock was set back: commands and measurements are of no known time. The delay stays.
+  void forget();
+
   /// Smoothed delay [s]; none before the first conclusion.
   [[nodiscard]] std::optional<double> delay() const { return delay_; }
 
@@ -44,8 +47,9 @@ class DelayEstimator {
   [[nodiscard]] std::optional<double> best_delay() const;
 
   double v_max_, w_max_;
-  std::deque<Sample> sent_, measured_;  // oldest first
-  double next_look_ = -1e300;
+  std::deque<Sample> sent_, measured_;       // oldest first
+  static constexpr double kAtOnce = -1e300;  // [s]
+  double next_look_ = kAtOnce;
   std::optional<double> delay_;
 };
 

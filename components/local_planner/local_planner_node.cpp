@@ -23,9 +23,12 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
       status_out_{node.create_publisher(topics::planner_status)},
       leader_stamp_{node, topics::leader_pose.name, params_->stamp},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
-               [this](const auto& msg) { hear(msg, user_); }},
-      on_command_{node, topics::cmd_vel, params_->stamp,
-                  [this](const auto& msg) { hear(msg, command_); }} {
+               [this](const Twist2& twist) {
+                 user_ = {twist, node_.now()};
+               }},
+      on_command_{node, topics::cmd_vel, params_->stamp, [this](const Twist2& twist) {
+                    command_ = {twist, node_.now()};
+                  }} {
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
     throw std::invalid_argument("goal: needs three numbers, x, y and heading");
@@ -51,12 +54,20 @@ void LocalPlannerNode::change(const LivePlannerParams& wanted) {
   status_.method(wanted.method);
 }
 
-void LocalPlannerNode::hear(const geometry_msgs::msg::Twist& msg, Heard<Twist2>& heard) {
-  if (const auto twist = from_msg(msg)) heard = {*twist, node_.now()};
+// A pose in another frame would send the robot somewhere else. An empty name is that of who knows
+// of one frame only, as `ros2 topic pub` by hand.
+bool LocalPlannerNode::is_in_map(const std_msgs::msg::Header& header, const char* topic) const {
+  const std::string& map = params_->input.frames.map;
+  if (header.frame_id() == map || header.frame_id().empty()) return true;
+  node_.log().write_every(1.0, rt::LogLevel::kWarn, topic,
+                          std::string{topic} + " is given in frame `" + header.frame_id() +
+                              "`, not `" + map + "`: dropped");
+  return false;
 }
 
 void LocalPlannerNode::subscribe() {
   on_obstacles_ = node_.create_subscription(topics::obstacles, [this](const auto& msg) {
+    if (!is_in_map(msg.header(), topics::obstacles.name)) return;
     Obstacles obstacles = from_msg(msg);
     if (obstacles.refused > 0)
       node_.log().warn_every(1.0, "{} obstacles are not finite ellipses: dropped",
@@ -65,10 +76,16 @@ void LocalPlannerNode::subscribe() {
   });
   on_leader_ =
       node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
-        if (!leader_stamp_.in_time(msg.header().stamp())) return;
-        if (const auto X_ML = from_msg(msg.pose())) leader_ = {*X_ML, node_.now()};
+        if (!leader_stamp_.in_time(msg.header().stamp()) ||
+            !is_in_map(msg.header(), topics::leader_pose.name))
+          return;
+        if (const auto X_ML = from_msg(msg.pose()))
+          leader_ = {*X_ML, node_.now()};
+        else
+          node_.log().warn_every(1.0, "leader_pose is not finite: dropped");
       });
   on_goal_ = node_.create_subscription(topics::goal_pose, [this](const auto& msg) {
+    if (!is_in_map(msg.header(), topics::goal_pose.name)) return;
     if (const auto X_MG = from_msg(msg.pose()))
       X_MG_ = X_MG;
     else
@@ -80,13 +97,13 @@ void LocalPlannerNode::subscribe() {
 }
 
 const char* LocalPlannerNode::missing(double now) const {
-  if (now - obstacles_.t > params_->obstacle_timeout) return "obstacles are silent";
+  if (!obstacles_.fresh(now, params_->obstacle_timeout)) return "obstacles are silent";
   switch (method_) {
     case Method::kLeader:
     case Method::kPath:
-      return now - leader_.t > params_->user_timeout ? "leader_pose is silent" : nullptr;
+      return leader_.fresh(now, params_->user_timeout) ? nullptr : "leader_pose is silent";
     case Method::kIntention:
-      return now - user_.t > params_->user_timeout ? "cmd_vel_user is silent" : nullptr;
+      return user_.fresh(now, params_->user_timeout) ? nullptr : "cmd_vel_user is silent";
     case Method::kGoal:
       return X_MG_ ? nullptr : "no goal_pose yet";
   }
@@ -94,7 +111,7 @@ const char* LocalPlannerNode::missing(double now) const {
 }
 
 PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const {
-  const bool in_force = now - command_.t <= params_->command_timeout;
+  const bool in_force = command_.fresh(now, params_->command_timeout);
   PlanRequest request;
   request.method = method_;
   request.t = now;
@@ -102,19 +119,20 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   request.command = in_force ? command_.value : Twist2{};
   request.measured = robot.twist;
   request.X_MG = method_ == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
-  if (now - user_.t <= params_->user_timeout) request.user = user_.value;
+  if (user_.fresh(now, params_->user_timeout)) request.user = user_.value;
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;
-  request.refused = refused_.value && now - refused_.t <= params_->command_timeout;
+  request.refused = refused_.value && refused_.fresh(now, params_->command_timeout);
   return request;
 }
 
-// Where the clock was set back, what was heard before is of no known age, and would be as good as
-// new when the clock comes there again.
 void LocalPlannerNode::watch_clock(double now) {
   if (std::exchange(last_time_, now) <= now) return;
-  for (double* t : {&obstacles_.t, &user_.t, &command_.t, &refused_.t, &leader_.t})
-    if (*t > now) *t = kNever;
+  obstacles_.forget_later_than(now);
+  user_.forget_later_than(now);
+  command_.forget_later_than(now);
+  refused_.forget_later_than(now);
+  leader_.forget_later_than(now);
   nmpc_.reset();
 }
 
@@ -125,6 +143,7 @@ void LocalPlannerNode::plan() {
   if (!robot) return stop("not localised: odom or map → odom is missing or too old");
   if (const char* reason = missing(now)) return stop(reason);
   planning_ = true;
+  standing_for_ = {};
   const PlanRequest plan_request = request(*robot, now);
   publish(nmpc_.solve(plan_request), plan_request);
 }
@@ -183,7 +202,8 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
 
 void LocalPlannerNode::stop(const char* reason) {
   planning_ = false;
-  node_.log().warn_every(1.0, "standing: {}", reason);
+  if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
+    node_.log().warn_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   write_status({.status = PlanStatus::kRefused, .source = PlanSource::kStanding});
   status_.status_text(reason);

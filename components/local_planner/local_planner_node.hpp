@@ -2,10 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "local_planner/nmpc.hpp"
 #include "map/fixtures.hpp"
+#include "model/heard.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "twist_input.hpp"
@@ -69,15 +71,7 @@ class LocalPlannerNode {
   explicit LocalPlannerNode(rt::Node& node);
 
  private:
-  static constexpr double kNever = -1e9;  // [s]
-
-  template <class T>
-  struct Heard {
-    T value{};
-    double t = kNever;
-  };
-
-  void hear(const geometry_msgs::msg::Twist& msg, Heard<Twist2>& heard);
+  [[nodiscard]] bool is_in_map(const std_msgs::msg::Header& header, const char* topic) const;
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
   void subscribe();
@@ -112,7 +106,8 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  double last_time_ = kNever;  ///< of the last plan [s]
+  std::string_view standing_for_;             ///< why it stands, as it was logged
+  double last_time_ = Heard<Twist2>::kNever;  ///< when the clock was last looked at [s]
   rt::Timer timer_, watchdog_;
 };
 

@@ -372,6 +372,7 @@ Plan Nmpc::solve(const PlanRequest& request) {
 }
 
 void Nmpc::reset() {
+  state_->loop.forget();
   state_->last.reset();
   state_->good = {};
   state_->sent.clear();

@@ -42,7 +42,7 @@ enum class PlanStatus : int {
   kAcceptable = 1,   ///< not converged, but the motion was checked and is the best known
   kTimeout = -1,     ///< budget or iterations ran out without a usable motion
   kInfeasible = -2,  ///< solved, but the motion fails the exact check
-  kRefused = -3,     ///< the request is not finite
+  kRefused = -3,     ///< the request is not finite, or there is none: an input is silent
 };
 
 /// What the twists of a plan are.

@@ -15,8 +15,8 @@ struct Solved {
   double t0 = 0.0;  ///< [s]
 };
 
-/// Primal point that follows the motion, slacks as large as the clearances of ocp's pairs ask for;
-/// no multipliers.
+/// Primal point that follows the motion, slacks as large as the clearances of ocp's pairs ask for,
+/// not counting what rows (4) grow by with speed; no multipliers.
 [[nodiscard]] Iterate cold_start(const Ocp& ocp, const Forecast& motion);
 
 /// Pose of a solution `elapsed` seconds after its stage 0; past its end the last one.

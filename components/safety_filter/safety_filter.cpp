@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "model/diff_drive.hpp"
@@ -86,6 +87,10 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
     : params_{params}, robot_{robot} {
   check(params);
   check(robot);
+  if (params.survive_silence && robot.command_timeout == 0.0)
+    throw std::invalid_argument(
+        "survive_silence needs a base that stops by itself (command_timeout above 0); with "
+        "survive_silence: false the loss of this filter is not survived");
   const Footprint footprint = footprint_of(robot);
   body_ = {footprint, circumradius(footprint), robot.wheel_separation};
   hard_margin_ = hard_margin_of(params, body_.radius);
@@ -107,6 +112,13 @@ Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now
       out.reason != FilterReason::kNoCommand && out.reason != FilterReason::kNotFinite;
   out.twist = !params_.enforce && drives ? out.requested : out.safe;
   out.refused = out.reason < FilterReason::kNoCommand && moves(out.requested) && !moves(out.twist);
+  remember(out.twist, now);
+  return out;
+}
+
+Filtered SafetyFilter::stop(FilterReason reason, double now) {
+  Filtered out;
+  out.reason = reason;
   remember(out.twist, now);
   return out;
 }

@@ -116,7 +116,8 @@ struct Filtered {
 /// against a wall keeps the band for the way out. Times are seconds on one monotonic clock.
 class SafetyFilter {
  public:
-  /// Throws std::invalid_argument on parameters out of range.
+  /// Throws std::invalid_argument on parameters out of range, and on survive_silence with a base
+  /// that never stops by itself.
   SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot);
 
   void on_command(const Twist2& twist, double t);
@@ -126,6 +127,9 @@ class SafetyFilter {
 
   /// The command to send now; counts it as sent. `state`: Localization::state(now).
   [[nodiscard]] Filtered update(const std::optional<RobotState>& state, double now);
+
+  /// Zero, whatever was commanded, counted as sent: for a reason that its node knows.
+  [[nodiscard]] Filtered stop(FilterReason reason, double now);
 
   /// The check alone: what of `command` is safe, given what was sent before. Reason and scale say
   /// what became of it.

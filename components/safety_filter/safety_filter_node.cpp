@@ -16,14 +16,14 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       robot_{node, params_->input},
       status_{node.create_publisher(topics::filter_status)},
       diagnostics_{node},
-      command_{node, topics::cmd_vel_arbitrated, params_->stamp, [this](const auto& msg) {
-                 // Not finite goes on to the core, which stops for it.
-                 filter_.on_command({msg.linear().x(), msg.angular().z()}, node_.now());
+      command_{node, topics::cmd_vel_arbitrated, params_->stamp, [this](const Twist2& twist) {
+                 filter_.on_command(twist, node_.now());
                  update();
                }} {
   if (!params_->filter.enforce && !node.use_sim_time())
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
+  command_.pass_not_finite();  // the core stops for it, and says so
   if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
     people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto people) {
@@ -50,9 +50,7 @@ void SafetyFilterNode::update() {
 Filtered SafetyFilterNode::next() {
   if (node_.clock_silence() > kClockSilence) {
     node_.log().warn_every(1.0, "/clock is silent: stopping");
-    Filtered none;
-    none.reason = FilterReason::kClockSilent;
-    return none;
+    return filter_.stop(FilterReason::kClockSilent, node_.now());
   }
   const auto robot = robot_.state();
   filter_.on_map(map_.map(robot));

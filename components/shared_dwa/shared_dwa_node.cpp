@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared_dwa/shared_dwa_node.hpp"
 
+#include <utility>
+
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -15,11 +17,8 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
       status_out_{node.create_publisher(topics::planner_status)},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
-               [this](const auto& msg) {
-                 const auto twist = from_msg(msg);
-                 if (!twist) return;
-                 user_ = *twist;
-                 user_time_ = node_.now();
+               [this](const Twist2& twist) {
+                 user_ = {twist, node_.now()};
                }} {
   status_.method("dwa");
   status_.solver("dwa");
@@ -31,11 +30,11 @@ void SharedDwaNode::choose() {
   const auto map = map_.map(robot);
   if (!robot) return stop("not localised: odom or map → odom is missing or too old");
   if (!map) return stop("no map");
-  const double silence = node_.now() - user_time_;
-  if (silence < 0.0) user_time_ = kNever;  // the clock was set back: how old it is nobody knows
-  if (silence < 0.0 || silence > params_->user_timeout) return stop("cmd_vel_user is silent");
+  user_.forget_later_than(node_.now());
+  if (!user_.fresh(node_.now(), params_->user_timeout)) return stop("cmd_vel_user is silent");
+  standing_for_ = {};
   const double start = node_.steady_now();
-  const DwaChoice choice = dwa_.choose(robot->X_MB, robot->twist, user_, *map);
+  const DwaChoice choice = dwa_.choose(robot->X_MB, robot->twist, user_.value, *map);
   publish(choice, node_.steady_now() - start);
 }
 
@@ -55,12 +54,20 @@ void SharedDwaNode::publish(const DwaChoice& choice, double time) {
 }
 
 void SharedDwaNode::stop(const char* reason) {
-  node_.log().warn_every(1.0, "standing: {}", reason);
+  if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
+    node_.log().warn_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
-  status_.header(header(node_.stamp(), params_->input.frames.map));
-  status_.status(-1);
-  status_.status_text(reason);
-  status_out_.publish(status_);
+  // Nothing of the last choice: its clearance would be taken for how near things are now.
+  tandem_msgs::msg::PlannerStatus standing;
+  standing.method(status_.method());
+  standing.solver(status_.solver());
+  standing.cycles(status_.cycles());
+  standing.fallbacks(status_.fallbacks());
+  standing.header(header(node_.stamp(), params_->input.frames.map));
+  standing.status(-1);
+  standing.status_text(reason);
+  standing.source("standing");
+  status_out_.publish(standing);
 }
 
 }  // namespace tandem

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string_view>
+
 #include "map_input.hpp"
+#include "model/heard.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "shared_dwa/shared_dwa.hpp"
@@ -46,9 +49,8 @@ class SharedDwaNode {
   SharedDwa dwa_;
   MapInput map_;
   RobotStateInput robot_;
-  Twist2 user_;
-  static constexpr double kNever = -1e9;  // [s]
-  double user_time_ = kNever;
+  Heard<Twist2> user_;
+  std::string_view standing_for_;  ///< why it stands, as it was logged
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;

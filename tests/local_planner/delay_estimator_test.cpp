@@ -50,6 +50,22 @@ INSTANTIATE_TEST_SUITE_P(Loops, Delays,
                                          std::array{0.0, 0.0, 0.0}, std::array{0.3, 0.2, 0.1},
                                          std::array{0.05, 0.15, 0.0}));
 
+TEST(DelayEstimator, LearnsAnewWhenTheClockWasSetBack) {
+  DelayEstimator estimator{RobotParams{}};
+  const auto drive = [&](double from, double delay) {
+    for (int n = 0; n < 500; ++n) {
+      const double t = from + 0.02 * n;
+      estimator.on_command(lively(t), t);
+      estimator.on_measurement(lively(t - delay), t);
+    }
+    return estimator.delay();
+  };
+  ASSERT_NEAR(drive(1000.0, 0.1).value(), 0.1, 0.02);
+  estimator.forget();
+  EXPECT_NEAR(estimator.delay().value(), 0.1, 0.02);
+  EXPECT_NEAR(drive(0.0, 0.3).value(), 0.3, 0.03);
+}
+
 TEST(DelayEstimator, ConcludesNothingFromASteadyCommand) {
   EXPECT_FALSE(estimate([](double) { return Twist2{0.5, 0.0}; }, 0.1, 0.0, 0.0, 30.0).has_value());
 }

@@ -217,6 +217,31 @@ TEST(SafetyFilter, OnlyReportsWhileNotEnforcing) {
   EXPECT_EQ(filter.update(facing_wall(0.05), 0.3).twist, Twist2{});
 }
 
+// A stop that the node says is a command like any other: once it acts, the one before it does not.
+TEST(SafetyFilter, AStopOfItsNodeCountsAsSent) {
+  const auto backs_out = [](bool stops) {
+    SafetyFilter filter = filter_on(wall_ahead());
+    filter.on_command({0.8, 0.0}, 0.0);
+    EXPECT_GT(filter.update(facing_wall(1.0), 0.0).twist.v, 0.0);
+    if (stops) {
+      EXPECT_EQ(filter.stop(FilterReason::kClockSilent, 0.05).twist, Twist2{});
+    }
+    RobotState state = facing_wall(0.04);
+    state.t = 1.0;
+    filter.on_command({-0.4, 0.0}, 1.0);
+    return filter.update(state, 1.0).twist.v < 0.0;
+  };
+  EXPECT_TRUE(backs_out(true));
+  EXPECT_FALSE(backs_out(false));  // it may still be on its way ahead
+}
+
+TEST(SafetyFilterParams, SurvivesNoSilenceOnABaseThatNeverStops) {
+  RobotParams robot;
+  robot.command_timeout = 0.0;
+  EXPECT_THROW(SafetyFilter({}, robot), std::invalid_argument);
+  EXPECT_NO_THROW(SafetyFilter({.survive_silence = false}, robot));
+}
+
 TEST(SafetyFilterParams, RejectsAParameterOutsideItsRange) {
   EXPECT_THROW(SafetyFilter({.slip = -0.1}, kMir), std::invalid_argument);
   RobotParams robot;

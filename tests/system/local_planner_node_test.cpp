@@ -122,6 +122,15 @@ TEST_F(PlannerOverDds, RefusesAGoalThatIsNotANumberAndKeepsTheOldOne) {
   EXPECT_TRUE(wait_until([&] { return X_.x > before + 0.5 && command_.v > 0.2; }));
 }
 
+TEST_F(PlannerOverDds, RefusesAGoalOfAnotherFrameAndTakesOneOfNone) {
+  goal_.publish(to_msg(Pose2{5.0, 0.0, 0.0}, header({}, "odom")));
+  ASSERT_TRUE(wait_until(
+      [&] { return log_.lines("goal_pose is given in frame `odom`, not `map`: dropped") == 1; }));
+  ASSERT_TRUE(wait_until_standing("no goal_pose yet"));
+  goal_.publish(to_msg(Pose2{5.0, 0.0, 0.0}, header({}, "")));
+  EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
+}
+
 TEST_F(PlannerOverDds, AnObstacleThatIsNotANumberIsDroppedAndTheOthersStay) {
   ASSERT_TRUE(wait_until_driving());
   around_ = {{.p_MO = {kNaN, 0.0}, .a = 1.0, .b = 1.0}, wall_at(X_.x + 2.5)};
