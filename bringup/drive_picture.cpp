@@ -81,11 +81,11 @@ void draw_drive(const Scenario& scenario, const System& system, const DriveLog& 
   const Footprint footprint = footprint_of(sim.robot);
   MapPicture picture{slice(*load_octomap(sim.map), sim.slice)};
   draw_goal(picture, scenario.goal, footprint);
-  picture.draw_obstacles(
-      log.obstacles,
-      {.color = colors::kShape, .width = 1.6, .label = "obstacles as the planner sees them"});
+  picture.draw_obstacles(log.obstacles, {.color = colors::kShape,
+                                         .width = 1.6,
+                                         .label = "obstacles as the planner saw them, near it"});
   if (!log.track.empty()) {
-    draw_leader(picture, log.track);
+    if (scenario.method == "leader" || scenario.method == "path") draw_leader(picture, log.track);
     draw_robot(picture, log.track, footprint);
     draw_contacts(picture, log.track);
   }

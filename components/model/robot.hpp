@@ -16,7 +16,6 @@ struct RobotParams {
   double width = 0.58;
   double center_x = 0.038;
   std::vector<double> footprint;
-  double wheel_radius = 0.0625;
   double wheel_separation = 0.445;
   double v_max = 0.8;
   double v_min = -0.4;
@@ -37,7 +36,6 @@ struct RobotParams {
     field("center_x", center_x, Range{-2.0, 2.0}, "[m] rectangle's centre ahead of base_link");
     field("footprint", footprint, Range{-5.0, 5.0},
           "[m] x1, y1, x2, y2, … of a convex outline, counter-clockwise; empty: the rectangle");
-    field("wheel_radius", wheel_radius, Range{0.01, 1.0}, "[m]");
     field("wheel_separation", wheel_separation, Range{0.05, 3.0}, "[m] between the wheels");
     field("v_max", v_max, Range{0.0, 5.0}, "[m/s] fastest forward");
     field("v_min", v_min, Range{-5.0, 0.0}, "[m/s] fastest backward (negative)");

@@ -80,12 +80,8 @@ class Logger {
     log(LogLevel::kError, format, std::forward<Args>(args)...);
   }
 
-  /// As info, warn, error, but at most once per `period` [s] for one format text; what was held
+  /// As warn, error, but at most once per `period` [s] for one format text; what was held
   /// back is counted and said with the next line.
-  template <class... Args>
-  void info_every(double period, LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
-    log_every(period, LogLevel::kInfo, format, std::forward<Args>(args)...);
-  }
   template <class... Args>
   void warn_every(double period, LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log_every(period, LogLevel::kWarn, format, std::forward<Args>(args)...);

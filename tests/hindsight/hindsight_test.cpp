@@ -111,8 +111,8 @@ TEST(Hindsight, IsNeverMoreVigorousThanThePerson) {
                                    std::abs(limited.w) / kMir.w_max);
       const Twist2 out = hindsight.assist({1.0, 0.5, angle}, user, t).command;
       EXPECT_LE(std::abs(out.w) / kMir.w_max, std::max(most, share) + 1e-9);
-      EXPECT_LE(out.v / kMir.v_max, std::min(1.0, 2.0 * share) + 1e-9);
-      EXPECT_GE(out.v, kMir.v_min - 1e-9);
+      EXPECT_LE(out.v, std::max(most, share) * kMir.v_max + 1e-9);
+      EXPECT_GE(out.v, std::max(most, share) * kMir.v_min - 1e-9);
     }
 }
 

@@ -62,9 +62,11 @@ double deepest_point(const std::shared_ptr<const StaticMap>& map, const Extracto
   ExtractorParams everywhere = params;
   everywhere.range = 50.0;
   double deepest = 0.0;
+  int looked_at = 0;
   for (const Obstacle& shape : extract(*map, middle, everywhere)) {
     EXPECT_LT(shape.a, size);
     if (shape.a <= 0.75 * grid.resolution) continue;
+    ++looked_at;
     for (double share = 0.1; share <= 1.0; share += 0.1)
       for (double phase = 0.0; phase < 6.29; phase += 0.02 / shape.a) {
         const double x = share * shape.a * std::cos(phase), y = share * shape.b * std::sin(phase);
@@ -73,6 +75,7 @@ double deepest_point(const std::shared_ptr<const StaticMap>& map, const Extracto
                            space.depth(shape.p_MO + Eigen::Vector2d{c * x - s * y, s * x + c * y}));
       }
   }
+  EXPECT_GT(looked_at, 0);
   return deepest;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <vector>
 
@@ -15,11 +16,23 @@ namespace {
 using test::load_world;
 using test::project_map;
 
-// Asks until there is an answer; the thread has all the time that the test may take.
+// A thread that never answers fails here, not by the time-out of the whole test.
+class Patience {
+ public:
+  [[nodiscard]] bool ended() { return std::chrono::steady_clock::now() > end_; }
+
+ private:
+  std::chrono::steady_clock::time_point end_ =
+      std::chrono::steady_clock::now() + std::chrono::seconds{120};
+};
+
+// Asks until there is an answer.
 std::vector<Obstacle> wait_for(ShapesAhead& shapes, const std::shared_ptr<const StaticMap>& map,
                                const Eigen::Vector2d& p_MB) {
-  while (true)
+  for (Patience patience; !patience.ended();)
     if (auto near = shapes.near(map, p_MB)) return *near;
+  ADD_FAILURE() << "nothing was fitted";
+  return {};
 }
 
 void expect_equal(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
@@ -92,12 +105,14 @@ TEST(ShapesAhead, KeepsTheOldMapsShapesUntilThereAreSomeOfTheNew) {
   Extractor fresh(corridor, params);  // as the tiles lie
   fresh.update(slalom);
   const auto best = fresh.near(p_MB);
+  Patience patience;
   while (true) {  // never nothing, always all cells of one of the two, and in the end the best
     const auto now = shapes.near(slalom, p_MB);
     ASSERT_TRUE(now);
     ASSERT_TRUE(test::uncovered_cells(*corridor, p_MB, params.range, *now) == 0 ||
                 test::uncovered_cells(*slalom, p_MB, params.range, *now) == 0);
     if (are_equal(*now, best)) break;
+    ASSERT_FALSE(patience.ended());
   }
 }
 
@@ -111,11 +126,16 @@ TEST(ShapesAhead, GoesOnAsBeforeUntilOtherParametersAreFitted) {
   shapes.set_params(far);
   const auto fresh = extract(*map, p_MB, far);
   ASSERT_GT(fresh.size(), old.size());
+  Patience patience;
   while (true) {  // never nothing, and in the end all
     const auto now = shapes.near(map, p_MB);
     ASSERT_TRUE(now);
-    if (now->size() == fresh.size()) break;
-    ASSERT_EQ(now->size(), old.size());
+    if (now->size() == fresh.size()) {
+      expect_equal(*now, fresh);
+      break;
+    }
+    expect_equal(*now, old);
+    ASSERT_FALSE(patience.ended());
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include <cmath>
 #include <limits>
 
@@ -98,7 +100,7 @@ TEST(SharedDwa, BrakesWhenNothingIsAdmissible) {
 
 // What is chosen, braked along its arc, comes to rest clear of everything: exactly, by small steps.
 TEST(SharedDwa, WhatItChoosesEndsClearInAnyWorld) {
-  int drove = 0, near = 0;
+  int drove = 0, near = 0, kept = 0;
   for (unsigned seed = 1; seed <= kWorlds; ++seed) {
     Random random(seed);
     const RobotParams robot = random_robot(random);
@@ -113,6 +115,7 @@ TEST(SharedDwa, WhatItChoosesEndsClearInAnyWorld) {
                             uniform(random, -robot.w_max, robot.w_max)};
       const Twist2 user{uniform(random, robot.v_min, robot.v_max),
                         uniform(random, -robot.w_max, robot.w_max)};
+      const double room = map->clearance(footprint, X, 1.0);
       const DwaChoice choice = dwa.choose(X, measured, user, *map);
       if (!choice.admissible || choice.command == Twist2{}) continue;
       ++drove;
@@ -127,11 +130,13 @@ TEST(SharedDwa, WhatItChoosesEndsClearInAnyWorld) {
         least =
             std::min(least, map->clearance(footprint, integrate(X, twist, to_rest * k / 200), 1.0));
       EXPECT_GT(least, 0.0) << seed;
+      kept += least > std::min(params.margin, room) - 0.01 ? 1 : 0;
       near += least < 0.1 ? 1 : 0;
     }
   }
   EXPECT_GT(drove, 5 * static_cast<int>(kWorlds));
   EXPECT_GT(near, static_cast<int>(kWorlds) / 2);  // it was not all empty space
+  std::printf("%d of %d keep the margin\n", kept, drove);
 }
 
 TEST(SharedDwa, NeverTouchesWhoeverPushes) {
