@@ -174,7 +174,7 @@ class StudyReader {
   Person read_person(const YAML::Node& node) const {
     if (!node.IsMap()) return {word(node, "drivers"), word(node, "drivers"), {}};
     Person person;
-    YAML::Node parameters{YAML::NodeType::Map};
+    yaml_.each_once(node);
     for (const auto& entry : node) {
       const std::string key = entry.first.Scalar();
       if (key == "name")

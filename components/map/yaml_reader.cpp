@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -29,8 +30,21 @@ void YamlReader::fail(const YAML::Node& where, const std::string& what) const {
   throw std::runtime_error(name_ + ":" + std::to_string(where.Mark().line + 1) + ": " + what);
 }
 
-void YamlReader::allow(const YAML::Node& map, std::initializer_list<const char*> keys) const {
+void YamlReader::each_once(const YAML::Node& map) const {
   if (!map.IsMap()) fail(map, "expected `key: value` pairs");
+  std::map<std::string, int> lines;
+  for (const auto& entry : map) {
+    if (!entry.first.IsScalar()) fail(entry.first, "a key must be a word");
+    const auto& key = entry.first.Scalar();
+    const auto [first, is_new] = lines.emplace(key, entry.first.Mark().line + 1);
+    if (!is_new)
+      fail(entry.first, "`" + key + "` is given twice, first in line " +
+                            std::to_string(first->second) + "; bring both together");
+  }
+}
+
+void YamlReader::allow(const YAML::Node& map, std::initializer_list<const char*> keys) const {
+  each_once(map);
   for (const auto& entry : map) {
     const auto& key = entry.first.Scalar();
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;

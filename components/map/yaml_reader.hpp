@@ -24,7 +24,10 @@ class YamlReader {
 
   [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const;
 
-  /// Refuses what is no map, and keys that are none of these.
+  /// Refuses what is no map, and a key that is given twice: the reader would see only the first.
+  void each_once(const YAML::Node& map) const;
+
+  /// As each_once; refuses keys that are none of these too.
   void allow(const YAML::Node& map, std::initializer_list<const char*> keys) const;
 
   [[nodiscard]] YAML::Node required(const YAML::Node& map, const char* key) const;

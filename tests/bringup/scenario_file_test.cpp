@@ -177,5 +177,23 @@ TEST_F(ScenarioFile, RobotOfNegativeSizeIsRefusedAndAMisspeltKeyOfItNoticed) {
   EXPECT_NE(unused.back().find("robot.yaml:3: widht"), std::string::npos) << unused.back();
 }
 
+// Beside tests/runtime/system_test.cpp, which is of how systems run.
+TEST_F(ScenarioFile, OfASystemHasEachKeyOnce) {
+  const std::string whole = "components:\n  - component: c\n    parameters: {a: 1}\n";
+  for (const std::string more :
+       {"    component: d\n", "    remappings: {p: q, p: r}\n", "    parameters: {b: 1}\n",
+        "    namespace: /n\n    namespace: /m\n", "components: []\n"}) {
+    write(whole + more);
+    try {
+      (void)load_system(file_.string());
+      ADD_FAILURE() << "accepted: " << more;
+    } catch (const std::invalid_argument& error) {
+      const std::string line = error.what();
+      EXPECT_TRUE(line.starts_with(file_.string() + ":")) << line;
+      EXPECT_NE(line.find("is given twice"), std::string::npos) << line;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tandem

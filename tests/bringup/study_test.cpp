@@ -119,6 +119,10 @@ INSTANTIATE_TEST_SUITE_P(
     Files, Mistaken,
     ::testing::Values(
         Mistake{"key", "seeds", "sedes", ":4: unknown key 'sedes'; known here: "},
+        Mistake{"key_twice", "seeds: 1-3", "seeds: 1\nmethods: [path]",
+                ":5: `methods` is given twice, first in line 3"},
+        Mistake{"driver_key_twice", "seeds: 1-3",
+                "seeds: 1\ndrivers: [{name: x, preview: 0.7, preview: 0.8}]", "given twice"},
         Mistake{"yaml", "seeds: 1-3", "seeds: [1", "s.yaml:"},
         Mistake{"no_name", "study: t\n", "", "'study' is missing"},
         Mistake{"no_seeds", "seeds: 1-3\n", "", "`seeds` is missing"},

@@ -64,6 +64,9 @@ TEST_F(FixtureFile, MayGuideToo) {
 
 TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
   expect_complaint("forbiden: []\n", ":1: unknown key 'forbiden'");
+  expect_complaint("forbidden: []\nforbidden: []\n",
+                   ":2: `forbidden` is given twice, first in line 1");
+  expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], reach: 1, reach: 2}\n", "given twice");
   expect_complaint("forbidden: 3\n", "expected a list");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, 0]]}\n", ":2: expected three points");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, x], [1, 1]]}\n", "expected a number");
