@@ -9,6 +9,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "bringup/checksum.hpp"
 #include "map/barn_world.hpp"
 #include "map/clutter_world.hpp"
 #include "map/octomap_file.hpp"
@@ -34,8 +35,11 @@ World world_of(const std::string& family, unsigned seed) {
           load_barn_world(family, number)};
 }
 
-// Under its name at once, as other processes may be reading it.
-fs::path save(const octomap::OcTree& tree, const std::string& name) {
+// Under its name at once, as other processes may be reading it. The content is in the name: two
+// families may be called alike, and whoever keeps worlds knows them by their files.
+fs::path save(const octomap::OcTree& tree, const std::string& world) {
+  const auto sum = static_cast<std::uint32_t>(checksum(bt_file_bytes(tree)));
+  const std::string name = fmt::format("{}_{:08x}", world, sum);
   const fs::path folder = fs::temp_directory_path() / fmt::format("tandem_worlds_{}", geteuid());
   fs::create_directories(folder);
   const fs::path part = folder / fmt::format("{}.{}.part", name, getpid());

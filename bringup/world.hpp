@@ -13,8 +13,8 @@ namespace tandem {
 [[nodiscard]] bool is_family(const std::string& map);
 
 /// The scenario in the world that belongs to its seed: clutter of that seed, or the seed-th world
-/// of the file, counted round. Writes the world's OctoMap into the system's folder for temporary
-/// files and, unless the scenario gives a route, has the driver know the widest way from the start
+/// of the file. Writes the world's OctoMap into the system's folder for temporary files, under a
+/// name that belongs to its content, and, unless the scenario gives a route, has the driver know the widest way from the start
 /// to the middle of the goal. Throws std::runtime_error or std::invalid_argument: one line that
 /// says why.
 [[nodiscard]] Scenario in_its_world(Scenario scenario);

@@ -10,6 +10,7 @@
 #include "bringup/lockstep.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "hindsight/hindsight_node.hpp"
+#include "map/octomap_file.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "runtime/parameters.hpp"
 #include "safety_filter/safety_filter_node.hpp"
@@ -92,6 +93,37 @@ TEST_F(ScenarioFile, WithSeveralGoalsGivesEachSeedOne) {
     EXPECT_EQ(parameters_of<HindsightNodeParams>(system, "hindsight").hindsight.goals,
               (std::vector<double>{4.0, 2.5, 0.0, -4.0, 0.0, 1.5}));
   }
+}
+
+// A file of BARN worlds, 1 to `count`, each with one cylinder at (x, 3).
+void write_barn(const fs::path& file, double x, int count) {
+  fs::create_directories(file.parent_path());
+  std::ofstream out{file};
+  out << R"({"meta": {"cylinder_radius_m": 0.1, "start": {"x": -4, "y": -4},
+             "goal": {"x": 4, "y": 2.5}}, "worlds": {)";
+  for (int n = 1; n <= count; ++n)
+    out << (n > 1 ? ", " : "") << '"' << n << R"(": {"cylinders": [[)" << x << ", 3]]}";
+  out << "}}";
+}
+
+TEST_F(ScenarioFile, OfManyWorldsKeepsApartThoseOfTwoFilesOfOneName) {
+  write_barn(folder_ / "a/worlds.json", 1.0, 1);
+  write_barn(folder_ / "b/worlds.json", -1.0, 1);
+  write(text_);
+  const Scenario scenario = load_scenario(file_.string());
+  const auto of = [&](const char* file) {
+    return with_options(scenario, {.map = (folder_ / file).string()});
+  };
+  const Scenario a = of("a/worlds.json"), b = of("b/worlds.json"), again = of("a/worlds.json");
+  EXPECT_NE(a.map, b.map);
+  EXPECT_EQ(a.map, again.map);  // so that resumed and merged studies agree
+  const auto solid = [](const Scenario& in, double x) {
+    const auto tree = load_octomap(in.map);
+    const auto* node = tree->search(x, 3.0, 0.5);
+    return node != nullptr && tree->isNodeOccupied(node);
+  };
+  EXPECT_TRUE(solid(a, 1.0) && !solid(a, -1.0));
+  EXPECT_TRUE(solid(b, -1.0) && !solid(b, 1.0));
 }
 
 struct Mistake {
