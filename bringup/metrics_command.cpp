@@ -106,6 +106,7 @@ void run(const Request& request) {
   DriveOptions options;
   options.method = request.method;
   const Scenario scenario = with_options(load_scenario(request.scenario), options);
+  check_robot(scenario);
   DriveObserver drive{scenario, system_of(scenario, options)};
   Replay{request.recording, request.name_space, drive}.run();
   if (!drive.driving()) throw std::runtime_error(request.recording + ": nobody drives in it");

@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "bringup/parameter_names.hpp"
 #include "bringup/replay.hpp"
 #include "bringup/world.hpp"
 #include "driver/driver.hpp"
@@ -149,6 +150,20 @@ void hand_over_recording(const Scenario& scenario, System& system) {
 void check_scenario(const Scenario& scenario) {
   check_methods(scenario);
   check_driver(scenario);
+}
+
+void check_robot(const Scenario& scenario) {
+  const rt::ParameterStore reads{"/diff_drive_sim", {.files = {scenario.robot}}};
+  for (const auto& unused : rt::unused_wildcard_keys()) {  // "file:line: key"
+    if (!unused.starts_with(scenario.robot + ":")) continue;
+    const std::string key = unused.substr(unused.find(": ", scenario.robot.size()) + 2);
+    if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
+    const std::string meant = nearest_parameter(key);
+    throw std::invalid_argument(
+        unused + " is no parameter of any component; " +
+        (meant.empty() ? "tandem describe COMPONENT lists them" : "is `" + meant + "` meant?") +
+        " What is for nodes of others belongs under their names instead of /**");
+  }
 }
 
 const std::vector<std::string>& all_methods() {

@@ -82,6 +82,10 @@ struct DriveOptions {
 /// what it needs.
 void check_scenario(const Scenario& scenario);
 
+/// Throws std::invalid_argument that names file, line and key if the robot's file gives, under
+/// `/**`, what is no parameter of any component, be it of this method or another.
+void check_robot(const Scenario& scenario);
+
 /// The scenario with the options applied, in the world of its seed if it has many. Throws
 /// std::invalid_argument for an unknown method or driver, and what in_its_world throws.
 [[nodiscard]] Scenario with_options(Scenario scenario, const DriveOptions& options);

@@ -14,8 +14,6 @@
 #include "bringup/lockstep.hpp"
 #include "bringup/over_dds.hpp"
 #include "bringup/report.hpp"
-#include "runtime/log.hpp"
-#include "runtime/parameters.hpp"
 #include "runtime/shutdown.hpp"
 
 namespace tandem {
@@ -39,6 +37,7 @@ std::vector<DriveJob> jobs_of(const Request& request) {
   std::vector<DriveJob> jobs;
   for (const auto& file : request.files) {
     const Scenario scenario = load_scenario(file);
+    check_robot(scenario);
     const auto methods =
         request.method == "all" ? scenario.methods : std::vector<std::string>{request.method};
     for (const auto& method : methods) {
@@ -50,8 +49,6 @@ std::vector<DriveJob> jobs_of(const Request& request) {
         jobs.push_back({scenario, options});
     }
   }
-  for (const auto& key : rt::unused_wildcard_keys())
-    rt::Logger{"tandem"}.warn("{} is no parameter of any component", key);
   return jobs;
 }
 

@@ -330,6 +330,7 @@ void check_study(const Study& study) {
   for (const StudyDrive& drive : study.drives) {
     if (drive.cell == checked) continue;  // its first seed was
     checked = drive.cell;
+    check_robot(study.cells[checked].scenario);
     DriveOptions options = study.cells[checked].options;
     options.seed = drive.seed;
     lockstep.check(study.cells[checked].scenario, options);

@@ -35,6 +35,7 @@ class Study {
     const auto [first, last] = seed_range("--seeds", seeds);
     for (const auto& file : request.files) {
       const Scenario scenario = load_scenario(file);
+      check_robot(scenario);
       const auto methods =
           request.methods.empty() ? std::vector<std::string>{scenario.method} : request.methods;
       for (const auto& method : methods) {

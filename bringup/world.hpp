@@ -14,9 +14,9 @@ namespace tandem {
 
 /// The scenario in the world that belongs to its seed: clutter of that seed, or the seed-th world
 /// of the file. Writes the world's OctoMap into the system's folder for temporary files, under a
-/// name that belongs to its content, and, unless the scenario gives a route, has the driver know the widest way from the start
-/// to the middle of the goal. Throws std::runtime_error or std::invalid_argument: one line that
-/// says why.
+/// name that belongs to its content, and, unless the scenario gives a route, has the driver know
+/// the widest way from the start to the middle of the goal. Throws std::runtime_error or
+/// std::invalid_argument: one line that says why.
 [[nodiscard]] Scenario in_its_world(Scenario scenario);
 
 /// A scenario of several goals with the one whose turn it is by the seed, counted round; the driver
