@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <stdexcept>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "bringup/checksum.hpp"
 #include "bringup/drive_jobs.hpp"
 #include "bringup/world.hpp"
 #include "map/barn_world.hpp"
@@ -243,26 +243,43 @@ class StudyReader {
     }
   }
 
-  // Contents, not places: the same study may lie elsewhere on another machine.
+  // Contents, and places as seen from here: the same study may lie elsewhere on another machine.
   void describe() {
     auto& description = study_.description;
     description["study"] = study_.name;
     description["study file"] = rt::yaml_text(root_);
     for (const auto& cell : study_.cells) {
-      files_.insert(cell.scenario.robot);
-      if (!cell.scenario.fixtures.empty()) files_.insert(cell.scenario.fixtures);
-      if (cell.scenario.map != "clutter") files_.insert(cell.scenario.map);
+      const Scenario& scenario = cell.scenario;
+      files_.insert(scenario.robot);
+      if (!scenario.fixtures.empty()) files_.insert(scenario.fixtures);
+      if (scenario.map != "clutter") files_.insert(scenario.map);
+      for (const auto& file : files_of(scenario.recording)) files_.insert(file);
     }
-    for (const auto& file : files_)
-      description[fs::path(file).filename().string()] = checksum(file);
+    for (const auto& file : files_) description[seen_from_here(file)] = checksum_of(file);
   }
 
-  // FNV-1a.
-  static std::uint64_t checksum(const std::string& file) {
+  // A base name would be that of many.
+  [[nodiscard]] std::string seen_from_here(const std::string& file) const {
+    const fs::path here = fs::absolute(path_).lexically_normal().parent_path();
+    return fs::absolute(file).lexically_normal().lexically_relative(here).generic_string();
+  }
+
+  // Those of a recording's folder that hold messages, or the file itself.
+  static std::vector<std::string> files_of(const std::string& recording) {
+    if (recording.empty()) return {};
+    if (!fs::is_directory(recording)) return {recording};
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator{recording})
+      if (entry.path().extension() == ".db3") files.push_back(entry.path().string());
+    return files;
+  }
+
+  static std::uint64_t checksum_of(const std::string& file) {
     std::ifstream in{file, std::ios::binary};
-    std::uint64_t sum = 14695981039346656037U;
-    for (std::istreambuf_iterator<char> byte{in}, end; byte != end; ++byte)
-      sum = (sum ^ static_cast<unsigned char>(*byte)) * 1099511628211U;
+    std::uint64_t sum = checksum({});
+    char part[65536];
+    while (in.read(part, sizeof part), in.gcount() > 0)
+      sum = checksum({part, static_cast<std::size_t>(in.gcount())}, sum);
     return sum;
   }
 

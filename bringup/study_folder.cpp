@@ -20,8 +20,10 @@ namespace fs = std::filesystem;
   throw std::runtime_error(file + ": " + what);
 }
 
-// The first thing in which two descriptions differ.
+// The first thing in which two descriptions differ; of another study its name, before its files.
 std::string difference(const nlohmann::json& kept, const nlohmann::json& asked) {
+  if (kept.value("study", nlohmann::json{}) != asked.value("study", nlohmann::json{}))
+    return "study";
   for (const auto& [key, value] : asked.items())
     if (!kept.contains(key) || kept.at(key) != value) return key;
   return "its list of files";

@@ -99,6 +99,34 @@ TEST_F(StudyFile, ThoseShippedAreSoundAndNeedOnlyTheMaps) {
   }
 }
 
+// A copy of a shipped scenario that plays a recording on a robot, each in a folder of its own.
+void write_replayed(const fs::path& folder, const std::string& robot, const std::string& played) {
+  fs::create_directories(folder / "drive");
+  std::ofstream{folder / "robot.yaml"} << robot;
+  std::ofstream{folder / "drive/drive_0.db3"} << played;
+  std::ofstream{folder / "s.yaml"} << "scenario: " << folder.filename().string()
+                                   << "\nmap: " TANDEM_SOURCE_DIR
+                                      "/maps/forest.bt\nrobot: robot.yaml\n"
+                                      "start: [-4, -4, 0]\ngoal: {roam_time: 5}\nmethod: manual\n"
+                                      "driver: replay\nrecording: drive\n";
+}
+
+TEST_F(StudyFile, IsAnotherOnceAnyFileOfItIsAnother) {
+  const std::string text = "study: t\nscenarios: [a/s.yaml, b/s.yaml]\nseeds: 1\n";
+  const auto with = [&](const char* robot_a, const char* robot_b, const char* played) {
+    write_replayed(folder_ / "a", robot_a, played);
+    write_replayed(folder_ / "b", robot_b, "same");
+    return load(text).description;
+  };
+  const auto first = with("{}", "# b\n{}", "one");
+  EXPECT_EQ(first, with("{}", "# b\n{}", "one"));
+  EXPECT_NE(first, with("# b\n{}", "{}", "one"));  // robots of one name changed places
+  EXPECT_NE(first, with("# a\n{}", "# b\n{}", "one"));
+  EXPECT_NE(first, with("{}", "# b\n{}", "two"));
+  for (const char* file : {"a/robot.yaml", "b/robot.yaml", "a/s.yaml", "a/drive/drive_0.db3"})
+    EXPECT_TRUE(first.contains(file)) << file << " not in " << first.dump();
+}
+
 struct Mistake {
   const char *name, *from, *to, *complaint;
 };
