@@ -130,6 +130,14 @@ Pose2 pose(const std::vector<double>& v, const std::string& where) {
   return {v[0], v[1], v[2]};
 }
 
+// Pictures and tables are files of that name.
+std::string read_name(Section& section) {
+  const auto name = section.required<std::string>("scenario");
+  if (name.empty() || name.find('/') != std::string::npos)
+    section.fail("scenario", "`scenario` = " + name + ": a name needs a letter, and no `/`");
+  return name;
+}
+
 std::vector<Pose2> read_poses(Section& section, const char* key) {
   const auto numbers = section.optional<std::vector<double>>(key, {});
   if (numbers.size() % 3 != 0)
@@ -275,7 +283,7 @@ Scenario load_scenario(const std::string& path) {
   Section file{root, path};
   Scenario s;
   s.path = path;
-  s.name = file.required<std::string>("scenario");
+  s.name = read_name(file);
   (void)file.optional<std::string>("about", "");
   s.map = file.required<std::string>("map");
   if (s.map != "clutter") s.map = beside(path, s.map);
@@ -287,6 +295,9 @@ Scenario load_scenario(const std::string& path) {
   s.goal = read_goal(file.required_child("goal"), path, s.goals);
   s.method = file.required<std::string>("method");
   s.methods = file.optional<std::vector<std::string>>("methods", {s.method});
+  if (s.methods.empty())
+    file.fail("methods",
+              "`methods` is empty; list one at least, or leave the key out: then it is `method`");
   s.driver = file.optional("driver", s.driver);
   if (const auto recording = file.optional<std::string>("recording", ""); !recording.empty())
     s.recording = beside(path, recording);

@@ -59,7 +59,7 @@ class StudyReader {
 
   Study read() {
     study_.path = path_;
-    study_.name = word(yaml_.required(root_, "study"), "study");
+    study_.name = name(yaml_.required(root_, "study"), "study");
     if (const YAML::Node parts = root_["parts"]) {
       if (!parts.IsSequence() || parts.size() == 0)
         yaml_.fail(parts, "`parts` needs a list of maps with any of " + std::string(kKeys));
@@ -75,6 +75,13 @@ class StudyReader {
   std::string word(const YAML::Node& node, const char* key) const {
     if (!node.IsScalar() || node.Scalar().empty())
       yaml_.fail(node, fmt::format("`{}` needs a word", key));
+    return node.Scalar();
+  }
+
+  // A word that files can be called by.
+  std::string name(const YAML::Node& node, const char* key) const {
+    if (word(node, key).find('/') != std::string::npos)
+      yaml_.fail(node, fmt::format("`{}` = {}: a name may not hold a `/`", key, node.Scalar()));
     return node.Scalar();
   }
 
@@ -121,7 +128,7 @@ class StudyReader {
     Scenario scenario = load_scenario(path);
     files_.insert(path);
     if (!node.IsMap()) return scenario;
-    if (const auto name = node["name"]) scenario.name = word(name, "name");
+    if (const auto given = node["name"]) scenario.name = name(given, "name");
     if (const auto map = node["map"]) {
       scenario.map = word(map, "map");
       if (scenario.map != "clutter") scenario.map = beside(path_, scenario.map);
@@ -151,7 +158,7 @@ class StudyReader {
       method.enforce = yaml_.flag(node, "enforce", true);
       if (const auto parameters = node["parameters"])
         method.parameters = component_parameters(parameters, path_);
-      method.name = word(yaml_.required(node, "name"), "name");
+      method.name = name(yaml_.required(node, "name"), "name");
     } else {
       method.name = method.method = word(node, "methods");
     }
@@ -178,7 +185,7 @@ class StudyReader {
     for (const auto& entry : node) {
       const std::string key = entry.first.Scalar();
       if (key == "name")
-        person.name = word(entry.second, "name");
+        person.name = name(entry.second, "name");
       else if (key == "driver")
         person.driver = word(entry.second, "driver");
       else

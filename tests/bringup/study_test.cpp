@@ -153,6 +153,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "seeds: 1\ndrivers: [{name: x, preview: 0.7, preview: 0.8}]", "given twice"},
         Mistake{"yaml", "seeds: 1-3", "seeds: [1", "s.yaml:"},
         Mistake{"no_name", "study: t\n", "", "'study' is missing"},
+        Mistake{"name_of_a_path", "study: t", "study: a/t", ":1: `study` = a/t: a name may not"},
+        Mistake{"method_name", "leader", "{name: a/b, method: leader}",
+                ":3: `name` = a/b: a name may not hold a `/`"},
+        Mistake{"no_methods", "[manual, leader]", "[]", ":3: `methods` needs a list of methods"},
         Mistake{"no_seeds", "seeds: 1-3\n", "", "`seeds` is missing"},
         Mistake{"seeds_0", "1-3", "0", "`seeds` = 0: expected 20, 1-20 or [3, 5, 8]"},
         Mistake{"seeds_word", "1-3", "many", "`seeds` = many: expected"},
@@ -172,6 +176,13 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` needs a list"},
         Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]", "unknown key 'sede'"}),
     [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(StudyFile, RefusesAScenarioWhoseNameIsNoFilesName) {
+  EXPECT_NE(complaint("study: t\nscenarios: [{file: " + kScenarios +
+                      "forest_task2.yaml, name: a/b}]\nseeds: 1\n")
+                .find("s.yaml:2: `name` = a/b: a name may not hold a `/`"),
+            std::string::npos);
+}
 
 TEST_F(StudyFile, NamesTheScenarioThatIsNotThere) {
   EXPECT_NE(complaint("study: t\nscenarios: [nowhere.yaml]\nseeds: 1\n")
