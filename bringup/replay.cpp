@@ -2,6 +2,9 @@
 #include "bringup/replay.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <map>
 #include <optional>
 #include <stdexcept>
 
@@ -12,8 +15,10 @@
 namespace tandem {
 namespace {
 
-bool is_called(const BagTopic& topic, const std::string& name) {
-  return topic.name == "/" + name || topic.name.ends_with("/" + name);
+using Sticks = std::map<std::string, Recording>;  // by full topic name
+
+bool is_called(const std::string& topic, const std::string& name) {
+  return topic.ends_with("/" + name);
 }
 
 // The axis that makes this speed.
@@ -54,30 +59,58 @@ std::optional<Stick> stick_in(const BagMessage& message, const std::string& type
   return std::nullopt;
 }
 
-Recording stick_from(const std::string& path, const std::string& topic,
-                     const TeleopParams& teleop) {
+// SQLite would say of anything else that it is no database.
+void require_recording(const std::string& path) {
+  const std::filesystem::path file{path};
+  if (!std::filesystem::is_directory(file) && file.extension() != ".db3")
+    throw std::runtime_error(path +
+                             ": is no recording; name a folder that `tandem record` or rosbag2 "
+                             "wrote, or the .db3 in it");
+}
+
+// The stick of every topic that has one.
+Sticks sticks_in(const std::string& path, const TeleopParams& teleop) {
+  require_recording(path);
   BagReader bag{path};
-  Recording recording;
-  std::optional<std::int64_t> first;
+  std::map<std::string, std::int64_t> first;
+  Sticks sticks;
   for (BagMessage message; bag.next(message);) {
     const BagTopic& from = bag.topics().at(message.topic);
-    if (!is_called(from, topic)) continue;
     const auto stick = stick_in(message, from.type, teleop);
     if (!stick) continue;
-    if (!first) first = message.time;
-    recording.t.push_back(1e-9 * static_cast<double>(message.time - *first));
+    const std::int64_t start = first.try_emplace(from.name, message.time).first->second;
+    Recording& recording = sticks[from.name];
+    recording.t.push_back(1e-9 * static_cast<double>(message.time - start));
     recording.linear.push_back(stick->linear);
     recording.angular.push_back(stick->angular);
   }
-  return recording;
+  return sticks;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
 }
 
 }  // namespace
 
-Recording recorded_stick(const std::string& path, const TeleopParams& teleop) {
-  for (const char* topic : {"joy", "cmd_vel_user"}) {
-    Recording recording = stick_from(path, topic, teleop);
-    if (!recording.t.empty()) return recording;
+Recording recorded_stick(const std::string& path, const TeleopParams& teleop,
+                         const std::string& topic) {
+  const Sticks sticks = sticks_in(path, teleop);
+  if (const auto it = sticks.find(topic); it != sticks.end()) return it->second;
+  std::vector<std::string> all, called;
+  for (const auto& [name, stick] : sticks) all.push_back(name);
+  if (!topic.empty())
+    throw std::runtime_error(path + ": nobody is at the stick on " + topic +
+                             (all.empty() ? "" : "; there is " + listed(all)));
+  for (const char* name : {"joy", "cmd_vel_user"}) {
+    std::copy_if(all.begin(), all.end(), std::back_inserter(called),
+                 [&](const auto& full) { return is_called(full, name); });
+    if (called.size() == 1) return sticks.at(called.front());
+    if (called.size() > 1)  // of two robots: one hand for each
+      throw std::runtime_error(path + ": somebody is at the stick on " + listed(called) +
+                               "; choose by `recording_topic` or --recording-topic");
   }
   throw std::runtime_error(path + ": nobody is at the stick; record joy or cmd_vel_user");
 }

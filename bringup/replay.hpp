@@ -9,10 +9,12 @@
 
 namespace tandem {
 
-/// The stick of the first topic called `joy` in a recording (a folder of `tandem record` or of
-/// rosbag2, or its .db3), or, if there is none, what it must have been for `cmd_vel_user`. A
-/// released dead-man button is a stick at rest. Throws std::runtime_error, one line that names the
-/// file, if it is no recording or nobody is at the stick.
-[[nodiscard]] Recording recorded_stick(const std::string& path, const TeleopParams& teleop);
+/// The stick of a recording (a folder of `tandem record` or of rosbag2, or its .db3): of the topic
+/// of that full name, else of the one called `joy`, or, if there is none, what it must have been
+/// for the one called `cmd_vel_user`. A released dead-man button is a stick at rest. Throws
+/// std::runtime_error, one line that names the file, if it is no recording, if nobody is at the
+/// stick, or if no name is given and several topics are called so.
+[[nodiscard]] Recording recorded_stick(const std::string& path, const TeleopParams& teleop,
+                                       const std::string& topic = {});
 
 }  // namespace tandem

@@ -55,6 +55,8 @@ void check_driver(const Scenario& scenario) {
                                 (scenario.recording.empty()
                                      ? "driver `replay` needs a `recording` (or --recording FOLDER)"
                                      : "a `recording` needs `driver: replay`"));
+  if (!scenario.recording_topic.empty() && scenario.recording.empty())
+    throw std::invalid_argument(scenario.path + ": a `recording_topic` needs a `recording`");
 }
 
 std::string list(const std::vector<double>& values) {
@@ -132,12 +134,23 @@ void set_deterministic_budget(Values& planner, const std::string& path) {
   planner.emplace("iteration_budget", rt::ParameterValue{"30", path});
 }
 
+// Another recording has other topics, and another driver none.
+void choose_recording(Scenario& scenario, const DriveOptions& options) {
+  const bool another = !options.driver.empty() && options.recording.empty() &&
+                       DriverName{options.driver}.driver != "replay";
+  if (another || !options.recording.empty()) {
+    scenario.recording = options.recording;
+    scenario.recording_topic.clear();
+  }
+  if (!options.recording_topic.empty()) scenario.recording_topic = options.recording_topic;
+}
+
 // Puts the recorded stick into the driver's parameters.
 void hand_over_recording(const Scenario& scenario, System& system) {
   const auto teleop = parameters_of<TeleopNodeParams>(system, "teleop").teleop;
   for (SystemNode& node : system.nodes) {
     if (node.component != "driver") continue;
-    const Recording stick = recorded_stick(scenario.recording, teleop);
+    const Recording stick = recorded_stick(scenario.recording, teleop, scenario.recording_topic);
     auto& values = node.options.parameters.values;
     values["replay_t"] = {list(stick.t), scenario.recording};
     values["replay_linear"] = {list(stick.linear), scenario.recording};
@@ -188,9 +201,7 @@ std::string driver_of(const Scenario& scenario) {
 Scenario with_options(Scenario scenario, const DriveOptions& options) {
   if (!options.method.empty()) scenario.method = options.method;
   if (!options.driver.empty()) scenario.driver = options.driver;
-  if (!options.recording.empty()) scenario.recording = options.recording;
-  const bool another = !options.driver.empty() && options.recording.empty();
-  if (another && DriverName{options.driver}.driver != "replay") scenario.recording.clear();
+  choose_recording(scenario, options);
   if (options.seed != 0) scenario.seed = options.seed;
   if (!options.map.empty()) scenario.map = options.map;
   if (scenario.seed > kLargestSeed)

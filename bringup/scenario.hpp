@@ -39,6 +39,7 @@ struct Scenario {
   std::vector<std::string> methods;  ///< those the scenario makes sense for
   std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them
   std::string recording;             ///< that driver `replay` plays; else empty
+  std::string recording_topic;       ///< its topic with the stick; empty: the only one
   double duration = 120.0;           ///< [s] simulated, then it is over
   unsigned seed = 1;
   std::map<std::string, rt::ParameterValue> slice;  ///< of the map: z_min, z_max, floor
@@ -58,10 +59,11 @@ struct DriveOptions {
   std::string map{};     ///< empty: the scenario's
   bool enforce = true;   ///< false: the filter only watches, to see what the planner does alone
   bool lockstep = false;
-  double speed = 1.0;       ///< simulated per real time, over DDS
-  std::string driver{};     ///< empty: the scenario's
-  bool obstacles = true;    ///< false: nothing stands anywhere; in lockstep
-  std::string recording{};  ///< empty: the scenario's
+  double speed = 1.0;             ///< simulated per real time, over DDS
+  std::string driver{};           ///< empty: the scenario's
+  bool obstacles = true;          ///< false: nothing stands anywhere; in lockstep
+  std::string recording{};        ///< empty: the scenario's
+  std::string recording_topic{};  ///< likewise
 };
 
 /// Names of all methods.

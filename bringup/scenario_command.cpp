@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct Request {
   std::vector<std::string> files;
-  std::string method, driver, recording, map, json, picture, seeds;
+  std::string method, driver, recording, recording_topic, map, json, picture, seeds;
   unsigned seed = 0;
   bool lockstep = false, dds = false, no_filter = false, quiet = false;
   double speed = 1.0;
@@ -44,6 +44,7 @@ std::vector<DriveJob> jobs_of(const Request& request) {
       DriveOptions options{method,           last,          request.map,   !request.no_filter,
                            request.lockstep, request.speed, request.driver};
       options.recording = request.recording;
+      options.recording_topic = request.recording_topic;
       check_drive(scenario, options);
       for (options.seed = first; options.seed <= last; ++options.seed)
         jobs.push_back({scenario, options});
@@ -157,6 +158,8 @@ void add_scenario_command(CLI::App& app, int& status) {
       "with modifiers after +, as navigator+tremor");
   command->add_option("--recording", request->recording, "what driver replay plays")
       ->check(CLI::ExistingPath);
+  command->add_option("--recording-topic", request->recording_topic,
+                      "full name of its topic with the stick, if there are several, as /a/joy");
   command->add_option("--seed", request->seed, "seed of the simulated person");
   command->add_option("--seeds", request->seeds, "a range of seeds, A-B");
   command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);

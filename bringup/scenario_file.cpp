@@ -301,6 +301,7 @@ Scenario load_scenario(const std::string& path) {
   s.driver = file.optional("driver", s.driver);
   if (const auto recording = file.optional<std::string>("recording", ""); !recording.empty())
     s.recording = beside(path, recording);
+  s.recording_topic = file.optional<std::string>("recording_topic", "");
   s.duration = file.optional("duration", s.duration);
   s.seed = file.optional("seed", s.seed);
   s.slice = read_values(file.child("slice"), path);

@@ -35,14 +35,19 @@ struct Method {
 };
 
 struct Person {
-  std::string name, driver;
-  std::map<std::string, rt::ParameterValue> parameters;
+  std::string name{}, driver{}, recording{}, recording_topic{};
+  std::map<std::string, rt::ParameterValue> parameters{};
 };
 
 std::string beside(const std::string& file, const std::string& relative) {
   const fs::path path{relative};
   if (path.is_absolute()) return relative;
   return (fs::path(file).parent_path() / path).lexically_normal().string();
+}
+
+// With modifiers or without.
+bool is_replay(const std::string& driver) {
+  return driver == "replay" || driver.starts_with("replay+");
 }
 
 void merge(Parameters& into, const Parameters& values) {
@@ -179,7 +184,7 @@ class StudyReader {
   }
 
   Person read_person(const YAML::Node& node) const {
-    if (!node.IsMap()) return {word(node, "drivers"), word(node, "drivers"), {}};
+    if (!node.IsMap()) return {.name = word(node, "drivers"), .driver = word(node, "drivers")};
     Person person;
     yaml_.each_once(node);
     for (const auto& entry : node) {
@@ -188,11 +193,17 @@ class StudyReader {
         person.name = name(entry.second, "name");
       else if (key == "driver")
         person.driver = word(entry.second, "driver");
+      else if (key == "recording")
+        person.recording = beside(path_, word(entry.second, "recording"));
+      else if (key == "recording_topic")
+        person.recording_topic = word(entry.second, "recording_topic");
       else
         person.parameters[key] = {rt::yaml_text(entry.second),
                                   fmt::format("{}:{}", path_, entry.second.Mark().line + 1)};
     }
     if (person.name.empty()) yaml_.fail(node, "'name' is missing");
+    if (!person.recording.empty() && !is_replay(person.driver))
+      yaml_.fail(node, "a `recording` needs `driver: replay`");
     return person;
   }
 
@@ -235,10 +246,15 @@ class StudyReader {
     DriveOptions options;
     options.method = method.method;
     options.driver = person.driver;
+    options.recording = person.recording;
+    options.recording_topic = person.recording_topic;
     options.enforce = method.enforce;
     options.lockstep = true;
     scenario.method = method.method;
     if (!person.driver.empty()) scenario.driver = person.driver;
+    if (is_replay(scenario.driver) && person.recording.empty() && scenario.recording.empty())
+      throw std::invalid_argument(path_ + ": driver `replay` needs a `recording` beside it, as " +
+                                  "{name: me, driver: replay, recording: FOLDER}");
     const std::string driver = person.name.empty() ? driver_of(scenario) : person.name;
     study_.cells.push_back({std::move(scenario), options, method.name, driver});
     for (const unsigned seed : seeds) {
@@ -260,7 +276,9 @@ class StudyReader {
       files_.insert(scenario.robot);
       if (!scenario.fixtures.empty()) files_.insert(scenario.fixtures);
       if (scenario.map != "clutter") files_.insert(scenario.map);
-      for (const auto& file : files_of(scenario.recording)) files_.insert(file);
+      const auto& played = cell.options.recording;
+      for (const auto& file : files_of(played.empty() ? scenario.recording : played))
+        files_.insert(file);
     }
     for (const auto& file : files_) description[seen_from_here(file)] = checksum_of(file);
   }

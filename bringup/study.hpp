@@ -38,6 +38,7 @@ struct Study {
 ///   scenarios: [FILE or {file: FILE, name: N, map: M, duration: D}, …]   # relative to this file
 ///   methods: [METHOD or {name: N, method: M, enforce: false, parameters: {COMPONENT: {…}}}, …]
 ///   drivers: [DRIVER or {name: N, driver: D, and parameters of the component driver}, …]
+///            # of driver `replay` also `recording: FOLDER` and, if need be, `recording_topic: T`
 ///   seeds: 20 or 1-20 or [3, 5, 8]
 ///   overrides: {COMPONENT: {…}}
 ///   parts: [{any of the five above}, …]    # what a part does not say is said above

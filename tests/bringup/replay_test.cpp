@@ -90,6 +90,45 @@ TEST_F(Replay, SaysWhenNobodyIsAtTheStick) {
   EXPECT_THROW((void)recorded_stick("/no/such/recording", {}), std::runtime_error);
 }
 
+TEST_F(Replay, OfTwoRobotsAsksWhichAndPlaysOneAlone) {
+  {
+    BagWriter writer{folder_};
+    const int a = writer.add_topic({"/a/joy", "sensor_msgs/msg/Joy"});
+    const int b = writer.add_topic({"/b/joy", "sensor_msgs/msg/Joy"});
+    for (int i = 0; i < 3; ++i) {
+      writer.write(a, i * 100'000'000LL, joy(0.0F, 1.0F, 1));
+      writer.write(b, i * 100'000'000LL + 50'000'000, joy(0.0F, -1.0F, 1));
+    }
+  }
+  try {
+    (void)recorded_stick(folder_, {});
+    FAIL() << "mixed two hands";
+  } catch (const std::runtime_error& error) {
+    const std::string line = error.what();
+    EXPECT_TRUE(line.starts_with(folder_.string() + ": ")) << line;
+    EXPECT_NE(line.find("/a/joy, /b/joy; choose by `recording_topic`"), std::string::npos) << line;
+  }
+  EXPECT_EQ(recorded_stick(folder_, {}, "/b/joy").linear, (std::vector<double>(3, -1.0)));
+  EXPECT_EQ(recorded_stick(folder_, {}, "/b/joy").t, (std::vector<double>{0.0, 0.1, 0.2}));
+  EXPECT_THROW((void)recorded_stick(folder_, {}, "/c/joy"), std::runtime_error);
+  Scenario scenario = load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml");
+  const auto drive = with_options(
+      scenario, {.driver = "replay", .recording = folder_.string(), .recording_topic = "/a/joy"});
+  EXPECT_EQ(drive.recording_topic, "/a/joy");
+  EXPECT_NO_THROW((void)system_of(drive, {}));
+}
+
+TEST_F(Replay, SaysWhatItWantsInsteadOfAFileThatIsNoRecording) {
+  try {
+    (void)recorded_stick(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml", {});
+    FAIL() << "read";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string{error.what()}.find("forest_task2.yaml: is no recording; name a folder"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(Replay, SkipsBytesThatAreNoMessage) {
   write({"/joy", "sensor_msgs/msg/Joy"}, {{0, {0, 1, 0, 0, 7}}, {1, joy(0.0F, 1.0F, 1)}});
   EXPECT_EQ(recorded_stick(folder_, {}).t.size(), 1U);

@@ -127,6 +127,21 @@ TEST_F(StudyFile, IsAnotherOnceAnyFileOfItIsAnother) {
     EXPECT_TRUE(first.contains(file)) << file << " not in " << first.dump();
 }
 
+TEST_F(StudyFile, PlaysTheRecordingOfADriver) {
+  const auto with = [&](const char* played) {
+    std::ofstream{folder_ / "me.db3"} << played;
+    return load(
+        text_ +
+        "drivers: [{name: me, driver: replay, recording: me.db3, recording_topic: /a/joy}]\n");
+  };
+  Study study = with("one");
+  EXPECT_EQ(study.cells.front().driver, "me");
+  EXPECT_EQ(study.cells.front().options.recording, (folder_ / "me.db3").string());
+  EXPECT_EQ(study.cells.front().options.recording_topic, "/a/joy");
+  EXPECT_FALSE(study.cells.front().scenario.parameters["driver"].contains("recording"));
+  EXPECT_NE(study.description, with("two").description);
+}
+
 struct Mistake {
   const char *name, *from, *to, *complaint;
 };
@@ -173,6 +188,11 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"parameter", "seeds: 1-3", "seeds: 1\noverrides: {local_planner: {magrin: 0.1}}",
                 "magrin"},
         Mistake{"driver", "seeds: 1-3", "seeds: 1\ndrivers: [{nmae: x}]", "'name' is missing"},
+        Mistake{"replay_of_nothing", "seeds: 1-3", "seeds: 1\ndrivers: [replay]",
+                "driver `replay` needs a `recording` beside it"},
+        Mistake{"recording_of_another", "seeds: 1-3",
+                "seeds: 1\ndrivers: [{name: x, driver: pointer, recording: y}]",
+                ":5: a `recording` needs `driver: replay`"},
         Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` needs a list"},
         Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]", "unknown key 'sede'"}),
     [](const auto& test) { return std::string(test.param.name); });
