@@ -3,7 +3,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <unistd.h>
+
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <stdexcept>
@@ -15,6 +18,8 @@
 
 namespace tandem {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Request {
   std::vector<std::string> files, methods, knobs;
@@ -31,8 +36,8 @@ struct Summary {
 
 class Study {
  public:
-  Study(const Request& request, const std::string& seeds) : jobs_{request.jobs} {
-    const auto [first, last] = seed_range("--seeds", seeds);
+  Study(const Request& request, const SeedRange& seeds) : jobs_{request.jobs} {
+    const auto [first, last] = seeds;
     for (const auto& file : request.files) {
       const Scenario scenario = load_scenario(file);
       check_robot(scenario);
@@ -45,11 +50,14 @@ class Study {
         check_drive(scenario, options);
         for (options.seed = first; options.seed <= last; ++options.seed)
           drives_.push_back({with_options(scenario, options), options});
+        systems_.push_back(system_of(drives_.back().scenario, drives_.back().options));
       }
     }
   }
 
   [[nodiscard]] const std::vector<DriveJob>& drives() const { return drives_; }
+  // One of each scenario and method.
+  [[nodiscard]] const std::vector<System>& systems() const { return systems_; }
 
   // The drives with these values; the first call's times are the reference of all later ones.
   Summary run(const std::vector<Knob>& knobs, const std::vector<double>& values) {
@@ -100,6 +108,7 @@ class Study {
 
   unsigned jobs_;
   std::vector<DriveJob> drives_;
+  std::vector<System> systems_;
   Times reference_;
 };
 
@@ -126,17 +135,39 @@ std::string parameter_file(const std::vector<Knob>& knobs, const std::vector<dou
   return text;
 }
 
+// Now, not after an hour; and what the file holds stays until there is something better.
+void check_writable(const std::string& out) {
+  if (out.empty()) return;
+  const fs::path folder = fs::path{out}.has_parent_path() ? fs::path{out}.parent_path() : ".";
+  const fs::path written = fs::exists(out) ? fs::path{out} : folder;
+  if (fs::is_directory(out) || access(written.c_str(), W_OK) != 0)
+    throw std::invalid_argument("--out " + out +
+                                ": cannot be written; name a file in a folder that exists");
+}
+
+void write(const std::string& out, const std::string& text) {
+  if (out.empty()) return;
+  std::ofstream stream{out};
+  stream << text;
+  stream.close();
+  if (!stream) throw std::runtime_error("--out " + out + ": cannot be written; copy from above");
+}
+
+void check_apart(const SeedRange& seeds, const SeedRange& check) {
+  if (seeds.first <= check.last && check.first <= seeds.last)
+    throw std::invalid_argument(
+        fmt::format("--seeds {}-{} and --check-seeds {}-{} overlap: judge the result by seeds that "
+                    "the search has not seen",
+                    seeds.first, seeds.last, check.first, check.last));
+}
+
 void run(const Request& request) {
-  Study study{request, request.seeds}, check{request, request.check_seeds};
-  const DriveJob& first = study.drives().front();
-  const System system = system_of(first.scenario, first.options);
-  std::vector<Knob> knobs;
-  for (const auto& text : request.knobs) knobs.push_back(read_knob(text, system));
-  std::ofstream out;
-  if (!request.out.empty()) {
-    out.open(request.out);
-    if (!out) throw std::invalid_argument("--out " + request.out + ": cannot be written");
-  }
+  const SeedRange seeds = seed_range("--seeds", request.seeds),
+                  others = seed_range("--check-seeds", request.check_seeds);
+  check_apart(seeds, others);
+  check_writable(request.out);
+  Study study{request, seeds}, check{request, others};
+  const std::vector<Knob> knobs = read_knobs(request.knobs, study.systems());
 
   std::printf("%zu drives per evaluation\n", study.drives().size());
   print_head();
@@ -162,7 +193,8 @@ void run(const Request& request) {
   print_row("tuned", check.run(knobs, tuned.values));
   const std::string text = parameter_file(knobs, tuned.values);
   std::printf("\n%s", text.c_str());
-  out << text;
+  std::fflush(stdout);
+  write(request.out, text);
 }
 
 }  // namespace

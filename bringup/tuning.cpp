@@ -57,6 +57,15 @@ std::optional<Knob> find_number(const System& system, const std::string& compone
                               "' is none of local_planner, obstacle_extractor, teleop");
 }
 
+// Whether it matters to a drive: the shapes of the extractor are for the planner alone.
+bool uses(const System& system, const std::string& component) {
+  const std::string user = component == "obstacle_extractor" ? "local_planner" : component;
+  return std::any_of(system.nodes.begin(), system.nodes.end(),
+                     [&](const SystemNode& node) { return node.component == user; });
+}
+
+std::string component_of(const std::string& text) { return text.substr(0, text.find('.')); }
+
 // Place of a value in its knob's range, 0 to 1, and back.
 double to_unit(const Knob& knob, double value) {
   if (knob.low > 0.0) return std::log(value / knob.low) / std::log(knob.high / knob.low);
@@ -82,6 +91,9 @@ Knob read_knob(const std::string& text, const System& system) {
   if (!knob)
     throw std::invalid_argument("'" + text + "': " + component + " has no number '" + name +
                                 "'; see tandem describe " + component);
+  if (!uses(system, component))
+    throw std::invalid_argument("'" + text + "': no method that is driven uses " + component +
+                                "; name one that does by --method");
   knob->component = component;
   const double lowest = knob->low, highest = knob->high;
   if (colon == std::string::npos) {
@@ -98,8 +110,27 @@ Knob read_knob(const std::string& text, const System& system) {
   if (!(knob->low >= lowest && knob->low < knob->high && knob->high <= highest))
     throw std::invalid_argument("'" + text + "': bounds must be increasing and within [" +
                                 std::to_string(lowest) + ", " + std::to_string(highest) + "]");
-  knob->start = std::clamp(knob->start, knob->low, knob->high);
+  if (!(knob->start >= knob->low && knob->start <= knob->high))
+    throw std::invalid_argument("'" + text + "' is " + std::to_string(knob->start) +
+                                " now: name bounds that hold it, the search begins there");
   return *knob;
+}
+
+std::vector<Knob> read_knobs(const std::vector<std::string>& texts,
+                             const std::vector<System>& systems) {
+  std::vector<Knob> knobs;
+  for (const auto& text : texts) {
+    const auto system = std::find_if(systems.begin(), systems.end(), [&](const System& one) {
+      return uses(one, component_of(text));
+    });
+    const Knob knob = read_knob(text, system == systems.end() ? systems.front() : *system);
+    for (const Knob& other : knobs)
+      if (other.component == knob.component && other.name == knob.name)
+        throw std::invalid_argument("'" + text + "': " + knob.component + "." + knob.name +
+                                    " is varied already; name it once");
+    knobs.push_back(knob);
+  }
+  return knobs;
 }
 
 double drive_cost(const DriveResult& drive, double reference_time) {

@@ -21,8 +21,14 @@ struct Knob {
 
 /// Reads `component.parameter` or `component.parameter:low:high`; without bounds a fifth to five
 /// times the value that the system has now, within the parameter's range. Throws
-/// std::invalid_argument for an unknown component, a parameter that is no number, empty bounds.
+/// std::invalid_argument for an unknown component, one that the system does not use, a parameter
+/// that is no number, empty bounds, or bounds that leave out the value that the system has now.
 [[nodiscard]] Knob read_knob(const std::string& text, const System& system);
+
+/// One each, of the first of the systems (at least one) that uses the component. Throws what
+/// read_knob throws, and std::invalid_argument if two texts mean one parameter.
+[[nodiscard]] std::vector<Knob> read_knobs(const std::vector<std::string>& texts,
+                                           const std::vector<System>& systems);
 
 /// What a drive is worth; lower is better, a drive as long as the reference costs 1 and more:
 ///

@@ -48,6 +48,37 @@ TEST(Knob, ThatIsNoneIsRefusedWithTheReason) {
   EXPECT_NE(complaint("local_planner.disc_radius").find("name its bounds"), std::string::npos);
 }
 
+TEST(Knob, WhoseValueNowIsOutsideItsBoundsIsRefused) {
+  EXPECT_EQ(complaint("local_planner.horizon_steps:10:30"), "");
+  EXPECT_NE(complaint("local_planner.horizon_steps:2:3").find("now: name bounds that hold it"),
+            std::string::npos)
+      << complaint("local_planner.horizon_steps:2:3");
+}
+
+TEST(Knobs, AreOfComponentsThatADrivenMethodUsesAndEachIsOne) {
+  const auto complaint = [](const std::vector<std::string>& texts,
+                            const std::vector<std::string>& methods) {
+    const Scenario scenario =
+        load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml");
+    std::vector<System> systems;
+    for (const auto& method : methods)
+      systems.push_back(system_of(with_options(scenario, {.method = method}), {}));
+    try {
+      return read_knobs(texts, systems).size() == texts.size() ? std::string{} : "how many?";
+    } catch (const std::invalid_argument& error) {
+      return std::string{error.what()};
+    }
+  };
+  EXPECT_EQ(complaint({"local_planner.weight_x", "teleop.scale_linear"}, {"manual", "leader"}), "");
+  for (const std::string knob : {"local_planner.weight_x", "obstacle_extractor.range:1:20"})
+    EXPECT_NE(complaint({knob}, {"manual", "dwa"}).find("no method that is driven uses"),
+              std::string::npos)
+        << complaint({knob}, {"manual", "dwa"});
+  EXPECT_NE(complaint({"local_planner.weight_x", "local_planner.weight_x:0.1:20"}, {"leader"})
+                .find("once"),
+            std::string::npos);
+}
+
 TEST(Tune, FindsTheLeastCost) {
   const std::vector<Knob> knobs{{"c", "a", 0.1, 10.0, 8.0, false},
                                 {"c", "b", -1.0, 1.0, 0.9, false}};
