@@ -144,7 +144,7 @@ void run(const Request& request) {
 void merge(const Request& request) {
   std::vector<nlohmann::json> studies;
   for (const auto& from : request.folders) {
-    studies.push_back(read_json(from + "/study.json"));
+    studies.push_back(read_study(from));
     if (studies.back() != studies.front())
       throw std::invalid_argument(from + " and " + request.folders.front() +
                                   " hold different studies; merge shards of one");

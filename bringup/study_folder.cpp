@@ -75,12 +75,11 @@ StudyFolder::~StudyFolder() { close(file_); }
 void StudyFolder::claim(const nlohmann::json& study) {
   const std::string file = folder_ + "/study.json";
   if (!fs::exists(file)) return write_file(file, study.dump(1) + "\n");
-  const nlohmann::json kept = read_json(file);
+  const nlohmann::json kept = read_study(folder_);
   if (kept == study) return;
-  throw std::invalid_argument(
-      folder_ + ": holds another study (" +
-      difference(kept.value("description", nlohmann::json::object()), study.at("description")) +
-      " differs); name another folder, or remove this one");
+  throw std::invalid_argument(folder_ + ": holds another study (" +
+                              difference(kept.at("description"), study.at("description")) +
+                              " differs); name another folder, or remove this one");
 }
 
 void StudyFolder::read_back() {
@@ -126,12 +125,21 @@ nlohmann::json contents_of(const Study& study) {
   return {{"study", study.name}, {"description", study.description}, {"drives", names}};
 }
 
-nlohmann::json read_json(const std::string& file) {
+nlohmann::json read_study(const std::string& folder) {
+  const std::string file = folder + "/study.json";
   std::ifstream in{file};
-  if (!in) fail(file, "no such file, or it cannot be read");
-  auto json = nlohmann::json::parse(in, nullptr, false);
-  if (json.is_discarded()) fail(file, "is no JSON");
-  return json;
+  if (!in) fail(file, "no such file, or it cannot be read; name the folder of a study");
+  auto study = nlohmann::json::parse(in, nullptr, false);
+  const auto is_word = [](const nlohmann::json& value) { return value.is_string(); };
+  const auto has = [&](const char* key) { return study.is_object() && study.contains(key); };
+  if (has("study") && has("description") && has("drives") && study["description"].is_object() &&
+      study["drives"].is_array() &&
+      std::all_of(study["drives"].begin(), study["drives"].end(), is_word))
+    return study;
+  fail(file,
+       "is damaged: no description of a study; if the study is as it was, remove this file: "
+       "`tandem study FILE --out " +
+           folder + "` writes it anew and keeps the finished drives");
 }
 
 void write_file(const std::string& file, const std::string& text) {

@@ -48,8 +48,8 @@ class StudyFolder {
 /// What study.json says of a study.
 [[nodiscard]] nlohmann::json contents_of(const Study& study);
 
-/// A JSON file of a folder. Throws std::runtime_error naming it.
-[[nodiscard]] nlohmann::json read_json(const std::string& file);
+/// The study.json of a folder. Throws std::runtime_error naming it if it is none.
+[[nodiscard]] nlohmann::json read_study(const std::string& folder);
 
 /// Writes a file of a folder at once or not at all. Throws std::runtime_error naming it.
 void write_file(const std::string& file, const std::string& text);

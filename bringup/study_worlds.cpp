@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/study_worlds.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <stdexcept>
 
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "map/octomap_file.hpp"
@@ -53,8 +56,18 @@ json scene_of(const Scenario& scenario, const DiffDriveSimNodeParams& sim) {
 
 std::string file_of(const StudyFolder& folder) { return folder.path() + "/worlds.json"; }
 
+bool is_scene(const json& scene) {
+  return scene.is_object() && scene.contains("worlds") && scene["worlds"].is_object();
+}
+
 json kept(const StudyFolder& folder) {
-  return fs::exists(file_of(folder)) ? read_json(file_of(folder)) : json::object();
+  const std::string file = file_of(folder);
+  if (!fs::exists(file)) return json::object();
+  std::ifstream in{file};
+  json all = json::parse(in, nullptr, false);
+  if (all.is_object() && std::all_of(all.begin(), all.end(), is_scene)) return all;
+  throw std::runtime_error(file + ": is damaged; remove it: only pictures are drawn of it, and " +
+                           "`tandem study FILE --out " + folder.path() + "` writes it anew");
 }
 
 }  // namespace

@@ -297,6 +297,27 @@ TEST_F(Folder, RefusesAnotherStudyAndSaysWhatDiffers) {
   }
 }
 
+TEST_F(Folder, SaysWhichStudysDescriptionIsDamagedAndHowToMendIt) {
+  const std::string path = (folder_ / "out").string(), file = path + "/study.json";
+  StudyFolder{path, kStudy}.append("one", line_of(1.0));
+  for (const char* text : {"", "{", "[]", "{}", R"({"study": "t", "description": {}})",
+                           R"({"study": "t", "description": [], "drives": ["one"]})",
+                           R"({"study": "t", "description": {}, "drives": [1]})"}) {
+    std::ofstream{file} << text;
+    for (const bool opened : {false, true}) try {
+        opened ? (void)StudyFolder(path, kStudy) : (void)read_study(path);
+        ADD_FAILURE() << "took " << text;
+      } catch (const std::runtime_error& error) {
+        const std::string line = error.what();
+        EXPECT_TRUE(line.starts_with(file + ": is damaged: no description of a study")) << line;
+        EXPECT_NE(line.find("remove this file"), std::string::npos) << line;
+      }
+  }
+  fs::remove(file);  // as it says
+  EXPECT_EQ((StudyFolder{path, kStudy}.finished().size()), 1u);
+  EXPECT_EQ(read_study(path), kStudy);
+}
+
 TEST_F(Folder, RefusesASecondProcessThatWrites) {
   const std::string path = (folder_ / "out").string();
   const StudyFolder folder{path, kStudy};
