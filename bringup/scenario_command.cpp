@@ -160,8 +160,8 @@ void add_scenario_command(CLI::App& app, int& status) {
       ->check(CLI::ExistingPath);
   command->add_option("--recording-topic", request->recording_topic,
                       "full name of its topic with the stick, if there are several, as /a/joy");
-  command->add_option("--seed", request->seed, "seed of the simulated person");
-  command->add_option("--seeds", request->seeds, "a range of seeds, A-B");
+  auto* seed = command->add_option("--seed", request->seed, "seed of the simulated person");
+  command->add_option("--seeds", request->seeds, "a range of seeds, A-B")->excludes(seed);
   command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);
   command->add_option("--json", request->json, "write all results to this file");
   command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")

@@ -288,6 +288,8 @@ Scenario load_scenario(const std::string& path) {
   s.map = file.required<std::string>("map");
   if (s.map != "clutter") s.map = beside(path, s.map);
   s.robot = beside(path, file.required<std::string>("robot"));
+  if (std::filesystem::is_directory(s.robot))
+    file.fail("robot", "`robot` = " + s.robot + " is a folder; name a robot's file in it");
   if (const auto fixtures = file.optional<std::string>("fixtures", ""); !fixtures.empty())
     s.fixtures = beside(path, fixtures);
   s.map_source = file.optional<std::string>("map_source", s.map_source);

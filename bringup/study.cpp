@@ -369,6 +369,12 @@ std::string name_of(const Study& study, const StudyDrive& drive) {
 void check_study(const Study& study) {
   Lockstep lockstep;
   std::size_t checked = study.cells.size();
+  std::map<std::string, unsigned> largest;  // seed of each map
+  for (const StudyDrive& drive : study.drives) {
+    unsigned& seed = largest[study.cells[drive.cell].scenario.map];
+    seed = std::max(seed, drive.seed);
+  }
+  for (const auto& [map, seed] : largest) check_seed(map, seed);
   for (const StudyDrive& drive : study.drives) {
     if (drive.cell == checked) continue;  // its first seed was
     checked = drive.cell;

@@ -51,7 +51,8 @@ struct Study {
 /// What the drive is called: scenario, method, driver, seed.
 [[nodiscard]] std::string name_of(const Study& study, const StudyDrive& drive);
 
-/// Constructs one drive of each cell; throws what check_robot and check_drive throw.
+/// Constructs one drive of each cell; throws what check_seed, check_robot and
+/// check_drive throw.
 void check_study(const Study& study);
 
 /// Makes one drive: {"drive": its measures, "track": [[x, y], …] thinned}. Where the goal is a

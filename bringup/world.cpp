@@ -23,14 +23,24 @@ namespace fs = std::filesystem;
 
 constexpr double kStep = 0.02;  // [m] between the radii that are tried for the widest way
 
+const char* const kClutter = "clutter";
+
 struct World {
   std::string name;
   MapDescription description;
 };
 
+// Counted round, worlds would be driven twice and called others.
+int number_of(const std::string& family, unsigned seed) {
+  const auto numbers = barn_world_numbers(family);
+  if (seed >= 1 && seed <= numbers.size()) return numbers[seed - 1];
+  throw std::invalid_argument(fmt::format(
+      "{}: seed {} is none of its worlds; name seeds from 1 to {}", family, seed, numbers.size()));
+}
+
 World world_of(const std::string& family, unsigned seed) {
-  if (family == "clutter") return {fmt::format("clutter_{}", seed), clutter_world(seed, {})};
-  const int number = barn_world_number(family, seed);
+  if (family == kClutter) return {fmt::format("clutter_{}", seed), clutter_world(seed, {})};
+  const int number = number_of(family, seed);
   return {fmt::format("{}_{}", fs::path(family).stem().string(), number),
           load_barn_world(family, number)};
 }
@@ -72,7 +82,11 @@ void tell_the_way(Scenario& scenario, const StaticMap& map) {
 }  // namespace
 
 bool is_family(const std::string& map) {
-  return map == "clutter" || fs::path(map).extension() == ".json";
+  return map == kClutter || fs::path(map).extension() == ".json";
+}
+
+void check_seed(const std::string& map, unsigned seed) {
+  if (is_family(map) && map != kClutter) (void)number_of(map, seed);
 }
 
 Scenario in_its_world(Scenario scenario) {

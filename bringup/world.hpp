@@ -12,6 +12,10 @@ namespace tandem {
 /// worlds.
 [[nodiscard]] bool is_family(const std::string& map);
 
+/// Throws std::invalid_argument if the map is a file of worlds and has none for the seed, which is
+/// a world's place in the file, from 1 on; std::runtime_error if it is no such file.
+void check_seed(const std::string& map, unsigned seed);
+
 /// The scenario in the world that belongs to its seed: clutter of that seed, or the seed-th world
 /// of the file. Writes the world's OctoMap into the system's folder for temporary files, under a
 /// name that belongs to its content, and, unless the scenario gives a route, has the driver know

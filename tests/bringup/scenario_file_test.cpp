@@ -125,6 +125,22 @@ TEST_F(ScenarioFile, OfManyWorldsKeepsApartThoseOfTwoFilesOfOneName) {
   EXPECT_TRUE(solid(b, -1.0) && !solid(b, 1.0));
 }
 
+TEST_F(ScenarioFile, OfManyWorldsHasAWorldForEachSeedOrRefusesIt) {
+  write_barn(folder_ / "c.json", 1.0, 2);
+  write(text_, TANDEM_SOURCE_DIR "/maps/forest.bt", "c.json");
+  const Scenario scenario = load_scenario(file_.string());
+  EXPECT_NO_THROW((void)with_options(scenario, {.seed = 2}));
+  try {
+    check_drive(scenario, {.seed = 3});
+    FAIL() << "went round";
+  } catch (const std::exception& error) {
+    EXPECT_NE(std::string{error.what()}.find(
+                  "c.json: seed 3 is none of its worlds; name seeds from 1 to 2"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 struct Mistake {
   const char *name, *from, *to, *complaint;
 };
@@ -195,6 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "people: [{crossings: 999, area: [0, 0, 1, 1]}]", "`crossings` outside [0, 100]"},
         Mistake{"seed_too_large", "duration: 60", "seed: 4294967295", "above the largest"},
         Mistake{"map_missing", "forest.bt", "nowhere.bt", "nowhere.bt: no such file"},
+        Mistake{"robot_folder", "/mir100.yaml", "", "/robots is a folder; name a robot's file"},
         Mistake{"robot_missing", "mir100", "nobot", "nobot.yaml cannot be read"}),
     [](const auto& test) { return std::string(test.param.name); });
 

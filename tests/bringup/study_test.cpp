@@ -127,6 +127,16 @@ TEST_F(StudyFile, IsAnotherOnceAnyFileOfItIsAnother) {
     EXPECT_TRUE(first.contains(file)) << file << " not in " << first.dump();
 }
 
+TEST_F(StudyFile, OfManyWorldsHasAWorldForEachSeed) {
+  std::ofstream{folder_ / "w.json"} << R"({"meta": {"cylinder_radius_m": 0.1, "start": {"x": -4,
+      "y": -4}, "goal": {"x": 4, "y": 2.5}}, "worlds": {"7": {"cylinders": [[1, 3]]}}})";
+  const std::string text = "study: t\nscenarios: [{file: " + kScenarios +
+                           "forest_task2.yaml, map: w.json}]\nmethods: [manual]\nseeds: ";
+  EXPECT_EQ(complaint(text + "1"), "");
+  EXPECT_NE(complaint(text + "1-2").find("seed 2 is none of its worlds; name seeds from 1 to 1"),
+            std::string::npos);
+}
+
 TEST_F(StudyFile, PlaysTheRecordingOfADriver) {
   const auto with = [&](const char* played) {
     std::ofstream{folder_ / "me.db3"} << played;
