@@ -148,5 +148,55 @@ TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
   EXPECT_FALSE(fs::exists(out("none")));
 }
 
+// What another command says, in a line of one error, before it drives.
+void expect_complaint(const std::vector<std::string>& words, const std::string& complaint) {
+  const test::CapturedLog log;
+  test::ChildProcess program{"../tandem", words};
+  EXPECT_EQ(program.wait(30.0), 1) << words.front();
+  EXPECT_EQ(log.lines(complaint), 1) << log.text();
+}
+
+TEST_F(StudyProgram, AndAllOthersThatDriveRefuseAMisspeltKeyOfARobot) {
+  std::ofstream{folder() / "robot.yaml"} << "/**:\n  ros__parameters:\n    a_brk: 1.5\n";
+  const std::string scenario = out("misspelt.yaml"), key = "robot.yaml:3: a_brk is no parameter";
+  std::ofstream{scenario} << "scenario: t\nmap: " TANDEM_SOURCE_DIR
+                             "/maps/forest.bt\nrobot: robot.yaml\nstart: [-4.0, -4.0, 0.0]\n"
+                             "goal: {region: [3.0, 1.5, 5.0, 3.5]}\nmethod: leader\n";
+  std::ofstream{out("misspelt_study.yaml")} << "study: t\nscenarios: [misspelt.yaml]\nseeds: 1\n";
+  expect_complaint({"scenario", scenario, "--lockstep"}, key);
+  expect_complaint({"study", out("misspelt_study.yaml"), "--out", out("none")}, key);
+  expect_complaint({"tune", scenario, "--vary", "local_planner.weight_x"}, key);
+  expect_complaint({"metrics", out("whole"), "--scenario", scenario}, key);
+  EXPECT_FALSE(fs::exists(out("none")));
+}
+
+TEST_F(StudyProgram, AndTuneAndScenarioRefuseSeedsThatContradict) {
+  const std::string scenario = TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml",
+                    kept = out("kept.yaml");
+  std::ofstream{kept} << "as it was";
+  const std::vector<std::string> tune{"tune", scenario, "--out", kept, "--evaluations", "1"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), tune.begin(), tune.end());
+    return more;
+  };
+  expect_complaint(
+      with({"--vary", "local_planner.weight_x", "--seeds", "1-3", "--check-seeds", "3-9"}),
+      "--seeds 1-3 and --check-seeds 3-9 overlap");
+  expect_complaint(with({"--vary", "local_planner.nonsense"}), "has no number");
+  EXPECT_EQ(fs::file_size(kept), 9u);
+  expect_complaint({"tune", scenario, "--vary", "local_planner.weight_x", "--out", out("no/x")},
+                   "cannot be written; name a file in a folder that exists");
+  expect_complaint({"scenario", scenario, "--lockstep", "--seed", "2", "--seeds", "3-4"},
+                   "--seed excludes --seeds");
+}
+
+TEST_F(StudyProgram, MergesNoDamagedShardAndSaysWhichItIs) {
+  fs::create_directories(out("damaged"));
+  std::ofstream{out("damaged") + "/study.json"} << "{}";
+  expect_complaint({"study", "merge", out("merged_of_damaged"), out("damaged"), "--no-report"},
+                   out("damaged") + "/study.json: is damaged");
+  EXPECT_FALSE(fs::exists(out("merged_of_damaged")));
+}
+
 }  // namespace
 }  // namespace tandem
