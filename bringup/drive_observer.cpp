@@ -20,6 +20,12 @@ StaticMap world_of(const DiffDriveSimNodeParams& sim) {
 
 }  // namespace
 
+long NodeTotal::growth(std::uint64_t total, bool just_begun) {
+  const std::uint64_t before = last_.value_or(just_begun ? 0 : total);
+  last_ = total;
+  return static_cast<long>(total >= before ? total - before : total);
+}
+
 DriveObserver::DriveObserver(const Scenario& scenario, const System& system)
     : scenario_{scenario},
       map_{world_of(sim_of(system))},
@@ -45,7 +51,8 @@ void DriveObserver::on_robot(const Odometry& robot, double t) {
 }
 
 void DriveObserver::on_collision(const tandem_msgs::msg::Collision& msg) {
-  sample_.collisions = static_cast<int>(msg.count());
+  const long more = collisions_.growth(msg.count());
+  if (driving_) sample_.collisions += static_cast<int>(more);
 }
 
 void DriveObserver::on_user(const geometry_msgs::msg::Twist& msg) {
@@ -58,19 +65,24 @@ void DriveObserver::on_leader(const geometry_msgs::msg::PoseStamped& msg) {
 }
 
 void DriveObserver::on_plan(const tandem_msgs::msg::PlannerStatus& msg) {
-  DriveCounts& counts = log_.result.counts;
-  if (static_cast<long>(msg.cycles()) == counts.plans) return;  // said why it stands
-  counts.plans = static_cast<long>(msg.cycles());
-  counts.plan_fallbacks = static_cast<long>(msg.fallbacks());
-  counts.plan_overruns = static_cast<long>(msg.overruns());
-  counts.plan_ms.push_back(1e3 * msg.solve_time());
+  const bool just_begun = msg.cycles() <= 1;
+  const long plans = plans_.growth(msg.cycles(), just_begun);
+  const long fallbacks = fallbacks_.growth(msg.fallbacks(), just_begun);
+  const long overruns = overruns_.growth(msg.overruns(), just_begun);
+  if (plans == 0) return;  // said why it stands
   if (scenario_.method == "goal") driving_ = true;
+  if (!driving_) return;
+  DriveCounts& counts = log_.result.counts;
+  counts.plans += plans;
+  counts.plan_fallbacks += fallbacks;
+  counts.plan_overruns += overruns;
+  counts.plan_ms.push_back(1e3 * msg.solve_time());
 }
 
+// A filter that only watches passes what it would change: its total tells, which grows by each.
 void DriveObserver::on_filter(const tandem_msgs::msg::FilterStatus& msg) {
-  DriveCounts& counts = log_.result.counts;
-  counts.on_filtered(static_cast<long>(msg.interventions()) > counts.filter_interventions);
-  counts.filter_interventions = static_cast<long>(msg.interventions());
+  const bool changed = interventions_.growth(msg.interventions()) > 0;
+  if (driving_) log_.result.counts.on_filtered(changed);
 }
 
 void DriveObserver::on_obstacles(const tandem_msgs::msg::ObstacleArray& msg) {

@@ -2,6 +2,7 @@
 // In: the messages of a drive, live or recorded. Out: its log.
 #pragma once
 
+#include <cstdint>
 #include <msgs.hpp>
 #include <optional>
 
@@ -12,8 +13,20 @@
 
 namespace tandem {
 
+/// A total that a node has counted since its own start, which may be long before the drive.
+class NodeTotal {
+ public:
+  /// By how much it has grown since the node's last word. A total that fell is that of a node that
+  /// began anew, at zero. What a first word tells of is past, unless the node has just begun.
+  [[nodiscard]] long growth(std::uint64_t total, bool just_begun = false);
+
+ private:
+  std::optional<std::uint64_t> last_;
+};
+
 /// Measures a drive by what the nodes say. The drive begins when someone drives, not while the
-/// nodes still find each other, and its time is that of the stamps.
+/// nodes still find each other, and its time is that of the stamps. What the nodes counted before
+/// it is none of its own: they may have run for long, and so may a recording that began late.
 class DriveObserver {
  public:
   DriveObserver(const Scenario& scenario, const System& system);
@@ -45,6 +58,7 @@ class DriveObserver {
   DriveSample sample_;
   bool driving_ = false;
   std::optional<double> first_;  // time of the drive's first sample [s]
+  NodeTotal collisions_, interventions_, plans_, fallbacks_, overruns_;
 };
 
 }  // namespace tandem
