@@ -8,11 +8,17 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "bringup/bag.hpp"
 #include "bringup/drive_observer.hpp"
 #include "bringup/report.hpp"
+#include "bringup/world.hpp"
+#include "driver/driver.hpp"
+#include "map/octomap_file.hpp"
+#include "map_server/map_server_node.hpp"
 #include "runtime/decode.hpp"
+#include "runtime/log.hpp"
 #include "runtime/time.hpp"
 #include "topics.hpp"
 
@@ -20,30 +26,38 @@ namespace tandem {
 namespace {
 
 struct Request {
-  std::string recording, scenario, method, name_space, json;
+  std::string recording, scenario, method, driver, map, name_space, json;
+  unsigned seed = 0;
 };
+
+bool is_same(const Grid& a, const Grid& b) {
+  return a.resolution == b.resolution && a.origin == b.origin && a.width == b.width &&
+         a.cells == b.cells;
+}
 
 // Reads a recording as the monitor of a drive reads the bus.
 class Replay {
  public:
-  Replay(const std::string& recording, const std::string& name_space, DriveObserver& drive)
-      : bag_{recording}, name_space_{name_space}, drive_{drive} {
+  Replay(const Request& request, const MapServerParams& map, DriveObserver& drive)
+      : recording_{request.recording},
+        bag_{request.recording},
+        name_space_{request.name_space},
+        map_{map},
+        drive_{drive} {
     has_truth_ = find(topics::ground_truth.name) != nullptr;
     if (!has_truth_ && find(topics::odom.name) == nullptr)
-      throw std::runtime_error(recording + ": neither " + full(topics::ground_truth.name) +
+      throw std::runtime_error(recording_ + ": neither " + full(topics::ground_truth.name) +
                                " nor " + full(topics::odom.name) + " is in it" + hint());
     if (find(topics::cmd_vel_user.name) == nullptr && find(topics::planner_status.name) == nullptr)
-      throw std::runtime_error(recording + ": no " + full(topics::cmd_vel_user.name) +
+      throw std::runtime_error(recording_ + ": no " + full(topics::cmd_vel_user.name) +
                                " is in it, so nobody drives" + hint());
     listen();
   }
 
   void run() {
     BagMessage message;
-    while (!drive_.over() && bag_.next(message)) {
-      const auto& name = bag_.topics()[message.topic].name;
-      if (const auto it = readers_.find(name); it != readers_.end()) it->second(message.bytes);
-    }
+    while (!drive_.over() && bag_.next(message))
+      if (const auto& read = readers_[message.topic]) read(message.bytes);
   }
 
  private:
@@ -60,18 +74,37 @@ class Replay {
     return nullptr;
   }
 
+  // A name may be recorded with several types; those that are read have readers of their own.
   template <class M, class Fn>
   void on(const rt::Topic<M>& topic, Fn fn) {
-    const BagTopic* recorded = find(topic.name);
-    if (recorded == nullptr || recorded->type != rt::type_ref<M>().name) return;
-    readers_[recorded->name] = [fn](const Bytes& bytes) {
-      M message;
-      if (rt::decode(rt::type_ref<M>(), bytes, &message)) fn(message);
-    };
+    for (std::size_t i = 0; i < bag_.topics().size(); ++i) {
+      const BagTopic& recorded = bag_.topics()[i];
+      if (recorded.name != full(topic.name) || recorded.type != rt::type_ref<M>().name) continue;
+      readers_[i] = [fn](const Bytes& bytes) {
+        M message;
+        if (rt::decode(rt::type_ref<M>(), bytes, &message)) fn(message);
+      };
+    }
+  }
+
+  // Clearance and the shortest way would be those of another world, and nothing else would tell.
+  void compare(const octomap_msgs::msg::Octomap& msg) const {
+    const auto recorded =
+        decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), true).tree;
+    if (recorded &&
+        is_same(slice(*recorded, map_.slice), slice(*load_octomap(map_.map), map_.slice)))
+      return;
+    rt::Logger{"tandem"}.warn(
+        "{}: the map in {} is not {}, in which this measures; name the drive's with --seed or "
+        "--map",
+        recording_, full(topics::octomap_binary.name), map_.map);
   }
 
   void listen() {
     on(topics::collision, [this](const auto& msg) { drive_.on_collision(msg); });
+    on(topics::octomap_binary, [this](const auto& msg) {
+      if (!std::exchange(compared_, true)) compare(msg);
+    });
     on(topics::cmd_vel_user, [this](const auto& msg) { drive_.on_user(msg); });
     on(topics::leader_pose, [this](const auto& msg) { drive_.on_leader(msg); });
     on(topics::planner_status, [this](const auto& msg) { drive_.on_plan(msg); });
@@ -93,22 +126,48 @@ class Replay {
     });
   }
 
+  std::string recording_;
   BagReader bag_;
   std::string name_space_;
+  MapServerParams map_;  // what the robot was told stands there, if the drive is the scenario's
   DriveObserver& drive_;
-  bool has_truth_ = false;
-  std::map<std::string, std::function<void(const Bytes&)>> readers_;
+  bool has_truth_ = false, compared_ = false;
+  std::map<std::size_t, std::function<void(const Bytes&)>> readers_;  // by topic
   Frames frames_;
   Pose2 X_MW_;  // without a localiser the frames are one
 };
 
-void run(const Request& request) {
+// No topic carries the seed, and a guess at it would measure another drive.
+void check_seed(const Scenario& scenario, const Request& request) {
+  const bool many_worlds = is_family(request.map.empty() ? scenario.map : request.map);
+  if (request.seed != 0 || (!many_worlds && scenario.goals.empty())) return;
+  throw std::invalid_argument(
+      request.scenario + ": the seed says " +
+      (many_worlds ? "in which of its worlds" : "to which of its goals") +
+      " the robot drove; name it with --seed (`seed` in a result of `tandem scenario` or `study`)");
+}
+
+DriveOptions options_of(const Request& request) {
   DriveOptions options;
   options.method = request.method;
-  const Scenario scenario = with_options(load_scenario(request.scenario), options);
+  options.seed = request.seed;
+  options.map = request.map;
+  options.driver = request.driver;
+  // Whoever replayed held the stick that is in this recording too.
+  if (!request.driver.empty() && DriverName{request.driver}.driver == "replay")
+    options.recording = request.recording;
+  return options;
+}
+
+void run(const Request& request) {
+  const Scenario file = load_scenario(request.scenario);
+  check_seed(file, request);
+  const DriveOptions options = options_of(request);
+  const Scenario scenario = with_options(file, options);
   check_robot(scenario);
-  DriveObserver drive{scenario, system_of(scenario, options)};
-  Replay{request.recording, request.name_space, drive}.run();
+  const System system = system_of(scenario, options);
+  DriveObserver drive{scenario, system};
+  Replay{request, parameters_of<MapServerParams>(system, "map_server"), drive}.run();
   if (!drive.driving()) throw std::runtime_error(request.recording + ": nobody drives in it");
   const DriveResult result = drive.log().result;
   if (!request.json.empty()) {
@@ -133,6 +192,15 @@ void add_metrics_command(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingFile);
   command->add_option("--method", request->method, "name in the result (default: the scenario's)");
+  command->add_option(
+      "--driver", request->driver,
+      "who sat at the stick, as `tandem scenario` names them: a name in the result");
+  command
+      ->add_option("--seed", request->seed,
+                   "the drive's: says which world or goal it was where the scenario has many")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--map", request->map, "the drive's, where it was another OctoMap file")
+      ->check(CLI::ExistingFile);
   command->add_option("--namespace", request->name_space, "the robot's, as /a");
   command->add_option("--json", request->json, "write the measures to this file too");
   command->callback([request] { run(*request); });

@@ -39,7 +39,7 @@ inline const std::set<std::string>& parameter_names() {
   static const auto names = [] {
     auto all =
         names_in<ArbitrationNodeParams, DashboardParams, DiffDriveSimNodeParams, DriverNodeParams,
-                 HapticsParams, HindsightNodeParams, JoystickNodeParams, LocalPlannerNodeParams,
+                 HapticsNodeParams, HindsightNodeParams, JoystickNodeParams, LocalPlannerNodeParams,
                  MapServerParams, ObstacleExtractorNodeParams, OctomapBuilderNodeParams,
                  SafetyFilterNodeParams, SharedDwaNodeParams, TeleopNodeParams>();
     all.insert("use_sim_time");  // the runtime's own

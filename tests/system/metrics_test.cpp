@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
@@ -19,7 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string kScenario = TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml";
+std::string scenario(const std::string& name) {
+  return TANDEM_SOURCE_DIR "/bringup/scenarios/" + name + ".yaml";
+}
+
+const std::string kScenario = scenario("forest_task2");
 
 class MetricsProgram : public ::testing::Test {
  protected:
@@ -38,34 +44,59 @@ class MetricsProgram : public ::testing::Test {
     return program.wait(150.0).value_or(-1);
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("tandem_metrics_" + std::to_string(getpid()));
-};
-
-TEST_F(MetricsProgram, MeasuresARecordingAsTheDriveWasMeasured) {
-  {
+  // Drives and records it; then there are "live.json" and "bag".
+  void drive(std::vector<std::string> words, const std::function<void(test::ChildProcess&)>& run) {
+    words.insert(words.begin(), "scenario");
+    words.insert(words.end(), {"--json", file("live.json")});
     test::ChildProcess record{"../tandem", {"record", "-o", file("bag")}};
-    ASSERT_EQ(
-        run({"scenario", kScenario, "--method", "safety_filter", "--json", file("live.json")}), 0);
+    test::ChildProcess program{"../tandem", words};
+    run(program);
     record.send(SIGINT);
     ASSERT_EQ(record.wait(30.0), 0);
   }
-  ASSERT_EQ(run({"metrics", file("bag"), "--scenario", kScenario, "--method", "safety_filter",
-                 "--json", file("recorded.json")}),
-            0);
-  const json live = read("live.json").at(0), recorded = read("recorded.json");
-  for (const char* key : {"scenario", "method", "driver", "reached", "collisions"})
+  // What `tandem metrics` says of the recording.
+  json measure(std::vector<std::string> words) {
+    words.insert(words.begin(), {"metrics", file("bag")});
+    words.insert(words.end(), {"--json", file("recorded.json")});
+    EXPECT_EQ(run(words), 0);
+    return read("recorded.json");
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("tandem_metrics_" + std::to_string(getpid()));
+};
+
+// The recording hears the same messages, the first ones and the last ones a moment apart.
+void expect_alike(const json& live, const json& recorded) {
+  for (const char* key : {"scenario", "map", "method", "driver", "seed", "reached", "collisions"})
     EXPECT_EQ(live.at(key), recorded.at(key)) << key;
-  // The recording hears the same messages, the first ones and the last ones a moment apart.
-  const auto differ = [&](const char* key) {
-    return std::abs(live.at(key).get<double>() - recorded.at(key).get<double>());
-  };
-  EXPECT_LE(differ("time_to_goal_s"), 0.5);
-  EXPECT_LE(differ("path_length_m"), 0.1);
-  EXPECT_LE(differ("path_ratio"), 0.02);
-  EXPECT_LE(differ("min_clearance_m"), 0.01);
-  EXPECT_LE(differ("mean_clearance_m"), 0.05);
-  EXPECT_LE(differ("agreement_direction"), 0.05);
-  EXPECT_LE(differ("agreement_magnitude"), 0.05);
+  const std::vector<std::pair<const char*, double>> tolerances{
+      {"time_to_goal_s", 0.5},         {"path_length_m", 0.1},        {"min_clearance_m", 0.01},
+      {"mean_clearance_m", 0.05},      {"agreement_direction", 0.05}, {"agreement_magnitude", 0.05},
+      {"final_position_error_m", 0.05}};
+  for (const auto& [key, tolerance] : tolerances)
+    EXPECT_NEAR(live.at(key).get<double>(), recorded.at(key).get<double>(), tolerance) << key;
+}
+
+TEST_F(MetricsProgram, MeasuresARecordingAsTheDriveWasMeasured) {
+  drive({kScenario, "--method", "safety_filter"},
+        [](auto& program) { ASSERT_EQ(program.wait(150.0), 0); });
+  const json recorded = measure({"--scenario", kScenario, "--method", "safety_filter"});
+  const json live = read("live.json").at(0);
+  expect_alike(live, recorded);
+  EXPECT_NEAR(live.at("path_ratio").get<double>(), recorded.at("path_ratio").get<double>(), 0.02);
+}
+
+TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
+  const std::string clutter = scenario("clutter");
+  drive({clutter, "--seed", "3"},
+        [](auto& program) { ASSERT_TRUE(program.wait(150.0).has_value()); });
+  const test::CapturedLog log;
+  expect_alike(read("live.json").at(0), measure({"--scenario", clutter, "--seed", "3"}));
+  EXPECT_EQ(log.lines("--seed"), 0) << log.text();
+  (void)measure({"--scenario", clutter, "--seed", "1"});
+  EXPECT_EQ(log.lines("name the drive's with --seed"), 1) << log.text();
+  EXPECT_EQ(run({"metrics", file("bag"), "--scenario", clutter}), 1);
+  EXPECT_EQ(log.lines("name it with --seed"), 1) << log.text();
 }
 
 TEST_F(MetricsProgram, SaysWhatIsWrongWithARecording) {
