@@ -35,6 +35,7 @@ class DriveObserver {
   void on_robot(const Odometry& robot, double t);
   void on_collision(const tandem_msgs::msg::Collision& msg);
   void on_user(const geometry_msgs::msg::Twist& msg);
+  void on_user(const geometry_msgs::msg::TwistStamped& msg) { on_user(msg.twist()); }
   void on_leader(const geometry_msgs::msg::PoseStamped& msg);
   void on_plan(const tandem_msgs::msg::PlannerStatus& msg);
   void on_filter(const tandem_msgs::msg::FilterStatus& msg);

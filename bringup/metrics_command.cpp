@@ -106,6 +106,8 @@ class Replay {
       if (!std::exchange(compared_, true)) compare(msg);
     });
     on(topics::cmd_vel_user, [this](const auto& msg) { drive_.on_user(msg); });
+    on(rt::Topic<geometry_msgs::msg::TwistStamped>{topics::cmd_vel_user.name},
+       [this](const auto& msg) { drive_.on_user(msg); });
     on(topics::leader_pose, [this](const auto& msg) { drive_.on_leader(msg); });
     on(topics::planner_status, [this](const auto& msg) { drive_.on_plan(msg); });
     on(topics::filter_status, [this](const auto& msg) { drive_.on_filter(msg); });
@@ -168,7 +170,10 @@ void run(const Request& request) {
   const System system = system_of(scenario, options);
   DriveObserver drive{scenario, system};
   Replay{request, parameters_of<MapServerParams>(system, "map_server"), drive}.run();
-  if (!drive.driving()) throw std::runtime_error(request.recording + ": nobody drives in it");
+  if (!drive.driving())
+    throw std::runtime_error(request.recording +
+                             ": nobody drives in it; record cmd_vel_user (Twist or TwistStamped), "
+                             "or planner/status where the method is goal");
   const DriveResult result = drive.log().result;
   if (!request.json.empty()) {
     std::ofstream out{request.json};

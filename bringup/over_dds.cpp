@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/over_dds.hpp"
 
+#include <memory>
 #include <stdexcept>
 
 #include "bringup/drive_observer.hpp"
@@ -13,6 +14,10 @@ namespace {
 
 constexpr double kStartLimit = 20.0;  // [s] of steady time until the robot is heard
 constexpr double kSilence = 5.0;      // [s] of steady time without the robot: broken
+
+// A person's device may send either type under the name; the nodes hear both.
+constexpr rt::Topic<geometry_msgs::msg::TwistStamped> kUserStamped{topics::cmd_vel_user.name,
+                                                                   topics::cmd_vel_user.qos};
 
 // Listens to what everyone says and measures; says nothing itself.
 class Monitor {
@@ -49,6 +54,10 @@ class Monitor {
   void listen_to_person() {
     user_ = node_.create_subscription(topics::cmd_vel_user, topics::kUserInput,
                                       [this](const auto& msg) { drive_.on_user(msg); });
+    stamped_wanted_ = node_.when_published(kUserStamped, [this] {
+      user_stamped_ = node_.create_subscription(kUserStamped, topics::kUserInput,
+                                                [this](const auto& msg) { drive_.on_user(msg); });
+    });
     leader_ = node_.create_subscription(topics::leader_pose, topics::kUserInput,
                                         [this](const auto& msg) { drive_.on_leader(msg); });
     end_ = node_.create_subscription(topics::end_sim, [this](const auto& msg) {
@@ -84,7 +93,9 @@ class Monitor {
   double started_ = 0.0, heard_ = 0.0;
   std::string trouble_;
 
-  rt::Subscription truth_, collision_, user_, leader_, end_, planner_, filter_, obstacles_;
+  rt::Subscription truth_, collision_, user_, user_stamped_, leader_, end_, planner_, filter_,
+      obstacles_;
+  std::shared_ptr<void> stamped_wanted_;
   rt::Timer supervisor_;
 };
 

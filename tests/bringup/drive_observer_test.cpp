@@ -123,6 +123,13 @@ TEST_F(Observed, AStatusThatSaysWhyThePlannerStandsIsNoPlan) {
   EXPECT_EQ(result().counts.plan_ms.size(), 1U);
 }
 
+TEST_F(Observed, HearsAPersonWhoseCommandsAreStamped) {
+  geometry_msgs::msg::TwistStamped msg;
+  msg.twist().linear().x(0.5);
+  drive_->on_user(msg);
+  EXPECT_TRUE(drive_->driving());
+}
+
 class Autonomous : public Observed {
  protected:
   Autonomous() : Observed{"table_3_1"} {}

@@ -11,9 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "convert.hpp"
+#include "runtime/node.hpp"
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+#include "topics.hpp"
 
 namespace tandem {
 namespace {
@@ -97,6 +101,32 @@ TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
   EXPECT_EQ(log.lines("name the drive's with --seed"), 1) << log.text();
   EXPECT_EQ(run({"metrics", file("bag"), "--scenario", clutter}), 1);
   EXPECT_EQ(log.lines("name it with --seed"), 1) << log.text();
+}
+
+// Nobody but the stamped command steers: the planner goes to the goal by itself.
+TEST_F(MetricsProgram, HearsAPersonWhoseCommandsAreStamped) {
+  rt::Node person{"person"};
+  const auto user = person.create_publisher(
+      rt::Topic<geometry_msgs::msg::TwistStamped>{topics::cmd_vel_user.name, topics::kCommand});
+  const auto end = person.create_publisher(topics::end_sim);
+  std::uint64_t cycles = 0;
+  const auto planner = person.create_subscription(topics::planner_status,
+                                                  [&](const auto& msg) { cycles = msg.cycles(); });
+  const auto push = person.create_wall_timer(0.05, [&] {
+    geometry_msgs::msg::TwistStamped msg;
+    msg.header().stamp(person.stamp());
+    msg.twist(to_msg(Twist2{0.5, 0.0}));
+    user.publish(msg);
+    std_msgs::msg::Bool over;
+    over.data(true);
+    if (cycles > 12) end.publish(over);
+  });
+  drive({scenario("table_3_1")}, [&](auto& program) {
+    ASSERT_TRUE(test::spin_until([&] { return program.wait(0.0).has_value(); }, 60.0, person));
+  });
+  EXPECT_TRUE(read("live.json").at(0).at("agreement_magnitude").is_number());
+  const json recorded = measure({"--scenario", scenario("table_3_1"), "--method", "safety_filter"});
+  EXPECT_TRUE(recorded.at("agreement_magnitude").is_number());
 }
 
 TEST_F(MetricsProgram, SaysWhatIsWrongWithARecording) {
