@@ -4,6 +4,8 @@
 #include "bringup/shortest_way.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "map/octomap_file.hpp"
+#include "runtime/time.hpp"
+#include "safety_filter/safety_filter.hpp"
 
 namespace tandem {
 namespace {
@@ -82,7 +84,8 @@ void DriveObserver::on_plan(const tandem_msgs::msg::PlannerStatus& msg) {
 // A filter that only watches passes what it would change: its total tells, which grows by each.
 void DriveObserver::on_filter(const tandem_msgs::msg::FilterStatus& msg) {
   const bool changed = interventions_.growth(msg.interventions()) > 0;
-  if (driving_) log_.result.counts.on_filtered(changed);
+  if (!driving_ || msg.reason() == name(FilterReason::kNoCommand)) return;
+  log_.result.counts.on_filtered(rt::to_seconds(msg.header().stamp()), changed);
 }
 
 void DriveObserver::on_obstacles(const tandem_msgs::msg::ObstacleArray& msg) {

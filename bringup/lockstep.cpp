@@ -254,13 +254,13 @@ class Loop {
 
   void pass_on() {
     filter_.on_command(arbiter_.decide(t_).command, t_);
-    const Filtered out = filter_.update(localization_.state(t_), t_);
-    log_.result.counts.on_filtered(std::abs(out.requested.v - out.safe.v) > 1e-3 ||
-                                   std::abs(out.requested.w - out.safe.w) > 1e-3);
-    send(out);
+    send(filter_.update(localization_.state(t_), t_));
   }
 
   void send(const Filtered& out) {
+    if (out.reason != FilterReason::kNoCommand)
+      log_.result.counts.on_filtered(t_, std::abs(out.requested.v - out.safe.v) > 1e-3 ||
+                                             std::abs(out.requested.w - out.safe.w) > 1e-3);
     sent_ = out.twist;
     refused_ = out.refused;
     sim_.command(out.twist, t_);

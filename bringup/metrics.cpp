@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace tandem {
 namespace {
@@ -50,7 +51,10 @@ Quantiles quantiles(std::vector<double> values) {
   return {rank(0.5), rank(0.95), rank(0.99), values.back()};
 }
 
-void DriveCounts::on_filtered(bool changed) {
+void DriveCounts::on_filtered(double t, bool changed) {
+  // A rounding error is far less than 1e-6 of a look, and must not put a beat into the one before.
+  const auto look = static_cast<long>(std::floor(t / kFilterLook + 1e-6));
+  if (std::exchange(last_look_, look) == look) return;
   ++filter_commands;
   if (changed) ++filter_interventions;
   if (changed && !was_changed_) ++filter_episodes;

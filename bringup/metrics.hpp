@@ -51,20 +51,31 @@ struct DriveSample {
   std::optional<Pose2> X_ML = {};  ///< the person's leader
 };
 
-/// What the filter and the planner did, counted by whoever sees their commands.
+/// What the filter and the planner did during the drive.
+///
+/// The filter speaks at every command and again after half a control period of silence, and
+/// arbitration repeats its commands; so over DDS the filter has more to say than in lockstep, and
+/// how much more hangs on the machine. Counted are therefore not words but looks, `kFilterLook`
+/// apart: as often in lockstep, over DDS and from a recording, and their share is one of time.
+/// The look is as long as the beat at which persons and planners command, so that where nobody
+/// repeats himself each command is looked at once.
 struct DriveCounts {
-  long filter_commands = 0;       ///< commands that reached the filter
-  long filter_interventions = 0;  ///< of these, changed by more than 1 mm/s or 1 mrad/s
-  long filter_episodes = 0;       ///< unbroken runs of changed commands
+  static constexpr double kFilterLook = 0.05;  ///< [s] of the drive's time
+
+  long filter_commands = 0;       ///< looks at which the filter had a command
+  long filter_interventions = 0;  ///< of these, it changed it by more than 1 mm/s or 1 mrad/s
+  long filter_episodes = 0;       ///< unbroken runs of looks at changed commands
   long plans = 0;
   long plan_fallbacks = 0;      ///< plans that were not a fresh solution
   long plan_overruns = 0;       ///< solves longer than their budget
   std::vector<double> plan_ms;  ///< one per solve [ms]
 
-  /// One more command reached the filter.
-  void on_filtered(bool changed);
+  /// What the filter did with its command, said at time t [s]: counts if it is the first word since
+  /// it was time to look. Not to be told where the filter has none.
+  void on_filtered(double t, bool changed);
 
  private:
+  long last_look_ = -1;
   bool was_changed_ = false;
 };
 

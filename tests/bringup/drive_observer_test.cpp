@@ -123,6 +123,33 @@ TEST_F(Observed, AStatusThatSaysWhyThePlannerStandsIsNoPlan) {
   EXPECT_EQ(result().counts.plan_ms.size(), 1U);
 }
 
+// Twice a second the filter changes what it gets, for a quarter of a second; it may speak at any
+// rate.
+class AtRate : public Observed, public testing::WithParamInterface<double> {};
+
+TEST_P(AtRate, TheFiltersShareIsOneOfTimeAtWhateverRateItSpeaks) {
+  std::uint64_t interventions = 0;
+  person();
+  for (int n = 0; n < std::lround(10.0 * GetParam()); ++n) {
+    const double t = 100.0 + n / GetParam();
+    const bool changed = std::fmod(t + 1e-6, 0.5) < 0.25;
+    if (changed) ++interventions;
+    filtered(t, interventions, changed ? "slowed" : "clear");
+  }
+  const DriveCounts counts = result().counts;
+  EXPECT_EQ(counts.filter_commands, 200);
+  EXPECT_NEAR(static_cast<double>(counts.filter_interventions), 100.0, 1.0);  // the first word
+  EXPECT_EQ(counts.filter_episodes, 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Filter, AtRate, testing::Values(20.0, 40.0, 100.0));
+
+TEST_F(Observed, AFilterWithoutACommandCountsNone) {
+  person();
+  filtered(1.0, 0), filtered(1.06, 0, "no command"), filtered(1.11, 0);
+  EXPECT_EQ(result().counts.filter_commands, 2);
+}
+
 TEST_F(Observed, HearsAPersonWhoseCommandsAreStamped) {
   geometry_msgs::msg::TwistStamped msg;
   msg.twist().linear().x(0.5);

@@ -144,11 +144,19 @@ TEST(Metrics, RoamingHasNoPlaceToReach) {
 
 TEST(DriveCounts, CountsInterventionsAndUnbrokenRunsOfThem) {
   DriveCounts counts;
+  double t = 0.0;
   for (const bool changed : {false, true, true, false, true, false, false})
-    counts.on_filtered(changed);
+    counts.on_filtered(t += DriveCounts::kFilterLook, changed);
   EXPECT_EQ(counts.filter_commands, 7);
   EXPECT_EQ(counts.filter_interventions, 3);
   EXPECT_EQ(counts.filter_episodes, 2);
+}
+
+TEST(DriveCounts, LooksAtTheFirstWordOfEachBeat) {
+  DriveCounts counts;
+  for (int n = 1; n <= 1000; ++n) counts.on_filtered(0.01 * n, n % 5 == 0);
+  EXPECT_EQ(counts.filter_commands, 201);
+  EXPECT_EQ(counts.filter_interventions, 200);  // those at 0.05, 0.10 …
 }
 
 TEST(Metrics, APlanLongerThanTheControlPeriodMissesItsDeadline) {
