@@ -140,7 +140,7 @@ class Replay {
 };
 
 // No topic carries the seed, and a guess at it would measure another drive.
-void check_seed(const Scenario& scenario, const Request& request) {
+void require_seed(const Scenario& scenario, const Request& request) {
   const bool many_worlds = is_family(request.map.empty() ? scenario.map : request.map);
   if (request.seed != 0 || (!many_worlds && scenario.goals.empty())) return;
   throw std::invalid_argument(
@@ -163,7 +163,7 @@ DriveOptions options_of(const Request& request) {
 
 void run(const Request& request) {
   const Scenario file = load_scenario(request.scenario);
-  check_seed(file, request);
+  require_seed(file, request);
   const DriveOptions options = options_of(request);
   const Scenario scenario = with_options(file, options);
   check_robot(scenario);
