@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // In: what happened at each moment of a drive. Out: its measures, one definition each; the same
-// code in lockstep, over DDS, in a study and from a recording.
+// code in lockstep, over DDS, in a study and from a recording. What only some of these can tell
+// says so.
 #pragma once
 
 #include <Eigen/Core>
@@ -109,17 +110,19 @@ struct DriveResult {
   bool reached = false;          ///< success: the goal, within the time
   double time_to_goal_s = -1.0;  ///< −1: not reached
   double simulated_s = 0.0, wall_s = 0.0;
-  double cpu_s = 0.0;                 ///< of the process, user and system; in lockstep
-  PartTimes part_s;                   ///< of the steady clock; in lockstep
-  int collisions = 0;                 ///< contact episodes, see ContactReport
-  std::optional<int> walked_into;     ///< times that a person walked into it; in lockstep
-  double min_clearance_m = 0.0;       ///< outline to the nearest obstacle that stands
-  double mean_clearance_m = 0.0;      ///< mean over time of what counts `kFarClearance` at most
-  double path_length_m = 0.0;         ///< of base_link's way, there and back
-  std::optional<double> free_time_s;  ///< the same person by hand and without obstacles; study
-  std::optional<double> time_ratio;   ///< time_to_goal_s / free_time_s
+  double cpu_s = 0.0;              ///< of the process, user and system; in lockstep
+  PartTimes part_s;                ///< of the steady clock; in lockstep
+  int collisions = 0;              ///< contact episodes, see ContactReport
+  std::optional<int> walked_into;  ///< times that a person walked into it; in lockstep
+  double min_clearance_m = 0.0;    ///< outline to the nearest obstacle that stands
+  double mean_clearance_m = 0.0;   ///< mean over time of what counts `kFarClearance` at most
+  double path_length_m = 0.0;      ///< of base_link's way, there and back
+  /// The same person by hand and without obstacles: another drive, which only `tandem study` makes.
+  /// Empty over DDS, from a recording and of `tandem scenario`.
+  std::optional<double> free_time_s;
+  std::optional<double> time_ratio;  ///< time_to_goal_s / free_time_s, so in a study only
   /// BARN's, where the world is one of its: success · T / clip(time, 2 T, 8 T), T the time for the
-  /// reference way at 2 m/s; 0 with a collision; study.
+  /// reference way at 2 m/s; 0 with a collision; in a study only.
   std::optional<double> barn_score;
   std::optional<double> path_ratio;  ///< path_length_m / shortest way; reached drives to a place
   double obedience_rms = 0.0;        ///< (1): 0 is perfect obedience

@@ -208,6 +208,9 @@ void add_metrics_command(CLI::App& app) {
       ->check(CLI::ExistingFile);
   command->add_option("--namespace", request->name_space, "the robot's, as /a");
   command->add_option("--json", request->json, "write the measures to this file too");
+  command->footer(
+      "What takes other drives to measure, as time_ratio and barn_score, is null: see `tandem "
+      "study`.");
   command->callback([request] { run(*request); });
 }
 

@@ -112,7 +112,8 @@ TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
   (void)measure({"--scenario", clutter, "--seed", "1"});
   EXPECT_EQ(log.lines("name the drive's with --seed"), 1) << log.text();
   EXPECT_EQ(run({"metrics", file("bag"), "--scenario", clutter}), 1);
-  EXPECT_EQ(log.lines("name it with --seed"), 1) << log.text();
+  EXPECT_EQ(run({"metrics", file("bag"), "--scenario", scenario("ward_goals")}), 1);
+  EXPECT_EQ(log.lines("name it with --seed"), 2) << log.text();
 }
 
 // Nobody but the stamped command steers: the planner goes to the goal by itself.
