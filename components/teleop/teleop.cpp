@@ -24,11 +24,15 @@ bool pressed(std::span<const int> buttons, int index) {
 }
 
 // Who pushes away from where the leader is wants the robot to turn back now, not when the leader
-// has come all the way from the end of its leash.
+// has come all the way from the end of its leash. Not who has only turned the leader round: that
+// one is not behind the robot.
 bool is_called_back(double push, const Pose2& X_ML, const Pose2& X_MB) {
-  const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
-  return std::abs(push) > kCallsBack &&
-         std::copysign(1.0, push) * ahead.dot(X_ML.position() - X_MB.position()) < -kBeside;
+  const Eigen::Vector2d p_BL_M = X_ML.position() - X_MB.position();
+  const auto along = [&](const Pose2& X) {
+    return std::copysign(1.0, push) *
+           p_BL_M.dot(Eigen::Vector2d{std::cos(X.theta), std::sin(X.theta)});
+  };
+  return std::abs(push) > kCallsBack && along(X_ML) < -kBeside && along(X_MB) < 0.0;
 }
 
 }  // namespace

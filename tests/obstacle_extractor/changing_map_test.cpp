@@ -16,12 +16,6 @@ namespace {
 
 using namespace test;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kFewer = 10;  // instrumented code is that much slower
-#else
-constexpr int kFewer = 1;
-#endif
-
 // What a robot with live sensing is given: a window of the world that moves with it, in which
 // things come and go.
 class ChangingWorld {

@@ -18,12 +18,6 @@ namespace {
 
 using namespace test;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kFewer = 10;  // instrumented code is that much slower
-#else
-constexpr int kFewer = 1;
-#endif
-
 // How many of something: few, unless TANDEM_TEST_LONG is set.
 unsigned number(unsigned in_long, unsigned in_short) {
   return std::getenv("TANDEM_TEST_LONG") != nullptr ? in_long : in_short;
