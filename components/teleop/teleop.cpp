@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tandem {
 namespace {
@@ -23,16 +24,10 @@ bool pressed(std::span<const int> buttons, int index) {
          buttons[static_cast<std::size_t>(index)] != 0;
 }
 
-// Who pushes away from where the leader is wants the robot to turn back now, not when the leader
-// has come all the way from the end of its leash. Not who has only turned the leader round: that
-// one is not behind the robot.
-bool is_called_back(double push, const Pose2& X_ML, const Pose2& X_MB) {
-  const Eigen::Vector2d p_BL_M = X_ML.position() - X_MB.position();
-  const auto along = [&](const Pose2& X) {
-    return std::copysign(1.0, push) *
-           p_BL_M.dot(Eigen::Vector2d{std::cos(X.theta), std::sin(X.theta)});
-  };
-  return std::abs(push) > kCallsBack && along(X_ML) < -kBeside && along(X_MB) < 0.0;
+// Whether the push, forward or backward, leads back to the robot.
+bool leads_back(double push, const Pose2& X_ML, const Pose2& X_MB) {
+  const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
+  return std::copysign(1.0, push) * ahead.dot(X_ML.position() - X_MB.position()) < -kBeside;
 }
 
 }  // namespace
@@ -97,9 +92,21 @@ std::optional<Intent> Teleop::update(double now) {
   return silence > 0.0 ? std::optional<Intent>{Intent{}} : std::nullopt;
 }
 
+// Who throws the stick round wants the robot to turn back now, not when the leader has come all the
+// way from the end of its leash.
+void Teleop::call_leader_back(double push, const Pose2& X_MB) {
+  if (std::abs(push) < kCallsBack) return;
+  const double before = std::exchange(pushed_, push);
+  if (before * push < 0.0 && leads_back(push, *X_ML_, X_MB))
+    X_ML_ = Pose2{X_MB.x, X_MB.y, X_ML_->theta};
+}
+
 void Teleop::drive_leader(const Stick& stick, const Pose2& X_MB, double dt) {
-  if (!X_ML_) X_ML_ = X_MB;
-  if (is_called_back(stick.linear, *X_ML_, X_MB)) X_ML_ = Pose2{X_MB.x, X_MB.y, X_ML_->theta};
+  if (!X_ML_) {
+    X_ML_ = X_MB;
+    pushed_ = 0.0;
+  }
+  call_leader_back(stick.linear, X_MB);
   const Twist2 twist{params_.gains.leader_scale_linear * stick.linear,
                      params_.gains.leader_scale_angular * stick.angular};
   *X_ML_ = integrate(*X_ML_, twist, dt);

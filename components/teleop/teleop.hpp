@@ -81,7 +81,8 @@ struct Intent {
 
 /// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
 /// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in
-/// the thesis: who pushes away from where the leader is finds it beside the robot at once.
+/// the thesis: who throws the stick from forward to backward, or back, finds the leader beside the
+/// robot at once.
 class Teleop {
  public:
   explicit Teleop(const TeleopParams& params);
@@ -99,12 +100,14 @@ class Teleop {
   [[nodiscard]] std::optional<Intent> update(double now);
 
  private:
+  void call_leader_back(double push, const Pose2& X_MB);
   void drive_leader(const Stick& stick, const Pose2& X_MB, double dt);
 
   TeleopParams params_;
   bool held_ = false;
   double last_ = 0.0;
   std::optional<Pose2> X_ML_;
+  double pushed_ = 0.0;  // [1] the last push that was strong, forward or backward
 };
 
 }  // namespace tandem

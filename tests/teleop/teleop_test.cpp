@@ -113,7 +113,7 @@ TEST(Teleop, LeaderNeverLeavesItsLeash) {
   EXPECT_NEAR(intent->X_ML->position().norm(), 0.5, 1e-9);
 }
 
-TEST(Teleop, LeaderComesBackAtOnceForWhoPushesAwayFromIt) {
+TEST(Teleop, LeaderComesBackAtOnceForWhoThrowsTheStickRound) {
   for (const double way : {1.0, -1.0}) {
     Teleop teleop{{}};
     const Pose2 X_MB{2.0, 1.0, 0.3};
@@ -131,6 +131,19 @@ TEST(Teleop, LeaderComesBackAtOnceForWhoPushesAwayFromIt) {
     EXPECT_LT((intent->X_ML->position() - X_MB.position()).norm(), 0.05);
     EXPECT_NEAR(intent->X_ML->theta, before.theta, 0.01);
   }
+}
+
+// A leader that was driven past a place and turned round comes back as it went: bit by bit.
+TEST(Teleop, LeaderThatWasTurnedRoundIsNotCalledBack) {
+  Teleop teleop{{}};
+  std::optional<Intent> intent;
+  double t = 0.0;
+  for (; t < 1.0; t += 0.05) intent = teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, t);
+  for (; std::abs(intent->X_ML->theta) < 3.1; t += 0.05)
+    intent = teleop.on_stick({.angular = 1.0, .deadman = true}, kOrigin, t);
+  const double before = intent->X_ML->x;
+  intent = teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, t);
+  EXPECT_NEAR(intent->X_ML->x, before - 0.045, 0.005);
 }
 
 TEST(Teleop, GoesOnWithOtherGainsWhileTheDeadManIsHeld) {
