@@ -9,40 +9,16 @@
 #include <utility>
 #include <vector>
 
-#include "arbitration/arbitration_node.hpp"
-#include "dashboard/dashboard_node.hpp"
-#include "diff_drive_sim/diff_drive_sim_node.hpp"
-#include "driver/driver_node.hpp"
-#include "haptics/haptics_node.hpp"
-#include "hindsight/hindsight_node.hpp"
-#include "joystick/joystick_node.hpp"
-#include "local_planner/local_planner_node.hpp"
-#include "map_server/map_server_node.hpp"
-#include "obstacle_extractor/obstacle_extractor_node.hpp"
-#include "octomap_builder/octomap_builder_node.hpp"
-#include "safety_filter/safety_filter_node.hpp"
-#include "shared_dwa/shared_dwa_node.hpp"
-#include "teleop/teleop_node.hpp"
+#include "bringup/component_params.hpp"
 
 namespace tandem {
-
-template <class... Params>
-std::set<std::string> names_in() {
-  std::set<std::string> names;
-  const auto add = [&](const char* name, const auto&...) { names.insert(name); };
-  (Params{}.visit(add), ...);
-  return names;
-}
 
 /// The names of all parameters of all components.
 inline const std::set<std::string>& parameter_names() {
   static const auto names = [] {
-    auto all =
-        names_in<ArbitrationNodeParams, DashboardParams, DiffDriveSimNodeParams, DriverNodeParams,
-                 HapticsNodeParams, HindsightNodeParams, JoystickNodeParams, LocalPlannerNodeParams,
-                 MapServerParams, ObstacleExtractorNodeParams, OctomapBuilderNodeParams,
-                 SafetyFilterNodeParams, SharedDwaNodeParams, TeleopNodeParams>();
-    all.insert("use_sim_time");  // the runtime's own
+    std::set<std::string> all{"use_sim_time"};  // the runtime's own
+    const auto add = [&](const char* name, const auto&...) { all.insert(name); };
+    for_each_component([&](const char*, auto params) { params.visit(add); });
     return all;
   }();
   return names;

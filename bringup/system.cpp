@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
@@ -63,20 +64,17 @@ class SystemReader {
     }
   }
 
-  // The keys of a map; the second of two alike would be dropped, or win, without a word.
-  [[nodiscard]] std::vector<std::string> keys_of(const YAML::Node& map) const {
+  // The second of two alike would be dropped, or win, without a word.
+  void require_each_once(const YAML::Node& map) const {
     if (!map.IsMap()) fail(map, "expected a map");
-    std::vector<std::string> keys;
-    for (const auto& entry : map) {
-      keys.push_back(as<std::string>(entry.first, "a key"));
-      if (std::find(keys.begin(), keys.end() - 1, keys.back()) != keys.end() - 1)
-        fail(entry.first, "`" + keys.back() + "` is given twice; bring both together");
-    }
-    return keys;
+    std::set<std::string> seen;
+    for (const auto& entry : map)
+      if (const auto key = as<std::string>(entry.first, "a key"); !seen.insert(key).second)
+        fail(entry.first, "`" + key + "` is given twice; bring both together");
   }
 
   void require_keys(const YAML::Node& map, const std::vector<std::string>& known) const {
-    (void)keys_of(map);
+    require_each_once(map);
     for (const auto& entry : map) {
       const auto key = as<std::string>(entry.first, "a key");
       if (std::find(known.begin(), known.end(), key) == known.end())
@@ -115,7 +113,7 @@ class SystemReader {
   void read_parameters(const YAML::Node& map, rt::NodeOptions& options) const {
     if (!map || map.IsNull()) return;
     if (!map.IsMap()) fail(map, "parameters must be a map");
-    (void)keys_of(map);
+    require_each_once(map);
     for (const auto& entry : map)
       options.parameters.values[as<std::string>(entry.first, "a key")] = {
           expand(rt::yaml_text(entry.second)), place(entry.first)};
@@ -134,7 +132,7 @@ class SystemReader {
   void read_remappings(const YAML::Node& map, rt::NodeOptions& options) const {
     if (!map || map.IsNull()) return;
     if (!map.IsMap()) fail(map, "remappings must be a map");
-    (void)keys_of(map);
+    require_each_once(map);
     for (const auto& entry : map)
       options.remappings[as<std::string>(entry.first, "a name")] =
           as<std::string>(entry.second, "a name");

@@ -49,7 +49,8 @@ MapInput::~MapInput() {
 
 void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
   inbox.subscription = node_.create_subscription(topic, [this, topic, &inbox](const auto& msg) {
-    if (!is_ours(topic.name, inbox.subscription.matched())) return;
+    inbox.refused = inbox.subscription.matched() > 1;
+    if (inbox.refused) return refuse(topic.name, inbox.subscription.matched());
     {
       const std::lock_guard lock{mutex_};
       inbox.waiting = {msg, node_.now()};
@@ -59,16 +60,24 @@ void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inb
 }
 
 // Where two publish, nobody knows whose map is this robot's: the one in force stays.
-bool MapInput::is_ours(const char* topic, int publishers) const {
-  if (publishers <= 1) return true;
+void MapInput::refuse(const char* topic, int publishers) const {
   node_.log().write_every(
       1.0, rt::LogLevel::kError, topic,
       std::string{topic} + " refused: " + std::to_string(publishers) +
           " nodes publish it; give another robot its own namespace or ROS_DOMAIN_ID, or stop one");
-  return false;
+}
+
+// Who is left sends its latched map to whoever subscribes anew: to one that was refused for another
+// robot's sake, or for that of a map_server that died without a word.
+void MapInput::ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
+  if (!inbox.refused || inbox.subscription.matched() > 1) return;
+  inbox.refused = false;
+  subscribe(topic, inbox);
 }
 
 std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& robot) {
+  ask_again(topics::octomap_binary, static_);
+  ask_again(topics::octomap_local, local_);
   const std::lock_guard lock{mutex_};
   if (robot) p_MB_ = robot->X_MB.position();
   if (params_.map_source == "static") return map_.value;

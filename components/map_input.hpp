@@ -58,7 +58,7 @@ struct MapInputParams {
 /// Subscribes the maps for a node, by `map_source`. A whole building takes 50 to 90 ms to decode,
 /// so a thread of its own does it; the node goes on with the old map meanwhile. Only the newest
 /// message of each topic waits. Bytes that are no map are logged and leave the old map in force; so
-/// does a map that comes while two nodes publish its topic.
+/// does a map that comes while two nodes publish its topic. Once one is left, its map is asked for.
 ///
 /// `octomap_local` is small and comes with every scan. It is laid over the static map within
 /// `local_reach` of the robot only, so that an update costs the same in any building.
@@ -82,10 +82,12 @@ class MapInput {
   struct Inbox {
     std::optional<HeardMap> waiting = {};  // for the worker
     rt::Subscription subscription = {};
+    bool refused = false;  // the last message, for two published
   };
 
   void subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
-  [[nodiscard]] bool is_ours(const char* topic, int publishers) const;
+  void refuse(const char* topic, int publishers) const;
+  void ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
   void run();
   template <class Take>
   [[nodiscard]] std::shared_ptr<const StaticMap> unless_refused(const char* topic,

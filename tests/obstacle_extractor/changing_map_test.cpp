@@ -135,17 +135,6 @@ TEST(ChangingMap, AThingThatIsGoneIsNoObstacle) {
   }
 }
 
-void expect_same(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].id, b[i].id);
-    EXPECT_EQ(a[i].p_MO, b[i].p_MO);
-    EXPECT_EQ(a[i].a, b[i].a);
-    EXPECT_EQ(a[i].b, b[i].b);
-    EXPECT_EQ(a[i].angle, b[i].angle);
-  }
-}
-
 TEST(ChangingMap, RefreshedShapesAreThoseOfTheNewMapAlone) {
   ChangingWorld world(6);
   const ExtractorParams params{.range = 2.5, .tile = 2.0};

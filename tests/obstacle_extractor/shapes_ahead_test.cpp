@@ -35,22 +35,12 @@ std::vector<Obstacle> wait_for(ShapesAhead& shapes, const std::shared_ptr<const 
   return {};
 }
 
-void expect_equal(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].id, b[i].id);
-    EXPECT_EQ(a[i].p_MO, b[i].p_MO);
-    EXPECT_EQ(a[i].a, b[i].a);
-    EXPECT_EQ(a[i].angle, b[i].angle);
-  }
-}
-
 TEST(ShapesAhead, GivesTheShapesOfTheExtractor) {
   const auto map = load_world(project_map("corridor"));
   ShapesAhead shapes({});
   Extractor extractor(map, {});
   for (double x = 1.0; x < 14.0; x += 0.5)
-    expect_equal(wait_for(shapes, map, {x, 0.0}), extractor.near({x, 0.0}));
+    test::expect_same(wait_for(shapes, map, {x, 0.0}), extractor.near({x, 0.0}));
 }
 
 // A robot of 1 m/s asks 40 times a second; fits that take 0.9 s each come in time.
@@ -68,7 +58,7 @@ TEST(ShapesAhead, HasTheNextShapesBeforeTheRobotIsThere) {
     const Eigen::Vector2d p_MB{x, 0.0};
     const auto shapes = shapes_within(area, p_MB);
     ASSERT_TRUE(shapes) << "at x = " << x;
-    expect_equal(*shapes, extractor.near(p_MB));
+    test::expect_same(*shapes, extractor.near(p_MB));
     if (late == 0 && (p_MB - asked).norm() >= ShapesAhead::kRenew) {
       asked = p_MB;
       late = 36;
@@ -131,10 +121,10 @@ TEST(ShapesAhead, GoesOnAsBeforeUntilOtherParametersAreFitted) {
     const auto now = shapes.near(map, p_MB);
     ASSERT_TRUE(now);
     if (now->size() == fresh.size()) {
-      expect_equal(*now, fresh);
+      test::expect_same(*now, fresh);
       break;
     }
-    expect_equal(*now, old);
+    test::expect_same(*now, old);
     ASSERT_FALSE(patience.ended());
   }
 }

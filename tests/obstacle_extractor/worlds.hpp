@@ -2,6 +2,8 @@
 // In: names of maps. Out: the worlds that the extractor's tests and benchmark run in.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -101,6 +103,18 @@ inline Eigen::Vector2d random_point(std::mt19937& random, const Grid& grid) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   return grid.origin +
          grid.resolution * Eigen::Vector2d{grid.width * unit(random), grid.height * unit(random)};
+}
+
+/// The same shapes in the same order, to the last digit.
+inline void expect_same(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].id, b[i].id);
+    EXPECT_EQ(a[i].p_MO, b[i].p_MO);
+    EXPECT_EQ(a[i].a, b[i].a);
+    EXPECT_EQ(a[i].b, b[i].b);
+    EXPECT_EQ(a[i].angle, b[i].angle);
+  }
 }
 
 }  // namespace tandem::test

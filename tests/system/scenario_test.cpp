@@ -3,8 +3,11 @@
 // input.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "support/captured_log.hpp"
@@ -236,6 +239,19 @@ TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
 
 INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::Values("empty", "text", "truncated"),
                          [](const auto& test) { return std::string(test.param); });
+
+// What `tandem list` finds on the disk is what `tandem describe` knows, one by one.
+TEST(Program, DescribesEachComponentThatItLists) {
+  std::unique_ptr<FILE, int (*)(FILE*)> list{popen("../tandem list", "r"), pclose};
+  ASSERT_TRUE(list);
+  int components = 0;
+  for (char line[100]; std::fgets(line, sizeof line, list.get()) != nullptr; ++components) {
+    const std::string name{line, std::strcspn(line, "\n")};
+    test::ChildProcess describe{"../tandem", {"describe", name}};
+    EXPECT_EQ(describe.wait(20.0), 0) << name;
+  }
+  EXPECT_GE(components, 14);
+}
 
 }  // namespace
 }  // namespace tandem
