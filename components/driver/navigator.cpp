@@ -17,15 +17,21 @@ constexpr double kDetourTime = 3.0;       // [s]
 constexpr double kMovedDistance = 0.1;    // [m]
 constexpr double kMovedAngle = 0.35;      // [rad]
 constexpr double kSearchAhead = 2.0;      // [m] progress jumps no farther than this in a sample
+constexpr double kBesideLeader = 0.3;     // [m] so near to its leader a robot has come
 
 bool pushes(const Hand& hand) {
   return std::abs(hand.linear) > 0.2 || std::abs(hand.angular) > 0.2;
 }
 
-// A leader that has passed the point it was meant for waits there for its robot.
 bool is_past(const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
   const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
   return ahead.dot(p_MT - X_ML.position()) <= 0.0;
+}
+
+// A leader that has passed the point it was meant for waits there for its robot. Once that is
+// there, a point still behind means that the leader looks the wrong way: it is turned round.
+bool waits_for(const Pose2& X_MB, const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
+  return is_past(X_ML, p_MT) && (X_MB.position() - X_ML.position()).norm() > kBesideLeader;
 }
 
 }  // namespace
@@ -60,7 +66,7 @@ Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
   if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().X_MS));
   const bool leads = !(X_MS == X_MB);
   const Eigen::Vector2d p_MT = aim();
-  const bool waits = leads && is_past(seen_.front().X_MS, p_MT);
+  const bool waits = leads && waits_for(X_MB, seen_.front().X_MS, p_MT);
   const Hand hand = waits ? Hand{} : with_noise(pursue(seen_.front().X_MS, p_MT));
   if (t >= detour_until_) detour_ = 0.0;
   lose_patience(X_MB, waits || pushes(hand), t);

@@ -46,6 +46,24 @@ TEST(Navigator, ALoopNeverEnds) {
   EXPECT_FALSE(driver.arrived());
 }
 
+// A leader that has passed its point waits for the robot; one that looks the wrong way when that
+// has come is turned round.
+TEST(Navigator, WaitsForTheRobotNoLongerThanItTakes) {
+  const Pose2 X_ML{1.0, 0.0, 3.1};  // the route goes on behind it
+  const auto pushes_most = [&](const Pose2& X_MB) {
+    NavigatorParams p = params({0, 0, 5, 0});
+    p.stick_noise = 0.0;
+    p.patience = 60.0;
+    Navigator driver{p, 1};
+    double most = 0.0;
+    for (double t = 0.0; t < 2.0; t += kPeriod)
+      most = std::max(most, std::abs(driver.steer(X_MB, X_ML, t).angular));
+    return most;
+  };
+  EXPECT_EQ(pushes_most({0.5, 0.0, 0.0}), 0.0) << "the robot is on its way";
+  EXPECT_GT(pushes_most({0.9, 0.0, 0.0}), 0.5) << "the robot is there";
+}
+
 TEST(Navigator, BacksOutAfterPushingInVain) {
   Navigator driver{params({0, 0, 5, 0}), 3};
   bool backed_out = false;
