@@ -243,17 +243,15 @@ Forecast cold_guess(const Cycle& cycle) {
                          cycle.robot);
 }
 
-std::vector<Forecast> most_promising(const Cycle& cycle, std::vector<Forecast> guesses,
-                                     std::size_t most) {
+std::vector<Forecast> most_promising_first(const Cycle& cycle, std::vector<Forecast> guesses) {
   const Ocp ocp = problem(cycle, cycle.wish);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < guesses.size(); ++i)
     order.emplace_back(rate(cycle, ocp, guesses[i]).value, i);
   std::sort(order.begin(), order.end());
-  order.resize(std::min(order.size(), most));
-  std::vector<Forecast> best;
-  for (const auto& [value, i] : order) best.push_back(std::move(guesses[i]));
-  return best;
+  std::vector<Forecast> sorted;
+  for (const auto& [value, i] : order) sorted.push_back(std::move(guesses[i]));
+  return sorted;
 }
 
 std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs) {

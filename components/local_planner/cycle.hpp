@@ -92,9 +92,9 @@ struct Candidate {
 /// `turn` on.
 [[nodiscard]] std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned arcs);
 
-/// The `most` guesses that are worth most as they are, the best first: rating a motion costs a
-/// fraction of a solve that starts from it.
-[[nodiscard]] std::vector<Forecast> most_promising(const Cycle& cycle,
-                                                   std::vector<Forecast> guesses, std::size_t most);
+/// By what the guesses are worth as they are, so that a budget too short for all solves the best:
+/// rating a motion costs a fraction of a solve that starts from it.
+[[nodiscard]] std::vector<Forecast> most_promising_first(const Cycle& cycle,
+                                                         std::vector<Forecast> guesses);
 
 }  // namespace tandem

@@ -23,7 +23,6 @@ constexpr double kLongestReuse = 1.0;  // [s] age up to which a plan is a warm s
 constexpr double kSurprise = 0.3;      // [m, rad] off the last solution that make it worthless
 constexpr double kReserve = 0.003;     // [s] of the budget for the check and the fallback
 constexpr double kExplores = 0.3;      // share of the budget for other guesses than the last plan
-constexpr std::size_t kTried = 3;      // of the other guesses, those that are best before any solve
 constexpr double kBetter = 0.9;  // another guess has to win by this to replace the last plan …
 constexpr double kBetterThanPoor = 0.98;  // … and by this if that one leads nowhere
 
@@ -173,8 +172,9 @@ Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
   return wins ? cold : out;
 }
 
-// The last plan competes with solutions from the best of many other guesses. It has to lose
-// clearly, so that the robot does not dither between two ways that are worth about the same.
+// The last plan competes with solutions from many other guesses, as many as there is time for. It
+// has to lose clearly, so that the robot does not dither between two ways that are worth about the
+// same.
 void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   if (params.extra_guesses == 0) return;
   const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
@@ -184,7 +184,7 @@ void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   std::optional<Candidate> found;
   std::vector<Forecast> others = other_guesses(cycle, turn, arcs);
   guesses += static_cast<int>(others.size());
-  for (const Forecast& guess : most_promising(cycle, std::move(others), kTried)) {
+  for (const Forecast& guess : most_promising_first(cycle, std::move(others))) {
     if (!has_time_for_another(kExplores)) break;
     Candidate other = attempt(cycle, guess, false);
     const bool wins = other.solution.status != SolveStatus::kFailed &&
