@@ -122,6 +122,18 @@ void print_head() {
               "filter", "stuck", "collisions", "not reached");
 }
 
+void print_verdict(const std::vector<Summary>& others, const Tuned& tuned) {
+  if (tuned.other_cost >= others.front().cost) {
+    std::printf("\nNothing found is better for other persons too: the values stay as they are.\n");
+    return;
+  }
+  std::printf("\nBest for persons that the search does not drive with:\n");
+  print_head();
+  print_row("now", others.front());
+  for (const Summary& s : others)
+    if (s.cost == tuned.other_cost) return print_row("tuned", s);
+}
+
 // In ROS 2's form, to be given to any node.
 std::string parameter_file(const std::vector<Knob>& knobs, const std::vector<double>& values) {
   std::map<std::string, std::string> sections;
@@ -156,41 +168,52 @@ void write(const std::string& out, const std::string& text) {
 void check_apart(const SeedRange& seeds, const SeedRange& check) {
   if (seeds.first <= check.last && check.first <= seeds.last)
     throw std::invalid_argument(
-        fmt::format("--seeds {}-{} and --check-seeds {}-{} overlap: judge the result by seeds that "
-                    "the search has not seen",
+        fmt::format("--seeds {}-{} and --check-seeds {}-{} overlap: judge what is found by persons "
+                    "that the search does not drive with",
                     seeds.first, seeds.last, check.first, check.last));
+}
+
+// Both costs print what they find.
+Tuned search(const Request& request, const std::vector<Knob>& knobs, Study& study, Study& check,
+             std::vector<Summary>& others) {
+  int n = 0;
+  double lowest = 1e300;
+  ProgressBar bar{static_cast<std::size_t>(request.evaluations), 0, "evaluations"};
+  const auto print = [&](const std::string& what, const Summary& s) {
+    bar.clear();
+    print_row(what.c_str(), s);
+    std::fflush(stdout);
+  };
+  const auto cost = [&](const std::vector<double>& values) {
+    const Summary s = study.run(knobs, values);
+    if (s.cost < lowest) print(n == 0 ? "now" : fmt::format("evaluation {}", n), s);
+    lowest = std::min(lowest, s.cost);
+    bar.step(fmt::format("lowest cost {:.4f}", lowest));
+    ++n;
+    return s.cost;
+  };
+  const auto other_cost = [&](const std::vector<double>& values) {
+    others.push_back(check.run(knobs, values));
+    print("  other persons", others.back());
+    return others.back().cost;
+  };
+  return tune(knobs, request.evaluations, cost, other_cost);
 }
 
 void run(const Request& request) {
   const SeedRange seeds = seed_range("--seeds", request.seeds),
-                  others = seed_range("--check-seeds", request.check_seeds);
-  check_apart(seeds, others);
+                  check_seeds = seed_range("--check-seeds", request.check_seeds);
+  check_apart(seeds, check_seeds);
   check_writable(request.out);
-  Study study{request, seeds}, check{request, others};
+  Study study{request, seeds}, check{request, check_seeds};
   const std::vector<Knob> knobs = read_knobs(request.knobs, study.systems());
 
-  std::printf("%zu drives per evaluation\n", study.drives().size());
+  std::printf("%zu drives per evaluation, %zu with other persons where it lowers the cost\n",
+              study.drives().size(), check.drives().size());
   print_head();
-  int n = 0;
-  double best = 1e300;
-  ProgressBar bar{static_cast<std::size_t>(request.evaluations), 0, "evaluations"};
-  const Tuned tuned = tune(knobs, request.evaluations, [&](const std::vector<double>& values) {
-    const Summary s = study.run(knobs, values);
-    bar.clear();
-    if (s.cost < best) print_row(n == 0 ? "now" : fmt::format("evaluation {}", n).c_str(), s);
-    std::fflush(stdout);
-    best = std::min(best, s.cost);
-    bar.step(fmt::format("lowest cost {:.4f}", best));
-    ++n;
-    return s.cost;
-  });
-
-  std::vector<double> before;
-  for (const Knob& knob : knobs) before.push_back(knob.start);
-  std::printf("\nSeeds %s, which the search has not seen:\n", request.check_seeds.c_str());
-  print_head();
-  print_row("now", check.run(knobs, before));
-  print_row("tuned", check.run(knobs, tuned.values));
+  std::vector<Summary> others;  // the first: of the values that it has now
+  const Tuned tuned = search(request, knobs, study, check, others);
+  print_verdict(others, tuned);
   const std::string text = parameter_file(knobs, tuned.values);
   std::printf("\n%s", text.c_str());
   std::fflush(stdout);

@@ -143,8 +143,8 @@ double drive_cost(const DriveResult& drive, double reference_time) {
          10.0 * drive.collisions + (drive.reached ? 0.0 : 10.0);
 }
 
-Tuned tune(const std::vector<Knob>& knobs, int evaluations,
-           const std::function<double(const std::vector<double>&)>& cost) {
+Tuned tune(const std::vector<Knob>& knobs, int evaluations, const Cost& cost,
+           const Cost& other_cost) {
   std::vector<double> u;
   for (const Knob& knob : knobs) u.push_back(to_unit(knob, knob.start));
   const auto values_at = [&](const std::vector<double>& at) {
@@ -152,14 +152,18 @@ Tuned tune(const std::vector<Knob>& knobs, int evaluations,
     for (std::size_t i = 0; i < knobs.size(); ++i) values.push_back(from_unit(knobs[i], at[i]));
     return values;
   };
-  Tuned best{values_at(u), cost(values_at(u))};
+  Tuned best{values_at(u), cost(values_at(u)), other_cost(values_at(u))};
   if (evaluations < 2) return best;
 
+  double lowest = best.cost;
   const std::function<double(const std::vector<double>&)> rated =
       [&](const std::vector<double>& at) {
         const auto values = values_at(at);
         const double c = cost(values);
-        if (c < best.cost) best = {values, c};
+        if (c >= lowest) return c;
+        lowest = c;
+        const double other = other_cost(values);
+        if (other < best.other_cost) best = {values, c, other};
         return c;
       };
   nlopt::opt search{nlopt::LN_SBPLX, static_cast<unsigned>(knobs.size())};

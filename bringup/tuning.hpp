@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: parameters that may vary and a cost of their values. Out: the best values found.
+// In: parameters that may vary and costs of their values. Out: the best values found.
 #pragma once
 
 #include <functional>
@@ -38,12 +38,17 @@ struct Knob {
 
 struct Tuned {
   std::vector<double> values;  ///< one per knob
-  double cost = 0.0;
+  double cost = 0.0;           ///< of the search
+  double other_cost = 0.0;     ///< of what the search does not see
 };
 
-/// Subplex search (Rowan 1990, by NLopt) from the knobs' starts, which it never returns worse than,
-/// with at most `evaluations` calls of the cost. Deterministic.
-[[nodiscard]] Tuned tune(const std::vector<Knob>& knobs, int evaluations,
-                         const std::function<double(const std::vector<double>&)>& cost);
+using Cost = std::function<double(const std::vector<double>&)>;
+
+/// Subplex search (Rowan 1990, by NLopt) from the knobs' starts with at most `evaluations` calls of
+/// `cost`. Each value that lowers it is rated by `other_cost` too, and what costs least there is
+/// returned (early stopping: Prechelt, Early Stopping – But When?, 1998); so it is never worse than
+/// the starts by either. Deterministic.
+[[nodiscard]] Tuned tune(const std::vector<Knob>& knobs, int evaluations, const Cost& cost,
+                         const Cost& other_cost);
 
 }  // namespace tandem

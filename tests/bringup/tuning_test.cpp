@@ -79,12 +79,14 @@ TEST(Knobs, AreOfComponentsThatADrivenMethodUsesAndEachIsOne) {
             std::string::npos);
 }
 
+double bowl(const std::vector<double>& v) {
+  return std::pow(std::log(v[0] / 2.0), 2) + std::pow(v[1] + 0.3, 2);
+}
+
 TEST(Tune, FindsTheLeastCost) {
   const std::vector<Knob> knobs{{"c", "a", 0.1, 10.0, 8.0, false},
                                 {"c", "b", -1.0, 1.0, 0.9, false}};
-  const Tuned tuned = tune(knobs, 200, [](const std::vector<double>& v) {
-    return std::pow(std::log(v[0] / 2.0), 2) + std::pow(v[1] + 0.3, 2);
-  });
+  const Tuned tuned = tune(knobs, 200, bowl, bowl);
   EXPECT_NEAR(tuned.values[0], 2.0, 0.05);
   EXPECT_NEAR(tuned.values[1], -0.3, 0.02);
 }
@@ -92,13 +94,31 @@ TEST(Tune, FindsTheLeastCost) {
 TEST(Tune, NeverReturnsWorseThanItsStartNorCallsMoreOftenThanAllowed) {
   const std::vector<Knob> knobs{{"c", "a", 1.0, 10.0, 3.0, true}};
   int calls = 0;
-  const Tuned tuned = tune(knobs, 7, [&](const std::vector<double>& v) {
+  const Cost cost = [&](const std::vector<double>& v) {
     ++calls;
     EXPECT_EQ(v[0], std::round(v[0]));
     return v[0] == 3.0 ? 0.0 : 1.0;
-  });
+  };
+  const Tuned tuned = tune(knobs, 7, cost, [](const std::vector<double>&) { return 0.0; });
   EXPECT_EQ(tuned.values[0], 3.0);
   EXPECT_LE(calls, 7);
+}
+
+// What is better for the persons of the search alone has learnt them by heart.
+TEST(Tune, KeepsWhatIsBetterElsewhereToo) {
+  const std::vector<Knob> knobs{{"c", "a", 0.1, 10.0, 8.0, false},
+                                {"c", "b", -1.0, 1.0, 0.9, false}};
+  const Cost optimum_at_4 = [](const std::vector<double>& v) {
+    return std::pow(std::log(v[0] / 4.0), 2);
+  };
+  const Tuned tuned = tune(knobs, 200, bowl, optimum_at_4);
+  EXPECT_LT(tuned.cost, bowl({8.0, 0.9}));
+  EXPECT_LT(tuned.other_cost, 0.1 * optimum_at_4({8.0}));
+  EXPECT_EQ(tuned.cost, bowl(tuned.values));
+  EXPECT_EQ(tuned.other_cost, optimum_at_4(tuned.values));
+
+  const Cost contrary = [](const std::vector<double>& v) { return -bowl(v); };
+  EXPECT_EQ(tune(knobs, 200, bowl, contrary).values[0], 8.0) << "its start is better elsewhere";
 }
 
 TEST(DriveCost, RisesWithWhateverIsWorse) {
