@@ -48,9 +48,12 @@ MapInput::~MapInput() {
 }
 
 void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
+  inbox.refused = false;
+  inbox.sender.reset();
   inbox.subscription = node_.create_subscription(topic, [this, topic, &inbox](const auto& msg) {
-    inbox.refused = inbox.subscription.matched() > 1;
-    if (inbox.refused) return refuse(topic.name, inbox.subscription.matched());
+    inbox.refused = is_foreign(topic.name, inbox);
+    if (inbox.refused) return;
+    inbox.sender = inbox.subscription.sender();
     {
       const std::lock_guard lock{mutex_};
       inbox.waiting = {msg, node_.now()};
@@ -59,20 +62,22 @@ void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inb
   });
 }
 
-// Where two publish, nobody knows whose map is this robot's: the one in force stays.
-void MapInput::refuse(const char* topic, int publishers) const {
+// Where two publish, nobody knows whose map is this robot's: the one in force stays. A second one's
+// map may come before DDS has counted it, so who sent it counts too.
+bool MapInput::is_foreign(const char* topic, const Inbox& inbox) const {
+  const int publishers = inbox.subscription.matched();
+  if (publishers <= 1) return inbox.sender && *inbox.sender != inbox.subscription.sender();
   node_.log().write_every(
       1.0, rt::LogLevel::kError, topic,
       std::string{topic} + " refused: " + std::to_string(publishers) +
           " nodes publish it; give another robot its own namespace or ROS_DOMAIN_ID, or stop one");
+  return true;
 }
 
 // Who is left sends its latched map to whoever subscribes anew: to one that was refused for another
 // robot's sake, or for that of a map_server that died without a word.
 void MapInput::ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
-  if (!inbox.refused || inbox.subscription.matched() > 1) return;
-  inbox.refused = false;
-  subscribe(topic, inbox);
+  if (inbox.refused && inbox.subscription.matched() <= 1) subscribe(topic, inbox);
 }
 
 std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& robot) {

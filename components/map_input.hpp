@@ -58,7 +58,8 @@ struct MapInputParams {
 /// Subscribes the maps for a node, by `map_source`. A whole building takes 50 to 90 ms to decode,
 /// so a thread of its own does it; the node goes on with the old map meanwhile. Only the newest
 /// message of each topic waits. Bytes that are no map are logged and leave the old map in force; so
-/// does a map that comes while two nodes publish its topic. Once one is left, its map is asked for.
+/// does a map that comes while two nodes publish its topic, or from another one than the one in
+/// force. Once one is left, its map is asked for.
 ///
 /// `octomap_local` is small and comes with every scan. It is laid over the static map within
 /// `local_reach` of the robot only, so that an update costs the same in any building.
@@ -82,11 +83,12 @@ class MapInput {
   struct Inbox {
     std::optional<HeardMap> waiting = {};  // for the worker
     rt::Subscription subscription = {};
-    bool refused = false;  // the last message, for two published
+    std::optional<rt::PublisherId> sender = {};  // of the map in force
+    bool refused = false;                        // the last message, for another one sent it
   };
 
   void subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
-  void refuse(const char* topic, int publishers) const;
+  [[nodiscard]] bool is_foreign(const char* topic, const Inbox& inbox) const;
   void ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
   void run();
   template <class Take>

@@ -97,6 +97,7 @@ int Reader::drain() {
 }
 
 void Reader::take_one(const fdds::SampleInfo& info) {
+  rtps::iHandle2GUID(sender_, info.publication_handle);
   if (is_late(info)) return refused_.late();
   if (deliver_(bytes_, info)) return;
   ++malformed_;
@@ -110,8 +111,8 @@ bool Reader::is_late(const fdds::SampleInfo& info) {
   const auto seconds = [](std::int64_t nanoseconds) {
     return 1e-9 * static_cast<double>(nanoseconds);
   };
-  return transit_[rtps::iHandle2GUID(info.publication_handle)].is_late(
-      seconds(info.source_timestamp.to_ns()), seconds(system_nanoseconds()), lifespan_);
+  return transit_[sender_].is_late(seconds(info.source_timestamp.to_ns()),
+                                   seconds(system_nanoseconds()), lifespan_);
 }
 
 int Reader::matched() const {

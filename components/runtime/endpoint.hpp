@@ -52,6 +52,7 @@ class Reader {
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
+  [[nodiscard]] const rtps::GUID_t& sender() const { return sender_; }  ///< of the last sample
   [[nodiscard]] long malformed() const { return malformed_; }
 
  private:
@@ -65,6 +66,7 @@ class Reader {
   double lifespan_;                          // [s]
   std::map<rtps::GUID_t, Transit> transit_;  // by writer
   Bytes bytes_;                              // reused
+  rtps::GUID_t sender_;
   std::atomic<long> malformed_ = 0;
   bool waiting_ = true;  // look once: data may have come before the wait set watched
   bool closed_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/pubsub.hpp"
 
+#include <algorithm>
+
 #include "runtime/node_core.hpp"
 
 namespace tandem::runtime {
@@ -61,6 +63,14 @@ Subscription& Subscription::operator=(Subscription&& other) noexcept {
 }
 
 int Subscription::matched() const { return reader_ ? reader_->matched() : 0; }
+PublisherId Subscription::sender() const {
+  PublisherId id{};
+  if (!reader_) return id;
+  const auto& guid = reader_->sender();
+  std::copy_n(guid.guidPrefix.value, guid.guidPrefix.size, id.begin());
+  std::copy_n(guid.entityId.value, guid.entityId.size, id.begin() + guid.guidPrefix.size);
+  return id;
+}
 long Subscription::malformed() const { return reader_ ? reader_->malformed() : 0; }
 
 void Subscription::close() {

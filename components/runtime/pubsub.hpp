@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -98,6 +99,9 @@ class GenericPublisher {
   AnyPublisher publisher_;
 };
 
+/// A publisher, unique in its domain (its DDS GUID).
+using PublisherId = std::array<std::uint8_t, 16>;
+
 /// Calls its function for each message of a topic until it is destroyed.
 class Subscription {
  public:
@@ -109,6 +113,8 @@ class Subscription {
 
   /// Publishers that send to it now.
   [[nodiscard]] int matched() const;
+  /// Who sent the last message.
+  [[nodiscard]] PublisherId sender() const;
   /// Samples dropped since the start because their bytes were no message of the type.
   [[nodiscard]] long malformed() const;
 

@@ -14,10 +14,6 @@
 
 namespace tandem::test {
 
-inline constexpr double kZeroWithin = 0.2;   // [s] from the fault to a command of zero
-inline constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
-inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
-inline constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
 inline constexpr double kNoTransform = 1.0;  // [s] of silence of map → odom until a command of zero
 inline constexpr double kNoClock = 0.5;      // [s] of silence of /clock until that
 inline constexpr double kLasts = 2.0;        // [s] that a fault lasts which need not stop the robot

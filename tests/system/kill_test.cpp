@@ -2,18 +2,13 @@
 // A component dies while the robot drives: the robot must stand in time.
 #include "system/system_under_test.hpp"
 
-namespace tandem {
+namespace tandem::test {
 namespace {
-
-constexpr double kZeroWithin = 0.2;   // [s] from the kill to a command of zero
-constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
-constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
-constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
 
 class Kill : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Kill, StopsTheRobotInTime) {
-  test::SystemUnderTest system;
+  SystemUnderTest system;
   system.start_all();
   ASSERT_TRUE(system.wait_until_driving());
   const double killed_at = system.sim_time;
@@ -41,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Components, Kill,
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(KillMapServer, ChangesNothing) {
-  test::SystemUnderTest system;
+  SystemUnderTest system;
   system.start_all();
   ASSERT_TRUE(system.wait_until_driving());
   system.kill_hard("map_server");
@@ -57,7 +52,7 @@ TEST(KillMapServer, ChangesNothing) {
 }
 
 TEST(KillPlanner, TheOthersSayWhyAndARestartDrivesOn) {
-  test::SystemUnderTest system;
+  SystemUnderTest system;
   system.start_all();
   ASSERT_TRUE(system.wait_until_driving());
   system.kill_hard("local_planner");
@@ -68,12 +63,12 @@ TEST(KillPlanner, TheOthersSayWhyAndARestartDrivesOn) {
 }
 
 TEST(Terminate, EveryComponentEndsCleanlyOnSigterm) {
-  test::SystemUnderTest system;
+  SystemUnderTest system;
   system.start_all();
   ASSERT_TRUE(system.wait_until_driving());
-  for (const char* name : test::kComponents) system.process(name).send(SIGTERM);
-  for (const char* name : test::kComponents) EXPECT_EQ(system.process(name).wait(5.0), 0) << name;
+  for (const char* name : kComponents) system.process(name).send(SIGTERM);
+  for (const char* name : kComponents) EXPECT_EQ(system.process(name).wait(5.0), 0) << name;
 }
 
 }  // namespace
-}  // namespace tandem
+}  // namespace tandem::test

@@ -132,6 +132,16 @@ TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
   EXPECT_TRUE(wait_until([&] { return !covered(kPole); })) << "refused once is not for ever";
 }
 
+TEST_F(ExtractorOverDds, TakesTheMapOfAMapServerThatBeganAnew) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  map_ = {};
+  const auto next = node_.create_publisher(topics::octomap_binary);
+  ASSERT_TRUE(wait_until([&] { return next.matched() == 1; }));
+  next.publish(octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt"))));
+  EXPECT_TRUE(wait_until([&] { return !covered(kPole); }));
+}
+
 TEST_F(ExtractorOverDds, IsSilentWithoutAMap) {
   EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: no map yet") > 0; }));
   EXPECT_EQ(lists_, 0);

@@ -17,6 +17,16 @@
 
 namespace tandem::test {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr double kInstrumented = 0.3;  // [s] eight such processes are late on two cores
+#else
+inline constexpr double kInstrumented = 0.0;
+#endif
+inline constexpr double kZeroWithin = 0.2 + kInstrumented;  // [s] from fault to a command of zero
+inline constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
+inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
+inline constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
+
 inline const char* const kComponents[] = {"map_server",         "driver",        "teleop",
                                           "obstacle_extractor", "local_planner", "arbitration",
                                           "safety_filter",      "diff_drive_sim"};
