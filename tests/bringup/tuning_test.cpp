@@ -118,7 +118,8 @@ TEST(Tune, KeepsWhatIsBetterElsewhereToo) {
   EXPECT_EQ(tuned.other_cost, optimum_at_4(tuned.values));
 
   const Cost contrary = [](const std::vector<double>& v) { return -bowl(v); };
-  EXPECT_EQ(tune(knobs, 200, bowl, contrary).values[0], 8.0) << "its start is better elsewhere";
+  EXPECT_DOUBLE_EQ(tune(knobs, 200, bowl, contrary).values[0], 8.0)
+      << "its start is better elsewhere";
 }
 
 TEST(DriveCost, RisesWithWhateverIsWorse) {
