@@ -63,6 +63,7 @@ Subscription& Subscription::operator=(Subscription&& other) noexcept {
 }
 
 int Subscription::matched() const { return reader_ ? reader_->matched() : 0; }
+
 PublisherId Subscription::sender() const {
   PublisherId id{};
   if (!reader_) return id;
@@ -71,6 +72,7 @@ PublisherId Subscription::sender() const {
   std::copy_n(guid.entityId.value, guid.entityId.size, id.begin() + guid.guidPrefix.size);
   return id;
 }
+
 long Subscription::malformed() const { return reader_ ? reader_->malformed() : 0; }
 
 void Subscription::close() {

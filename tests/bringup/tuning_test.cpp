@@ -99,7 +99,8 @@ TEST(Tune, NeverReturnsWorseThanItsStartNorCallsMoreOftenThanAllowed) {
     EXPECT_EQ(v[0], std::round(v[0]));
     return v[0] == 3.0 ? 0.0 : 1.0;
   };
-  const Tuned tuned = tune(knobs, 7, cost, [](const std::vector<double>&) { return 0.0; });
+  const Cost prefers_others = [](const std::vector<double>& v) { return v[0] == 3.0 ? 1.0 : 0.0; };
+  const Tuned tuned = tune(knobs, 7, cost, prefers_others);
   EXPECT_EQ(tuned.values[0], 3.0);
   EXPECT_LE(calls, 7);
 }
