@@ -90,6 +90,11 @@ std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& 
   return map_.fresh(node_.now(), params_.local_timeout) ? map_.value : nullptr;
 }
 
+const char* MapInput::missing() const {
+  const std::lock_guard lock{mutex_};
+  return map_.value ? "octomap_local is silent" : "no map yet";
+}
+
 void MapInput::run() {
   std::unique_lock lock{mutex_};
   while (true) {

@@ -77,6 +77,9 @@ class MapInput {
   /// and silent.
   [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
 
+  /// Why `map` gave none.
+  [[nodiscard]] const char* missing() const;
+
  private:
   using HeardMap = Heard<octomap_msgs::msg::Octomap>;
 

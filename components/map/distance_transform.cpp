@@ -79,19 +79,17 @@ std::vector<double> distance_transform(const std::vector<std::uint8_t>& is_obsta
                                        int height) {
   const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
   std::vector<double> result = squared_column_gaps(is_obstacle, columns, rows);
-  Envelope envelope(2 * columns + 1);
+  Envelope edges(columns + 1);
   for (std::size_t y = 0; y < rows && columns > 0; ++y) {
     double* const row = result.data() + y * columns;
-    envelope.clear();
-    envelope.add(-0.5, row[0]);
-    for (std::size_t x = 0; x < columns; ++x) {
-      const double next = x + 1 < columns ? row[x + 1] : kInfinity;
-      envelope.add(static_cast<double>(x), row[x]);
-      envelope.add(static_cast<double>(x) + 0.5, std::min(row[x], next));
-    }
+    edges.clear();
+    edges.add(-0.5, row[0]);
+    for (std::size_t x = 0; x < columns; ++x)
+      edges.add(static_cast<double>(x) + 0.5,
+                std::min(row[x], x + 1 < columns ? row[x + 1] : kInfinity));
     std::size_t cursor = 0;
     for (std::size_t x = 0; x < columns; ++x)
-      row[x] = std::sqrt(envelope.at(static_cast<double>(x), cursor));  // (1)
+      row[x] = std::sqrt(std::min(row[x], edges.at(static_cast<double>(x), cursor)));  // (1)
   }
   return result;
 }

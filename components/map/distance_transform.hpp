@@ -12,7 +12,8 @@ namespace tandem {
 /// "Distance Transforms of Sampled Functions", 2012).
 ///
 /// The point of a square nearest to another cell's centre is its corner or the middle of a side.
-/// So each column adds parabolas to the envelope, at its middle and at its two edges:
+/// So each column adds parabolas to the envelope at its two edges only; its own cells are as far as
+/// the gap along it says, if no edge is nearer:
 ///
 ///   D²(x, y) = min over columns i of g(x − i) + h_i(y)²,   g(k) = max(0, |k| − ½)²         (1)
 ///

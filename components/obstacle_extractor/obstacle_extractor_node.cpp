@@ -27,7 +27,7 @@ void ObstacleExtractorNode::extract() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
   if (!map || !robot) {
-    node_.log().warn_every(1.0, "no obstacles: {}", map ? "not localised" : "no map yet");
+    node_.log().warn_every(1.0, "no obstacles: {}", map ? "not localised" : map_.missing());
     return;
   }
   const auto near = shapes_.near(map, robot->X_MB.position());
