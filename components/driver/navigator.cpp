@@ -17,6 +17,7 @@ constexpr double kDetourTime = 3.0;       // [s]
 constexpr double kMovedDistance = 0.1;    // [m]
 constexpr double kMovedAngle = 0.35;      // [rad]
 constexpr double kSearchAhead = 2.0;      // [m] progress jumps no farther than this in a sample
+constexpr double kAtPoint = 0.15;         // [m] so near to a point nobody aims at it any more
 constexpr double kBesideLeader = 0.3;     // [m] so near to its leader a robot has come
 
 bool pushes(const Hand& hand) {
@@ -25,7 +26,8 @@ bool pushes(const Hand& hand) {
 
 bool is_past(const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
   const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
-  return ahead.dot(p_MT - X_ML.position()) <= 0.0;
+  const Eigen::Vector2d to = p_MT - X_ML.position();
+  return ahead.dot(to) <= 0.0 || to.norm() < kAtPoint;
 }
 
 // A leader that has passed the point it was meant for waits there for its robot. Once that is
@@ -67,7 +69,8 @@ Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
   const bool leads = !(X_MS == X_MB);
   const Eigen::Vector2d p_MT = aim();
   const bool waits = leads && waits_for(X_MB, seen_.front().X_MS, p_MT);
-  const Hand hand = waits ? Hand{} : with_noise(pursue(seen_.front().X_MS, p_MT));
+  const Hand hand =
+      waits ? look_along_route(seen_.front().X_MS) : with_noise(pursue(seen_.front().X_MS, p_MT));
   if (t >= detour_until_) detour_ = 0.0;
   lose_patience(X_MB, waits || pushes(hand), t);
   return hand;
@@ -123,6 +126,14 @@ Hand Navigator::pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const {
           std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
 }
 
+// A leader stands as its robot is to stand.
+Hand Navigator::look_along_route(const Pose2& X_MS) const {
+  const double s = progress_ + params_.preview;
+  const Eigen::Vector2d along = point_at(s + 0.2) - point_at(s - 0.2);
+  const double bearing = wrap_angle(std::atan2(along.y(), along.x()) - X_MS.theta);
+  return {0.0, std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
+}
+
 // Back to where the route was clear.
 Hand Navigator::reverse(const Pose2& X_MS) const {
   const Eigen::Vector2d d = point_at(progress_) - X_MS.position();
@@ -156,7 +167,6 @@ void Navigator::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
   backing_out_ = true;
   trouble_ = std::max(trouble_, progress_);
   ++tries_;
-  if (tries_ % 2 == 0) progress_ = std::max(0.0, progress_ - back_out_distance());
 }
 
 double Navigator::back_out_distance() const {
@@ -170,6 +180,7 @@ bool Navigator::backs_out(const Pose2& X_MB, double t) {
   const double moved = (X_MB.position() - back_out_from_.position()).norm();
   backing_out_ = age < kBackOutShortest || (age < kBackOutLongest && moved < back_out_distance());
   if (backing_out_) return true;
+  if (tries_ % 2 == 0) progress_ = std::max(0.0, progress_ - back_out_distance());
   detour_until_ = t + kDetourTime;
   moved_pose_ = X_MB;
   moved_time_ = t;

@@ -84,6 +84,7 @@ class Navigator {
   void advance_along_route(const Eigen::Vector2d& p_MB);
   [[nodiscard]] Eigen::Vector2d point_at(double s) const;
   [[nodiscard]] Eigen::Vector2d aim();
+  [[nodiscard]] Hand look_along_route(const Pose2& X_MS) const;
   [[nodiscard]] Hand pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const;
   [[nodiscard]] Hand with_noise(Hand hand);
   [[nodiscard]] Hand reverse(const Pose2& X_MS) const;

@@ -6,6 +6,8 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <span>
+#include <utility>
 
 #include "bringup/lockstep.hpp"
 #include "map/fixtures.hpp"
@@ -82,6 +84,16 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Planned, ::testing::Combine(kNarrow, kMethod
                            return std::string(std::get<0>(test.param)) + "_" +
                                   std::get<1>(test.param);
                          });
+
+// Three who came before the door askew, and danced there for two minutes.
+TEST(Doorway, IsPassedAfterATryInVain) {
+  const std::pair<const char*, unsigned> drives[] = {{"path", 34}, {"path", 22}, {"leader", 22}};
+  for (const auto& [method, seed] : std::span(drives).first(kSeeds)) {
+    const DriveResult result = drive(file("doorway"), method, seed);
+    EXPECT_TRUE(result.reached) << method << ", seed " << seed;
+    EXPECT_EQ(result.collisions, 0) << method << ", seed " << seed;
+  }
+}
 
 // Two of the six places are on the two sides of one bed-room.
 TEST(Hindsight, BringsAPersonToEachPlaceWithoutContact) {

@@ -46,22 +46,32 @@ TEST(Navigator, ALoopNeverEnds) {
   EXPECT_FALSE(driver.arrived());
 }
 
-// A leader that has passed its point waits for the robot; one that looks the wrong way when that
-// has come is turned round.
-TEST(Navigator, WaitsForTheRobotNoLongerThanItTakes) {
-  const Pose2 X_ML{1.0, 0.0, 3.1};  // the route goes on behind it
-  const auto pushes_most = [&](const Pose2& X_MB) {
-    NavigatorParams p = params({0, 0, 5, 0});
-    p.stick_noise = 0.0;
-    p.patience = 60.0;
-    Navigator driver{p, 1};
-    double most = 0.0;
-    for (double t = 0.0; t < 2.0; t += kPeriod)
-      most = std::max(most, std::abs(driver.steer(X_MB, X_ML, t).angular));
-    return most;
-  };
-  EXPECT_EQ(pushes_most({0.5, 0.0, 0.0}), 0.0) << "the robot is on its way";
-  EXPECT_GT(pushes_most({0.9, 0.0, 0.0}), 0.5) << "the robot is there";
+NavigatorParams patient(std::vector<double> route) {
+  NavigatorParams p = params(std::move(route));
+  p.stick_noise = p.aim_noise = 0.0;
+  p.patience = 60.0;
+  return p;
+}
+
+// A leader that has passed its point waits for the robot.
+TEST(Navigator, WaitsForItsRobotLookingAlongTheRoute) {
+  const Pose2 X_MB{0.5, 0.0, 0.0};
+  for (const double theta : {-2.5, -0.5, 0.0, 0.5, 2.5}) {
+    Navigator driver{patient({0, 0, 5, 0}), 1};
+    Pose2 X_ML{1.6 + 0.1 * std::cos(theta), 0.1 * std::sin(theta), theta};
+    for (double t = 0.0; t < 5.0; t += kPeriod) {
+      const Hand hand = driver.steer(X_MB, X_ML, t);
+      EXPECT_EQ(hand.linear, 0.0);
+      X_ML.theta += kPeriod * hand.angular;
+    }
+    EXPECT_NEAR(X_ML.theta, 0.0, 0.05);
+  }
+}
+
+TEST(Navigator, TurnsALeaderThatLooksTheWrongWayOnceItsRobotIsThere) {
+  Navigator driver{patient({0, 0, 5, 0}), 1};
+  const Pose2 X_MB{0.9, 0.0, 0.0}, X_ML{1.0, 0.0, 3.1};  // the route goes on behind it
+  EXPECT_GT(std::abs(driver.steer(X_MB, X_ML, 0.0).angular), 0.5);
 }
 
 TEST(Navigator, BacksOutAfterPushingInVain) {
@@ -70,6 +80,26 @@ TEST(Navigator, BacksOutAfterPushingInVain) {
   for (double t = 0.0; t < 4.0; t += kPeriod)
     backed_out = backed_out || driver.steer({}, {}, t).linear < -0.3;
   EXPECT_TRUE(backed_out);
+}
+
+TEST(Navigator, BeginsFartherBackAfterTwoTriesInVain) {
+  NavigatorParams p = patient({0, 0, 2, 0, 2, -3});
+  p.patience = 5.0;
+  Navigator driver{p, 1};
+  double t = 0.0;
+  const Pose2 X_MJ{2.0, -1.0, -1.57};  // jammed
+  const auto push_until = [&](bool backs_out) {
+    for (const double end = t + 20.0; t < end; t += kPeriod)
+      if ((driver.steer(X_MJ, X_MJ, t).linear < 0.0) == backs_out) return true;
+    return false;
+  };
+  ASSERT_TRUE(push_until(true));
+  ASSERT_TRUE(push_until(false));
+  ASSERT_TRUE(push_until(true));
+  Hand hand{-1.0, 0.0};
+  const Pose2 X_MB{1.2, 0.0, -0.87};  // where it came to
+  for (const double end = t + 4.5; t < end; t += kPeriod) hand = driver.steer(X_MB, X_MB, t);
+  EXPECT_GT(hand.angular, 0.1) << "to a place of the route before that of the trouble";
 }
 
 TEST(Navigator, RefusesAnEmptyOrOddRoute) {
