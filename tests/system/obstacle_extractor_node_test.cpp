@@ -13,8 +13,11 @@ const Eigen::Vector2d kPole{-2.0, -2.0}, kFarPole{3.0, 4.0};  // of the forest
 
 class ExtractorOverDds : public OneComponent {
  protected:
-  explicit ExtractorOverDds(const std::string& people = "false")
-      : extractor_{load("obstacle_extractor", {{"map_is_odom", "true"}, {"people", people}})} {
+  explicit ExtractorOverDds(const std::string& people = "false",
+                            const std::string& map_source = "static")
+      : extractor_{
+            load("obstacle_extractor",
+                 {{"map_is_odom", "true"}, {"people", people}, {"map_source", map_source}})} {
     lists_in_ = node_.create_subscription(topics::obstacles, [this](const auto& msg) {
       seen_ = from_msg(msg).all;
       frame_ = msg.header().frame_id();
@@ -202,6 +205,23 @@ TEST_F(ExtractorOverDds, FallsSilentWithOdometry) {
   const long heard = lists_;
   ASSERT_TRUE(wait_until([&] { return log_.lines(reason) == said + 2; }));  // a second later
   EXPECT_LT(lists_, heard + 20);  // those under way; who goes on says 40 in that time
+}
+
+class ExtractorWithoutAFinishedMap : public ExtractorOverDds {
+ protected:
+  ExtractorWithoutAFinishedMap() : ExtractorOverDds{"false", "local"} {}
+  rt::Publisher<octomap_msgs::msg::Octomap> local_ = node_.create_publisher(topics::octomap_local);
+};
+
+TEST_F(ExtractorWithoutAFinishedMap, SaysThatNobodyLooksAnyMore) {
+  EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: no map yet") > 0; }));
+  octomap::OcTree seen{0.05};
+  seen.updateNode(kPole.x(), kPole.y(), 0.3, true);
+  const auto look = octomap(encode_octomap(seen));
+  auto looks = node_.create_wall_timer(0.1, [&] { local_.publish(look); });
+  ASSERT_TRUE(wait_until([&] { return covered(kPole); }));
+  looks = {};
+  EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: octomap_local is silent") > 0; }));
 }
 
 TEST_F(ExtractorOverDds, OdometryThatIsNotANumberIsNone) {
