@@ -2,6 +2,8 @@
 // What a drive leaves behind: its measures, and its track for the picture.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,10 +13,17 @@
 
 namespace tandem {
 
+/// The way of an obstacle that moves.
+struct Walk {
+  double radius = 0.0;  ///< [m]
+  std::vector<Eigen::Vector2d> p_MO = {};
+};
+
 struct DriveLog {
   DriveResult result;
-  std::vector<DriveSample> track;   ///< every 0.05 s
-  std::vector<Obstacle> obstacles;  ///< every shape the planner ever saw, once
+  std::vector<DriveSample> track;       ///< every 0.05 s
+  std::vector<Obstacle> obstacles;      ///< every shape that stood and that the planner saw, once
+  std::map<std::uint32_t, Walk> walks;  ///< of those that moved, by id
 };
 
 /// Called now and then during a drive, to show that it lives.
@@ -26,12 +35,12 @@ struct Progress {
   int collisions = 0;
 };
 
-/// Draws map, obstacles as fitted, the leader's and the robot's path and the footprint into a PNG.
+/// Draws map, obstacles as fitted, the ways of people, leader and robot, and the footprint: a PNG.
 /// Throws std::runtime_error if the file cannot be written.
 void draw_drive(const Scenario& scenario, const System& system, const DriveLog& log,
                 const std::string& png);
 
-/// Keeps shapes that stand by their id, so that the picture shows each once.
-void remember(std::vector<Obstacle>& known, const std::vector<Obstacle>& seen);
+/// Keeps what the planner sees for the picture. Who has moved once does not count as standing.
+void remember(DriveLog& log, const std::vector<Obstacle>& seen);
 
 }  // namespace tandem

@@ -89,7 +89,7 @@ void DriveObserver::on_filter(const tandem_msgs::msg::FilterStatus& msg) {
 }
 
 void DriveObserver::on_obstacles(const tandem_msgs::msg::ObstacleArray& msg) {
-  remember(log_.obstacles, from_msg(msg).all);
+  remember(log_, from_msg(msg).all);
 }
 
 bool DriveObserver::over() const {

@@ -12,6 +12,7 @@ namespace tandem {
 namespace {
 
 constexpr double kFootprintEvery = 0.9;  // [m] of the way
+constexpr double kWalkEvery = 0.1;       // [m]
 
 Pen faint(Color color) {
   color.alpha = 0.10;
@@ -26,6 +27,17 @@ void draw_goal(MapPicture& picture, const Goal& goal, const Footprint& footprint
     picture.draw_rectangle({region->low, region->high}, pen);
   if (const auto* at = std::get_if<PoseGoal>(&goal))
     picture.draw_footprint(footprint, at->X_MG, pen);
+}
+
+void draw_walks(MapPicture& picture, const DriveLog& log) {
+  const Pen pen{.color = colors::kWalker,
+                .width = 1.2,
+                .dash = 2.0,
+                .label = "people's ways, and they at the end"};
+  for (const auto& [id, walk] : log.walks) {
+    picture.draw_path(walk.p_MO, pen);
+    picture.draw_circle(walk.p_MO.back(), walk.radius, {.color = colors::kWalker, .width = 1.6});
+  }
 }
 
 void draw_leader(MapPicture& picture, const std::vector<DriveSample>& track) {
@@ -68,11 +80,20 @@ std::string title_of(const DriveResult& r) {
 
 }  // namespace
 
-void remember(std::vector<Obstacle>& known, const std::vector<Obstacle>& seen) {
-  for (const Obstacle& o : seen)
-    if (o.v_MO == Eigen::Vector2d::Zero() &&
-        std::none_of(known.begin(), known.end(), [&](const auto& k) { return k.id == o.id; }))
+void remember(DriveLog& log, const std::vector<Obstacle>& seen) {
+  auto& known = log.obstacles;
+  for (const Obstacle& o : seen) {
+    const bool moves = o.v_MO != Eigen::Vector2d::Zero() || log.walks.contains(o.id);
+    if (moves) {
+      Walk& walk = log.walks[o.id];
+      walk.radius = o.a;
+      if (walk.p_MO.empty() || (o.p_MO - walk.p_MO.back()).norm() > kWalkEvery)
+        walk.p_MO.push_back(o.p_MO);
+    } else if (std::none_of(known.begin(), known.end(),
+                            [&](const auto& k) { return k.id == o.id; })) {
       known.push_back(o);
+    }
+  }
 }
 
 void draw_drive(const Scenario& scenario, const System& system, const DriveLog& log,
@@ -84,6 +105,7 @@ void draw_drive(const Scenario& scenario, const System& system, const DriveLog& 
   picture.draw_obstacles(log.obstacles, {.color = colors::kShape,
                                          .width = 1.6,
                                          .label = "obstacles as the planner saw them, near it"});
+  draw_walks(picture, log);
   if (!log.track.empty()) {
     if (scenario.method == "leader" || scenario.method == "path") draw_leader(picture, log.track);
     draw_robot(picture, log.track, footprint);

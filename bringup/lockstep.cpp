@@ -203,10 +203,11 @@ class Loop {
   void extract() {
     if (const auto robot = localization_.state(t_))
       obstacles_ = extractor_.near(robot->X_MB.position());
-    remember(log_.obstacles, obstacles_);
-    if (!extractor_params_.people) return;
-    const auto& people = sim_.people().all();
-    obstacles_.insert(obstacles_.end(), people.begin(), people.end());
+    if (extractor_params_.people) {
+      const auto& people = sim_.people().all();
+      obstacles_.insert(obstacles_.end(), people.begin(), people.end());
+    }
+    remember(log_, obstacles_);
   }
 
   void plan() {

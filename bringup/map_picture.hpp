@@ -25,6 +25,7 @@ namespace colors {
 inline constexpr Color kShape{0.91, 0.45, 0.05};    ///< fitted obstacles: orange
 inline constexpr Color kRobot{0.10, 0.37, 0.75};    ///< the robot and its path: blue
 inline constexpr Color kLeader{0.55, 0.20, 0.62};   ///< the person's leader: purple
+inline constexpr Color kWalker{0.40, 0.42, 0.45};   ///< people and their ways: grey
 inline constexpr Color kPlan{0.05, 0.60, 0.50};     ///< planned poses: teal
 inline constexpr Color kGoal{0.20, 0.62, 0.25};     ///< goal region: green
 inline constexpr Color kContact{0.84, 0.12, 0.15};  ///< collisions: red

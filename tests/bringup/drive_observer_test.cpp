@@ -150,6 +150,21 @@ TEST_F(Observed, AFilterWithoutACommandCountsNone) {
   EXPECT_EQ(result().counts.filter_commands, 2);
 }
 
+TEST_F(Observed, KeepsTheWaysOfWhoMovesApartFromWhatStands) {
+  const Obstacle pole{.id = 1, .p_MO = {2.0, 0.0}, .a = 0.1, .b = 0.1};
+  Obstacle person{.id = 9, .a = 0.25, .b = 0.25, .v_MO = {0.0, 0.5}};
+  const auto seen = [&] { drive_->on_obstacles(to_msg(std::vector{pole, person}, {})); };
+  for (int i = 0; i < 5; ++i, person.p_MO.y() += 0.2) seen();
+  person.v_MO.setZero();  // stops, for a moment
+  seen();
+  const DriveLog log = drive_->log();
+  ASSERT_EQ(log.obstacles.size(), 1U);
+  EXPECT_EQ(log.obstacles[0].id, pole.id);
+  ASSERT_EQ(log.walks.size(), 1U);
+  EXPECT_EQ(log.walks.at(9).radius, 0.25);
+  EXPECT_EQ(log.walks.at(9).p_MO.size(), 6U);
+}
+
 TEST_F(Observed, HearsAPersonWhoseCommandsAreStamped) {
   geometry_msgs::msg::TwistStamped msg;
   msg.twist().linear().x(0.5);
