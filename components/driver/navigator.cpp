@@ -24,16 +24,17 @@ bool pushes(const Hand& hand) {
   return std::abs(hand.linear) > 0.2 || std::abs(hand.angular) > 0.2;
 }
 
-bool is_past(const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
+bool has_reached(const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
   const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
   const Eigen::Vector2d to = p_MT - X_ML.position();
   return ahead.dot(to) <= 0.0 || to.norm() < kAtPoint;
 }
 
-// A leader that has passed the point it was meant for waits there for its robot. Once that is
-// there, a point still behind means that the leader looks the wrong way: it is turned round.
+// A leader that has come to the point it was meant for, or past it, waits there for its robot. Once
+// that is there, a point still behind means that the leader looks the wrong way: it is turned
+// round.
 bool waits_for(const Pose2& X_MB, const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
-  return is_past(X_ML, p_MT) && (X_MB.position() - X_ML.position()).norm() > kBesideLeader;
+  return has_reached(X_ML, p_MT) && (X_MB.position() - X_ML.position()).norm() > kBesideLeader;
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ struct NavigatorParams {
 ///
 /// Pure pursuit of a point `preview` ahead on the route, shifted sideways by a slow error (an
 /// Ornstein–Uhlenbeck process of deviation `aim_noise` and correlation time `aim_time`), seen
-/// `reaction_delay` late.
+/// `reaction_delay` late. A leader that has come there waits for its robot, looking along the
+/// route.
 ///
 /// Where the values are from: simple visual reactions take about 0.19 s, recognising one of some
 /// things 0.38 s (Laming 1968, by Kosinski's review of reaction times); 0.25 s lies between, for

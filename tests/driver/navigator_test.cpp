@@ -68,10 +68,11 @@ TEST(Navigator, WaitsForItsRobotLookingAlongTheRoute) {
   }
 }
 
-TEST(Navigator, TurnsALeaderThatLooksTheWrongWayOnceItsRobotIsThere) {
-  Navigator driver{patient({0, 0, 5, 0}), 1};
-  const Pose2 X_MB{0.9, 0.0, 0.0}, X_ML{1.0, 0.0, 3.1};  // the route goes on behind it
-  EXPECT_GT(std::abs(driver.steer(X_MB, X_ML, 0.0).angular), 0.5);
+// Toward the point round the corner, which is the other way about than along the route there.
+TEST(Navigator, TurnsALeaderThatLooksTheWrongWayToItsPointOnceItsRobotIsThere) {
+  Navigator driver{patient({0, 0, 2, 0, 2, 3}), 1};
+  const Pose2 X_MB{1.6, 0.0, 0.0}, X_ML{1.7, 0.0, -1.8};
+  EXPECT_GT(driver.steer(X_MB, X_ML, 0.0).angular, 0.5);
 }
 
 TEST(Navigator, BacksOutAfterPushingInVain) {
