@@ -21,13 +21,21 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
     }
     localization_.on_odom(odometry->X, odometry->twist, node_.now(),
                           lateness(msg.header().stamp()));
+    tell();
     if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
   });
   tf_ = node.create_subscription(topics::tf, [this](const tf2_msgs::msg::TFMessage& msg) {
     const auto& frames = params_.frames;
-    if (const auto X_MW = find_transform(msg, frames.map, frames.odom))
-      localization_.on_transform(*X_MW, node_.now());
+    const auto X_MW = find_transform(msg, frames.map, frames.odom);
+    if (!X_MW) return;
+    localization_.on_transform(*X_MW, node_.now());
+    tell();
   });
+}
+
+void RobotStateInput::tell() {
+  if (!on_state_) return;
+  if (const auto heard = state()) on_state_(*heard);
 }
 
 double RobotStateInput::lateness(const Stamp& stamp) const {

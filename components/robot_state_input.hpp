@@ -31,6 +31,8 @@ class RobotStateInput {
   /// From now on odometry that is older by its stamp than `usual` [s] counts as of when it was due,
   /// not of when it came: a slow network must not make an old pose new.
   void believe_stamps(double usual) { usual_age_ = usual; }
+  /// Calls `heard` after each odometry and each transform, with the state that it made, if any.
+  void on_state(std::function<void(const RobotState&)> heard) { on_state_ = std::move(heard); }
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
@@ -39,12 +41,14 @@ class RobotStateInput {
 
  private:
   [[nodiscard]] double lateness(const Stamp& stamp) const;
+  void tell();
 
   rt::Node& node_;
   RobotStateParams params_;
   std::optional<double> usual_age_;  ///< of odometry when it comes [s]
   Localization localization_;
   std::function<void(double)> on_odom_;
+  std::function<void(const RobotState&)> on_state_;
   rt::Subscription odom_, tf_;
 };
 

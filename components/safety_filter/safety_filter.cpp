@@ -106,7 +106,7 @@ void SafetyFilter::on_command(const Twist2& twist, double t) { command_ = TimedT
 
 Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now) {
   watch_clock(now);
-  if (state) watch_pose(*state, now);
+  if (state) on_state(*state, now);
   Filtered out = decide(state, now);
   const bool drives =
       out.reason != FilterReason::kNoCommand && out.reason != FilterReason::kNotFinite;
@@ -132,14 +132,16 @@ void SafetyFilter::watch_clock(double now) {
   if (!sent_.empty()) sent_.assign(1, TimedTwist{sent_.back().twist, now});
 }
 
-// From one pose to the next the wheels must lead there, but for how late odometry may arrive.
-void SafetyFilter::watch_pose(const RobotState& state, double now) {
+// From one pose to the next the wheels must lead there, but for how late odometry may arrive, and
+// for what they may have done in a silence that was longer.
+void SafetyFilter::on_state(const RobotState& state, double now) {
   if (!is_finite(state.X_MB) || !is_finite(state.twist)) return;
   const auto last = std::exchange(last_state_, state);
-  if (!last || !(state.t > last->t) || state.t - last->t > params_.state_timeout) return;
+  if (!last || state.t < last->t) return;
+  const double dt = state.t - last->t;
   const Twist2 mean{0.5 * (last->twist.v + state.twist.v), 0.5 * (last->twist.w + state.twist.w)};
-  const Pose2 expected = integrate(last->X_MB, mean, state.t - last->t);
-  const double late = 0.5 * params_.state_timeout;
+  const Pose2 expected = integrate(last->X_MB, mean, dt);
+  const double late = std::max(0.5 * params_.state_timeout, dt);
   const double off = (state.X_MB.position() - expected.position()).norm();
   const double turned = std::abs(wrap_angle(state.X_MB.theta - expected.theta));
   if (off > params_.jump_distance + late * std::abs(mean.v) ||

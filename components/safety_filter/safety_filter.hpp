@@ -125,6 +125,10 @@ class SafetyFilter {
   /// Everybody near, as a list said that arrived at time t.
   void on_people(std::vector<Obstacle> people, double t) { people_ = {std::move(people), t}; }
 
+  /// Where the robot is said to be, as it is heard: with every odometry and every transform, also
+  /// between two commands. Two who tell of different places in turn are found out only so.
+  void on_state(const RobotState& state, double now);
+
   /// The command to send now; counts it as sent. `state`: Localization::state(now).
   [[nodiscard]] Filtered update(const std::optional<RobotState>& state, double now);
 
@@ -144,7 +148,6 @@ class SafetyFilter {
   struct Scene;
 
   void watch_clock(double now);
-  void watch_pose(const RobotState& state, double now);
   [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
                               double now) const;

@@ -24,6 +24,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
   command_.pass_not_finite();  // the core stops for it, and says so
+  robot_.on_state([this](const RobotState& state) { filter_.on_state(state, node_.now()); });
   if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
     people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto people) {

@@ -138,9 +138,9 @@ TEST(SafetyFilter, BacksOutOfAMeasuredContact) {
 
 TEST(SafetyFilter, StopsWithoutACommandAMapOrAPose) {
   SafetyFilter filter(SafetyFilterParams{}, kMir);
-  EXPECT_EQ(filter.update(at(0.0), 0.0).reason, FilterReason::kNoCommand);
+  EXPECT_EQ(filter.update(at(-2.0), 0.0).reason, FilterReason::kNoCommand);
   filter.on_command({0.5, 0.0}, 0.0);
-  EXPECT_EQ(filter.update(at(0.0), 0.0).reason, FilterReason::kNoMap);
+  EXPECT_EQ(filter.update(at(-2.0), 0.0).reason, FilterReason::kNoMap);
   filter.on_map(wall_ahead());
   EXPECT_EQ(filter.update(std::nullopt, 0.0).reason, FilterReason::kNotLocalized);
   EXPECT_EQ(filter.update(std::nullopt, 0.0).twist, Twist2{});
@@ -180,6 +180,31 @@ TEST(SafetyFilter, StandsWhenThePoseJumpsAndBelievesItOnlyAfterAWhile) {
     now += 0.05;
     x += 0.025;
   }
+}
+
+// Another robot's pose after each of its own: between two commands both are heard, and what was
+// heard last is at no moment far from what was heard last before.
+TEST(SafetyFilter, StandsAsLongAsTwoTellOfDifferentPlacesBetweenItsCommands) {
+  SafetyFilter filter = filter_on(wall_ahead());
+  const auto at_y = [](double y, double now) { return RobotState{{-3.0, y, 0.0}, {}, now}; };
+  for (double now = 0.0; now < 5.0; now += 0.05) {
+    filter.on_state(at_y(0.0, now), now);
+    filter.on_state(at_y(2.0, now), now);
+    filter.on_command({0.5, 0.0}, now);
+    EXPECT_EQ(filter.update(at_y(2.0, now), now).reason, FilterReason::kPoseJumped);
+  }
+}
+
+TEST(SafetyFilter, AJumpWhileNothingWasHeardIsOne) {
+  SafetyFilter filter = filter_on(wall_ahead());
+  const auto driven_from = [&](double before, double v, double after) {
+    filter.on_state({{before, 0.0, 0.0}, {v, 0.0}, 0.0}, 0.0);
+    filter.on_command({0.5, 0.0}, 1.0);
+    return filter.update(RobotState{{after, 0.0, 0.0}, {}, 1.0}, 1.0).reason;
+  };
+  EXPECT_EQ(driven_from(-4.0, 0.0, -3.0), FilterReason::kPoseJumped);
+  filter = filter_on(wall_ahead());
+  EXPECT_EQ(driven_from(-4.0, 0.8, -3.5), FilterReason::kClear);  // it came to rest there
 }
 
 TEST(SafetyFilter, AfterTheClockWasSetBackOldCommandsAreNoneAndOldDoubtsEnd) {
@@ -226,8 +251,12 @@ TEST(SafetyFilter, AStopOfItsNodeCountsAsSent) {
     if (stops) {
       EXPECT_EQ(filter.stop(FilterReason::kClockSilent, 0.05).twist, Twist2{});
     }
-    RobotState state = facing_wall(0.04);
-    state.t = 1.0;
+    RobotState state;
+    for (double gap = 1.0; gap > 0.0; gap -= 0.12) {  // it went there meanwhile
+      state = facing_wall(gap);
+      state.t = 1.0 - gap + 0.04;
+      filter.on_state(state, state.t);
+    }
     filter.on_command({-0.4, 0.0}, 1.0);
     return filter.update(state, 1.0).twist.v < 0.0;
   };

@@ -189,12 +189,15 @@ class FilterOverDds : public OneComponent {
       : filter_{load("safety_filter", {{"map_is_odom", "true"}, {"people", people}})} {
     out_ = node_.create_subscription(topics::cmd_vel,
                                      [this](const auto& msg) { v_ = msg.linear().x(); });
-    status_ = node_.create_subscription(topics::filter_status,
-                                        [this](const auto& msg) { reason_ = msg.reason(); });
+    status_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
+      reason_ = msg.reason();
+      ++words_[reason_];
+    });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
   }
   void beat() {
     odom_.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
+    if (other_) odom_.publish(to_msg(Odometry{*other_, {}}, header({}, "odom"), "base_link"));
     command_.publish(to_msg(Twist2{push_v_, 0.0}));
   }
   void send_map(std::vector<std::int8_t> data) {
@@ -214,7 +217,9 @@ class FilterOverDds : public OneComponent {
   rt::Subscription out_, status_;
   rt::Timer beat_;
   double push_v_ = 0.3, v_ = -1.0;
+  std::optional<Pose2> other_;  ///< told of the robot right after where it is
   std::string reason_;
+  std::map<std::string, int> words_;  ///< how often each reason was said
 };
 
 TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
@@ -306,6 +311,20 @@ TEST_F(FilterOverDds, StopsForACommandThatIsNotANumberAndForLostOdometry) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   beat_ = node_.create_wall_timer(0.02, [this] { command_.publish(to_msg(Twist2{0.3, 0.0})); });
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
+}
+
+// However often it looks between commands: here each command comes after the wrong one of the two.
+TEST_F(FilterOverDds, StandsAsLongAsTwoTellOfDifferentPlaces) {
+  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  other_ = Pose2{0.0, 0.5, 0.0};
+  ASSERT_TRUE(wait_until([&] { return reason_ == "pose jumped"; }));
+  words_.clear();
+  ASSERT_TRUE(wait_until([&] { return words_["pose jumped"] > 100; }));
+  EXPECT_EQ(words_.size(), 1U);
+  EXPECT_EQ(v_, 0.0);
+  other_.reset();
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.3; }));
 }
 
 TEST_F(OneComponent, ARobotNeverRunsWithoutItsFilterEnforcing) {
