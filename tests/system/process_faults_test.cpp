@@ -48,7 +48,7 @@ class SimulatorFaults : public Faults {
     simulator().send(signal);
     EXPECT_TRUE(system_.wait_until([&] { return system_.command == Twist2{}; }, 5.0));
     const double took = rt::steady_seconds() - began;
-    EXPECT_LE(took, kNoClock + kZeroWithin);
+    EXPECT_LE(took, kNoClock + kZeroWithin / kSpeed);
     EXPECT_TRUE(
         system_.wait_until([&] { return system_.said("/clock is silent", Told::kOnBoth); }, 5.0))
         << system_.sayings();
@@ -194,7 +194,7 @@ TEST_F(ClockFaults, OfSimulatedTime) {
   };
   const auto right = [this] { system_.clock->pass(); };
   Fault lost{"/clock lost", [this] { system_.clock->drop(); }, right, "/clock is silent"};
-  lost.zero_within = kNoClock + kZeroWithin;
+  lost.zero_within = kNoClock * kSpeed + kZeroWithin;
   const char* all_is_old = "safety filter: not localized";
   suffer({{"/clock 5 s ahead, and back again", stepped(5), right, all_is_old},
           {"/clock 5 s behind, and on again", stepped(-5), right},

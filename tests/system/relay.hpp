@@ -8,6 +8,7 @@
 #include <string>
 
 #include "runtime/node.hpp"
+#include "support/slow_motion.hpp"
 
 namespace tandem::test {
 
@@ -61,10 +62,11 @@ class Relay {
       out_.publish(other);
     };
   }
-  /// By `least` to `most` seconds, so that messages overtake each other.
+  /// By `least` to `most` seconds (simulated), so that messages overtake each other.
   void delay(double least, double most) {
     take_ = [this, least, most](const M& msg) {
-      late_.push_back({rt::steady_seconds() + least + unit_(random_) * (most - least), msg});
+      const double delay = least + unit_(random_) * (most - least);
+      late_.push_back({rt::steady_seconds() + delay / kSpeed, msg});
     };
   }
   /// Publishes once more what `spoil` makes of the last message.

@@ -12,17 +12,13 @@
 #include "convert.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
+#include "support/slow_motion.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
 
 namespace tandem::test {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr double kInstrumented = 0.3;  // [s] eight such processes are late on two cores
-#else
-inline constexpr double kInstrumented = 0.0;
-#endif
-inline constexpr double kZeroWithin = 0.2 + kInstrumented;  // [s] from fault to a command of zero
+inline constexpr double kZeroWithin = 0.2;   // [s] simulated, from fault to a command of zero
 inline constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
 inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
 inline constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
@@ -59,6 +55,10 @@ class SystemUnderTest {
   void start(const std::string& name, const std::vector<std::string>& ros_args = {}) {
     std::vector<std::string> arguments{"run", system_, "--only", name};
     arguments.insert(arguments.end(), ros_args.begin(), ros_args.end());
+    if (name == "diff_drive_sim" && kSpeed < 1.0) {
+      if (ros_args.empty()) arguments.emplace_back("--ros-args");
+      arguments.insert(arguments.end(), {"-p", "speed_factor:=" + std::to_string(kSpeed)});
+    }
     children_[name] = std::make_unique<ChildProcess>("../tandem", std::move(arguments));
   }
   void kill_hard(const std::string& name) {
@@ -72,8 +72,9 @@ class SystemUnderTest {
   /// The watcher: its callbacks run while something is waited for.
   [[nodiscard]] rt::Node& node() { return node_; }
 
+  /// `timeout`: [s] simulated, as fast as `kSpeed`.
   [[nodiscard]] bool wait_until(const std::function<bool()>& done, double timeout) {
-    return spin_until(done, timeout, node_);
+    return spin_until(done, timeout / kSpeed, node_);
   }
   /// Waits until the robot drives straight enough and fast enough to be worth stopping.
   [[nodiscard]] bool wait_until_driving() {

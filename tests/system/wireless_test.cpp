@@ -9,7 +9,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLease = 20.0;  // [s] after which DDS forgets who is silent
+constexpr double kLease = 20.0;  // [s] real, after which DDS forgets who is silent
 
 // Made before anything that speaks DDS.
 struct Network {
@@ -67,7 +67,7 @@ TEST_F(Wireless, LosesPackets) {
   Fault gone{"network gone", losing(100), none, "cmd_vel_user is silent"};
   faults.push_back(gone);
   gone.name += " for so long that DDS forgets the other";
-  gone.lasts = kLease + 3.0;
+  gone.lasts = kSpeed * (kLease + 3.0);
   faults.push_back(gone);
   suffer(faults);
 }
