@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bringup/metrics.hpp"
 #include "bringup/scenario.hpp"
+#include "metrics/metrics.hpp"
 #include "model/obstacle.hpp"
 
 namespace tandem {

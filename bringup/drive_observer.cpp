@@ -22,12 +22,6 @@ StaticMap world_of(const DiffDriveSimNodeParams& sim) {
 
 }  // namespace
 
-long NodeTotal::growth(std::uint64_t total, bool just_begun) {
-  const std::uint64_t before = last_.value_or(just_begun ? 0 : total);
-  last_ = total;
-  return static_cast<long>(total >= before ? total - before : total);
-}
-
 DriveObserver::DriveObserver(const Scenario& scenario, const System& system)
     : scenario_{scenario},
       map_{world_of(sim_of(system))},

@@ -13,17 +13,6 @@
 
 namespace tandem {
 
-/// A total that a node has counted since its own start, which may be long before the drive.
-class NodeTotal {
- public:
-  /// By how much it has grown since the node's last word. A total that fell is that of a node that
-  /// began anew, at zero. What a first word tells of is past, unless the node has just begun.
-  [[nodiscard]] long growth(std::uint64_t total, bool just_begun = false);
-
- private:
-  std::optional<std::uint64_t> last_;
-};
-
 /// Measures a drive by what the nodes say. The drive begins when someone drives, not while the
 /// nodes still find each other, and its time is that of the stamps. What the nodes counted before
 /// it is none of its own: they may have run for long, and so may a recording that began late.

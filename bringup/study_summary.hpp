@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bringup/metrics.hpp"
+#include "metrics/metrics.hpp"
 
 namespace tandem {
 

@@ -88,8 +88,9 @@ class KeyboardTeleop {
       if (const auto odometry = from_msg(msg)) speed_ = {odometry->twist, node_.steady_now()};
     });
     on_filter_ = node.create_subscription(topics::filter_status, [this](const auto& msg) {
-      filter_ = {fmt::format("clearance {:.2f} m, {}", msg.clearance(), msg.reason()),
-                 node_.steady_now()};
+      const std::string near =
+          std::isnan(msg.clearance()) ? "–" : fmt::format("{:.2f} m", msg.clearance());
+      filter_ = {"clearance " + near + ", " + msg.reason(), node_.steady_now()};
     });
     arbitration_ = node.create_subscription(topics::arbitration_status, [this](const auto& msg) {
       mode_ = {msg.policy() + ", " + msg.reason(), node_.steady_now()};

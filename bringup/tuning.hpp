@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bringup/metrics.hpp"
+#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
 
 namespace tandem {

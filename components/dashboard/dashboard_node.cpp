@@ -12,7 +12,7 @@
 namespace tandem {
 namespace {
 
-constexpr std::uint32_t kSeatChannel = 1;
+constexpr std::uint32_t kSeatChannel = 1, kTrialChannel = 2;
 
 template <class... Fs>
 struct Overloaded : Fs... {
@@ -26,6 +26,17 @@ foxglove::Channel seat_channel(const rt::Node& node) {
       R"({"type":"object","properties":{"driver":{"type":"string"},"clients":{"type":"integer"}}})";
   return {kSeatChannel, node.fully_qualified_name() + "/seat", "json", "tandem.Seat", kSchema,
           "jsonschema"};
+}
+
+foxglove::Channel trial_channel(const rt::Node& node) {
+  constexpr const char* kSchema =
+      R"({"type":"object","properties":{"id":{"type":"integer"},"time":{"type":"number"},"collisions":{"type":"integer"},"trial":{"type":"object"}}})";
+  return {kTrialChannel, node.fully_qualified_name() + "/trial", "json", "tandem.Trial", kSchema,
+          "jsonschema"};
+}
+
+std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 // What strangers say, fit for one line of a terminal: no control characters, no half letters.
@@ -64,7 +75,7 @@ DashboardNode::DashboardNode(rt::Node& node)
       params_{node.declare_parameters<DashboardParams>()},
       web_{params_->web, foxglove::kSubprotocol, page_files(),
            [&node](const std::string& line) { node.log().warn_every(1.0, "{}", printable(line)); }},
-      topics_{node, web_, seat_channel(node)},
+      topics_{node, web_, {seat_channel(node), trial_channel(node)}},
       services_{node, web_, node.fully_qualified_name() + "/take_wheel",
                 [this](ClientId client) { return take_wheel(client); }},
       parameters_{node, web_},
@@ -74,10 +85,14 @@ DashboardNode::DashboardNode(rt::Node& node)
   publish_.open_own(
       node.fully_qualified_name() + "/user_test", "tandem.UserTest",
       [this](ClientId client, const auto& bytes) { return save_user_test(client, bytes); });
+  publish_.open_own(
+      node.fully_qualified_name() + "/begin_trial", "tandem.TrialRequest",
+      [this](ClientId client, const auto& bytes) { return begin_trial(client, bytes); });
   ticks_ = node.create_wall_timer(kTick, [this] { tick(); });
   looks_ = node.create_wall_timer(kLook, [this] { look(); });
   time_ = node.create_wall_timer(kTimePeriod, [this] {
     for (const ClientId client : clients_) tell_time(client);
+    tell_trial();
   });
   node.log().info("the page is at {} ; Foxglove and Lichtblick connect there too (ws://)",
                   web_.url());
@@ -95,6 +110,7 @@ void DashboardNode::look() {
   topics_.look(clients_);
   services_.look(clients_);
   told_.clear();
+  if (!came_to_.empty()) tell_trial(came_to_);
 }
 
 void DashboardNode::on_event(const WebEvent& event) {
@@ -200,7 +216,7 @@ PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
   }
   saved_ = now;
   try {
-    const auto test = parse_user_test({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const auto test = parse_user_test(text_of(bytes));
     const auto path = save(test, params_->user_tests);
     node_.log().info("user test saved: {}", path.string());
     web_.send(client, {true, foxglove::status(foxglove::Level::kInfo,
@@ -215,6 +231,40 @@ PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
   }
 }
 
+PublishRelay::Outcome DashboardNode::begin_trial(ClientId client,
+                                                 const std::vector<std::uint8_t>& bytes) {
+  const double now = node_.steady_now();
+  if (!seat_.may_write(client, now)) return PublishRelay::Outcome::kOtherDrives;
+  if (now - trial_began_ < kTrialPeriod) {
+    complain(client, "not begun: a trial began a moment ago");
+    return PublishRelay::Outcome::kPublished;
+  }
+  try {
+    const TrialRequest request = parse_trial_request(text_of(bytes));
+    trial_began_ = now;
+    trial_ = std::make_unique<TrialMeter>(node_, params_->input, request);
+    came_to_.clear();
+    return PublishRelay::Outcome::kPublished;
+  } catch (const std::invalid_argument& error) {
+    complain(client, error.what());
+    return PublishRelay::Outcome::kMalformed;
+  }
+}
+
+void DashboardNode::tell_trial() {
+  if (!trial_) return;
+  const std::string state = trial_->trial().state();
+  tell_trial(state);
+  if (!trial_->trial().over()) return;
+  trial_.reset();
+  came_to_ = state;
+}
+
+// To all: a page whose connection was lost for a moment is another client now.
+void DashboardNode::tell_trial(const std::string& state) {
+  for (const ClientId client : clients_) topics_.tell(client, kTrialChannel, state);
+}
+
 // To each client what it means for them; at changes and with every look.
 void DashboardNode::tell_seat() {
   const auto driver = seat_.driver(node_.steady_now());
@@ -224,7 +274,8 @@ void DashboardNode::tell_seat() {
   told_ = state;
   for (const ClientId client : clients_) {
     const char* who = !driver ? "nobody" : *driver == client ? "you" : "other";
-    topics_.tell(client, foxglove::json{{"driver", who}, {"clients", clients_.size()}}.dump());
+    topics_.tell(client, kSeatChannel,
+                 foxglove::json{{"driver", who}, {"clients", clients_.size()}}.dump());
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -12,6 +13,7 @@
 #include "dashboard/seat.hpp"
 #include "dashboard/service_relay.hpp"
 #include "dashboard/topic_relay.hpp"
+#include "dashboard/trial_meter.hpp"
 #include "dashboard/web_server.hpp"
 #include "runtime/node.hpp"
 
@@ -22,6 +24,7 @@ struct DashboardParams {
   double seat_timeout = 5.0;
   double max_age = 0.5;
   std::string user_tests = "out/user_tests";
+  RobotStateParams input;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -31,6 +34,7 @@ struct DashboardParams {
     field("max_age", max_age, Range{0.0, 60.0},
           "[s] a client's joy with an older stamp is not carried out; 0: whatever its age");
     field("user_tests", user_tests, "folder for what people do in the page's user test");
+    input.visit(field);
   }
 };
 
@@ -45,6 +49,7 @@ class DashboardNode {
   static constexpr double kLook = 0.5;         // [s] between looks at the domain
   static constexpr double kTimePeriod = 0.05;  // [s]
   static constexpr double kSavePeriod = 1.0;   // [s] at least between two user tests
+  static constexpr double kTrialPeriod = 0.3;  // [s] at least between the beginnings of two trials
 
   explicit DashboardNode(rt::Node& node);
 
@@ -60,6 +65,10 @@ class DashboardNode {
   void on_set(ClientId client, const foxglove::SetParameters& request);
   [[nodiscard]] std_srvs::srv::Trigger::Response take_wheel(ClientId client);
   void tell_seat();
+  void tell_trial();
+  void tell_trial(const std::string& state);
+  [[nodiscard]] PublishRelay::Outcome begin_trial(ClientId client,
+                                                  const std::vector<std::uint8_t>& bytes);
   [[nodiscard]] PublishRelay::Outcome save_user_test(ClientId client,
                                                      const std::vector<std::uint8_t>& bytes);
   void complain(ClientId client, const std::string& what);
@@ -73,7 +82,10 @@ class DashboardNode {
   PublishRelay publish_;
   Seat seat_;
   AutonomyGuard autonomy_;
-  double saved_ = -kSavePeriod;  // [s] when a user test was
+  double saved_ = -kSavePeriod;         // [s] when a user test was
+  double trial_began_ = -kTrialPeriod;  // [s] when a trial did
+  std::unique_ptr<TrialMeter> trial_;   // the one that goes on
+  std::string came_to_;                 // what the last one came to, told until another begins
   std::set<ClientId> clients_;
   std::string told_;                    // who sat there when it was last told
   std::map<ClientId, double> refused_;  // [s] when they were last told that a message was

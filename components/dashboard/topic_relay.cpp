@@ -16,11 +16,14 @@ bool is_hidden(const std::string& topic) { return topic.find("/_") != std::strin
 
 }  // namespace
 
-TopicRelay::TopicRelay(rt::Node& node, WebServer& web, foxglove::Channel own)
-    : node_{node}, web_{web}, last_id_{own.id} {
-  auto& relayed = relayed_[{own.topic, own.schema_name}];
-  relayed.channel = std::move(own);
-  relayed.listening = true;
+TopicRelay::TopicRelay(rt::Node& node, WebServer& web, std::vector<foxglove::Channel> own)
+    : node_{node}, web_{web} {
+  for (auto& channel : own) {
+    last_id_ = std::max(last_id_, channel.id);
+    auto& relayed = relayed_[{channel.topic, channel.schema_name}];
+    relayed.channel = std::move(channel);
+    relayed.listening = true;
+  }
 }
 
 void TopicRelay::look(const std::set<ClientId>& clients) {
@@ -149,14 +152,13 @@ void TopicRelay::rest(Relayed& relayed) {
   relayed.last.reset();
 }
 
-void TopicRelay::tell(ClientId client, const std::string& payload) {
+void TopicRelay::tell(ClientId client, std::uint32_t channel, const std::string& payload) {
+  const Relayed* const own = find(channel);
+  if (own == nullptr) return;
   const auto body =
       std::make_shared<const std::vector<std::uint8_t>>(payload.begin(), payload.end());
-  for (const auto& [key, relayed] : relayed_) {
-    if (!relayed.publishers.empty()) continue;
-    for (const auto& listener : relayed.listeners)
-      if (listener.client == client) send(listener, body);
-  }
+  for (const auto& listener : own->listeners)
+    if (listener.client == client) send(listener, body);
 }
 
 }  // namespace tandem

@@ -20,8 +20,8 @@ class TopicRelay {
  public:
   static constexpr std::size_t kMaxSubscriptions = 500;  // of one client
 
-  /// `own`: a channel that is no topic and that tell() fills.
-  TopicRelay(rt::Node& node, WebServer& web, foxglove::Channel own);
+  /// `own`: channels that are no topics and that tell() fills; their ids are the first ones.
+  TopicRelay(rt::Node& node, WebServer& web, std::vector<foxglove::Channel> own);
 
   /// Tells the clients which topics have come and gone.
   void look(const std::set<ClientId>& clients);
@@ -30,8 +30,8 @@ class TopicRelay {
   void subscribe(ClientId client, const foxglove::Subscribe& request);
   void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
 
-  /// Sends a message of the own channel.
-  void tell(ClientId client, const std::string& payload);
+  /// Sends a message of an own channel, to a client who listens to it.
+  void tell(ClientId client, std::uint32_t channel, const std::string& payload);
 
  private:
   using Body = std::shared_ptr<const std::vector<std::uint8_t>>;
@@ -59,7 +59,7 @@ class TopicRelay {
   rt::Node& node_;
   WebServer& web_;
   std::map<std::pair<std::string, std::string>, Relayed> relayed_;  // by topic and type
-  std::uint32_t last_id_;
+  std::uint32_t last_id_ = 0;
 };
 
 }  // namespace tandem

@@ -13,6 +13,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxTrials = 100;
 constexpr int kMaxTests = 10'000;  // files of one folder
+constexpr double kHour = 3600.0;   // [s] no trial takes longer
 
 double bounded(const json& from, const char* name, double most) {
   const double value = from.at(name).get<double>();
@@ -30,32 +31,14 @@ std::string method_of(const json& from) {
 }
 
 UserTrial trial_from(const json& from) {
-  constexpr double kHour = 3600.0, kFar = 1e5;
-  const auto task = static_cast<int>(bounded(from, "task", 2.0));
-  return {.method = method_of(from),
-          .task = task,
-          .practice = from.at("practice").get<bool>(),
-          .allowed = bounded(from, "allowed", kHour),
-          .time = bounded(from, "time", kHour),
-          .reached = from.at("reached").get<bool>(),
-          .collisions = static_cast<int>(bounded(from, "collisions", kFar)),
-          .min_clearance = bounded(from, "min_clearance", kFar),
-          .path_length = bounded(from, "path_length", kFar)};
-}
-
-json to_json(const UserTest& test) {
-  json trials = json::array();
-  for (const auto& t : test.trials)
-    trials.push_back({{"method", t.method},
-                      {"task", t.task},
-                      {"practice", t.practice},
-                      {"allowed", t.allowed},
-                      {"time", t.time},
-                      {"reached", t.reached},
-                      {"collisions", t.collisions},
-                      {"min_clearance", t.min_clearance},
-                      {"path_length", t.path_length}});
-  return {{"person", test.person}, {"trials", std::move(trials)}};
+  constexpr double kFar = 1e5;
+  UserTrial trial = parse_trial_asked(from);
+  trial.time = bounded(from, "time", kHour);
+  trial.reached = from.at("reached").get<bool>();
+  trial.collisions = static_cast<int>(bounded(from, "collisions", kFar));
+  trial.min_clearance = bounded(from, "min_clearance", kFar);
+  trial.path_length = bounded(from, "path_length", kFar);
+  return trial;
 }
 
 void write(const std::filesystem::path& path, const std::string& text, std::ios::openmode mode) {
@@ -65,6 +48,25 @@ void write(const std::filesystem::path& path, const std::string& text, std::ios:
 }
 
 }  // namespace
+
+void to_json(json& to, const UserTrial& trial) {
+  to = {{"method", trial.method},
+        {"task", trial.task},
+        {"practice", trial.practice},
+        {"allowed", trial.allowed},
+        {"time", trial.time},
+        {"reached", trial.reached},
+        {"collisions", trial.collisions},
+        {"min_clearance", trial.min_clearance},
+        {"path_length", trial.path_length}};
+}
+
+UserTrial parse_trial_asked(const json& from) {
+  return {.method = method_of(from),
+          .task = static_cast<int>(bounded(from, "task", 2.0)),
+          .practice = from.at("practice").get<bool>(),
+          .allowed = bounded(from, "allowed", kHour)};
+}
 
 UserTest parse_user_test(std::string_view text) {
   try {
@@ -103,7 +105,8 @@ std::filesystem::path save(const UserTest& test, const std::filesystem::path& fo
     if (std::filesystem::exists(path)) continue;
     const auto csv = folder / "user_tests.csv";
     write(csv, to_csv(test, !std::filesystem::exists(csv)), std::ios::app);
-    write(path, to_json(test).dump(2) + "\n", std::ios::out);
+    const json whole{{"person", test.person}, {"trials", test.trials}};
+    write(path, whole.dump(2) + "\n", std::ios::out);
     return path;
   }
   throw std::runtime_error(folder.string() + " holds " + std::to_string(kMaxTests) + " tests");

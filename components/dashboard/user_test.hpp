@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what the page measured while a person took the test. Out: files on the robot's side.
+// In: what a page says of a person's test. Out: files on the robot's side.
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,11 @@ struct UserTest {
   int person = 0;
   std::vector<UserTrial> trials;
 };
+
+void to_json(nlohmann::json& json, const UserTrial& trial);
+/// What was asked for, without what came of it: `method`, `task`, `practice` and `allowed`. Throws
+/// std::invalid_argument for what is none, and nlohmann's exceptions.
+[[nodiscard]] UserTrial parse_trial_asked(const nlohmann::json& json);
 
 /// Throws std::invalid_argument for what is no user test, numbers out of reason included.
 [[nodiscard]] UserTest parse_user_test(std::string_view json);

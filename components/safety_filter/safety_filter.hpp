@@ -3,6 +3,7 @@
 // contact.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -96,9 +97,10 @@ struct Filtered {
   Twist2 requested;  ///< what was asked for
   Twist2 safe;       ///< what is safe: equals `twist` while enforcing
   FilterReason reason = FilterReason::kNoCommand;
-  double scale = 0.0;      ///< fraction of the requested command that is safe
-  double clearance = 0.0;  ///< of the outline at the measured pose [m], at most 1
-  bool refused = false;    ///< it would move the robot, and for what is near nothing of it passed
+  double scale = 0.0;  ///< fraction of the requested command that is safe
+  /// Of the outline at the measured pose [m], at most 1; NaN where it was not looked.
+  double clearance = std::numeric_limits<double>::quiet_NaN();
+  bool refused = false;  ///< it would move the robot, and for what is near nothing of it passed
 };
 
 /// The last word before the wheels: trusts nobody upstream.

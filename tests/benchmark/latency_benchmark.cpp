@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "bringup/metrics.hpp"
+#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"

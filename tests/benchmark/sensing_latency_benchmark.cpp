@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "bringup/metrics.hpp"
+#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
 #include "convert.hpp"
 #include "support/private_domain.hpp"

@@ -81,7 +81,8 @@ class Client:
             number, = struct.unpack_from("<I", frame, 1)
             topic, name = self.wanted[number]
             if self.decodes:
-                self.messages.setdefault(topic, []).append(self.types.deserialize_cdr(frame[13:], name))
+                self.messages.setdefault(topic, []).append(
+                    json.loads(frame[13:]) if name is None else self.types.deserialize_cdr(frame[13:], name))
         elif frame[0] == 3:
             _, call, size = struct.unpack_from("<III", frame, 1)
             self.answers[call] = frame[13 + size:]
@@ -116,18 +117,19 @@ class Client:
     def subscribe(self, topic):
         self.until(lambda: topic in self.channels)
         channel = self.channels[topic]
-        if self.decodes:
+        is_json = channel["encoding"] == "json"
+        if self.decodes and not is_json:
             self.types.register(get_types_from_msg(channel["schema"], channel["schemaName"]))
         number = len(self.wanted)
-        self.wanted[number] = (topic, channel["schemaName"])
+        self.wanted[number] = (topic, None if is_json else channel["schemaName"])
         self.say(op="subscribe", subscriptions=[{"id": number, "channelId": channel["id"]}])
 
     def newest(self, topic):
         return self.messages.get(topic, [None])[-1]
 
-    def advertise(self, number, topic, name):
+    def advertise(self, number, topic, name, encoding="cdr"):
         self.say(op="advertise",
-                 channels=[{"id": number, "topic": topic, "encoding": "cdr", "schemaName": name}])
+                 channels=[{"id": number, "topic": topic, "encoding": encoding, "schemaName": name}])
 
     def publish(self, number, payload):
         self.socket.send(struct.pack("<BI", 1, number) + payload)
@@ -195,6 +197,38 @@ def seat(robot):
     second.socket.close()
     first.until(lambda: first.newest("/odom").twist.twist.linear.x > 0.2,
                 beat=lambda: first.publish(1, joy(1.0, 0.0, 1)))  # the seat is free again
+
+
+def trial(robot):
+    """A trial of the user test is measured at the robot, for who drives."""
+    client, other = Client(robot.port), Client(robot.port)
+    for c in (client, other):
+        c.subscribe("/odom")
+        c.subscribe("/dashboard/trial")
+        c.advertise(1, "/joy", "sensor_msgs/msg/Joy")
+        c.advertise(2, "/dashboard/begin_trial", "tandem.TrialRequest", encoding="json")
+    drives = lambda: client.publish(1, joy(1.0, 0.0, 1))
+    client.until(lambda: client.newest("/odom") and client.newest("/odom").twist.twist.linear.x > 0.2, beat=drives)
+    asked = {"id": 5, "method": "manual", "task": 1, "practice": False, "allowed": 2}
+    begin = lambda c, what: c.publish(2, json.dumps(what).encode())
+    begin(client, {**asked, "allowed": -1})
+    client.until(lambda: any("allowed is outside" in status for status in client.statuses), beat=drives)
+    begin(other, {**asked, "id": 6})
+    other.until(lambda: "someone else is driving" in other.statuses, beat=drives)
+    begin(client, asked)
+    client.until(lambda: "trial" in (client.newest("/dashboard/trial") or {}), beat=drives)
+    told = client.messages["/dashboard/trial"]
+    assert {state["id"] for state in told} == {5}
+    assert [state["time"] for state in told] == sorted(state["time"] for state in told)
+    came_to = told[-1]["trial"]
+    print(came_to, len(told))
+    assert all(came_to[key] == asked[key] for key in ("method", "task", "practice", "allowed"))
+    assert came_to["time"] == 2.0 and came_to["collisions"] == 0 and not came_to["reached"]
+    assert 0.1 < came_to["path_length"] < 3.0 and 0.0 < came_to["min_clearance"] <= 1.0
+    late = Client(robot.port)  # a page that was away meanwhile, and everybody may look
+    late.subscribe("/dashboard/trial")
+    late.until(lambda: late.newest("/dashboard/trial"))
+    assert late.newest("/dashboard/trial") == told[-1]
 
 
 def ask(port, host):
@@ -315,7 +349,7 @@ def soak(robot):
         client.decodes = False
         client.until(lambda: len(client.channels) > 15)
         for topic in list(client.channels):
-            if not topic.endswith("/seat"):
+            if client.channels[topic]["encoding"] == "cdr":
                 client.subscribe(topic)
     clients[0].advertise(1, "/joy", "sensor_msgs/msg/Joy")
     end, rest = time.monotonic() + float(os.environ.get("TANDEM_SOAK", "5" if SANITIZED else "120")), threading.Event()
@@ -366,7 +400,7 @@ def slow(robot):
     assert 2 in clients
 
 
-CHECKS = {check.__name__: check for check in (drive, seat, door, token, hostile, slow, soak)}
+CHECKS = {check.__name__: check for check in (drive, seat, trial, door, token, hostile, slow, soak)}
 PARAMETERS = {"token": ("address:=0.0.0.0",)}
 
 if __name__ == "__main__":

@@ -94,6 +94,7 @@ class WebClient : public testing::Test {
 
 TEST_F(WebClient, SeesTopicsDrivesAndCallsServices) { expect_client_passes("drive"); }
 TEST_F(WebClient, DrivesAloneUntilAnotherTakesTheWheel) { expect_client_passes("seat"); }
+TEST_F(WebClient, WhoDrivesHasATrialMeasured) { expect_client_passes("trial"); }
 TEST_F(WebClient, IsKeptOutWhereItHasNoBusiness) { expect_client_passes("door"); }
 TEST_F(WebClient, NeedsTheTokenWhereOthersCanReachTheDoor) { expect_client_passes("token"); }
 TEST_F(WebClient, ThatIsHostileChangesNothingForTheRobot) { expect_client_passes("hostile"); }

@@ -144,6 +144,7 @@ TEST(SafetyFilter, StopsWithoutACommandAMapOrAPose) {
   filter.on_map(wall_ahead());
   EXPECT_EQ(filter.update(std::nullopt, 0.0).reason, FilterReason::kNotLocalized);
   EXPECT_EQ(filter.update(std::nullopt, 0.0).twist, Twist2{});
+  EXPECT_TRUE(std::isnan(filter.update(std::nullopt, 0.0).clearance));  // not zero: nobody looked
   EXPECT_EQ(filter.update(at(-2.0), 0.0).reason, FilterReason::kClear);
   EXPECT_EQ(filter.update(at(-2.0), 0.16).reason, FilterReason::kNoCommand);
   EXPECT_EQ(filter.update(at(-2.0), 0.16).twist, Twist2{});

@@ -62,6 +62,7 @@ function findRobot(): void {
     robot.seat = m;
     showSeat();
   });
+  connection.subscribe(`${dashboard}/trial`, (m) => userTest.onTrial(m));
   robot.follow(namespace);
 }
 
@@ -189,7 +190,7 @@ function showNumbers(): void {
   const speed = robot.speed;
   write("speed", speed ? `${(Math.round(100 * speed.v) / 100 || 0).toFixed(2)} m/s` : "–");
   write("turn", speed ? `${Math.round((speed.w * 180) / Math.PI) || 0} °/s` : "–"); // and no -0
-  const clearance = filter?.clearance ?? planner?.clearance;
+  const clearance = [filter, planner].map((status) => status?.clearance).find(Number.isFinite);
   write("clearance", Number.isFinite(clearance) ? `${clearance.toFixed(2)} m` : "–");
   at("clearance").classList.toggle("near", clearance < 0.15);
   write("policy", arbitration?.policy ?? "–");
@@ -302,8 +303,8 @@ for (const button of document.querySelectorAll<HTMLInputElement>("input[name=fra
 keyboard.onScale = () =>
   say(`Keys: ${percent(keyboard.scale.linear)} forward, ${percent(keyboard.scale.angular)} turning`);
 
-new UserTest(
-  connection, robot, driver, view, () => ({ namespace, dashboard }), at("test"), at("banner"),
+const userTest = new UserTest(
+  connection, driver, view, () => ({ namespace, dashboard }), at("test"), at("banner"),
 );
 
 // --- parameters --------------------------------------------------------------------------------------

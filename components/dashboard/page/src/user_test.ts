@@ -4,7 +4,6 @@
 import type { Connection } from "./connection";
 import type { Driver } from "./driver";
 import { setText } from "./parameters";
-import type { Pose, Robot } from "./robot";
 import type { View } from "./view";
 
 interface Phase {
@@ -12,7 +11,7 @@ interface Phase {
   task: 0 | 1 | 2; // 0: practice
   allowed: number; // [s]
 }
-/** As the robot's side saves it: see user_test.hpp. */
+/** As the robot's side measures and saves it: see user_test.hpp. */
 interface Trial {
   method: string;
   task: number;
@@ -26,7 +25,6 @@ interface Trial {
 }
 
 const REGION = { x0: 3, y0: 1.5, x1: 5, y1: 3.5 }; // [m] of task 2
-const BEAT = 50; // [ms]
 const TITLE = { manual: "Direct", shared: "Shared" };
 const TASK = ["Practice", "Task 1", "Task 2"];
 const WHAT = [
@@ -53,6 +51,7 @@ export function phases(person: number, practice: number, task1: number): Phase[]
 export class UserTest {
   private trials: Trial[] = [];
   private timer = 0;
+  private running?: { id: number; phase: Phase; later: Phase[] };
   private person = 1;
   private practice = 60; // [s]
   private task1 = 120; // [s]
@@ -60,7 +59,6 @@ export class UserTest {
 
   constructor(
     private connection: Connection,
-    private robot: Robot,
     private driver: Driver,
     private view: View,
     private names: () => { namespace: string; dashboard: string },
@@ -136,30 +134,35 @@ export class UserTest {
     this.show(WHAT[phase.task]!, this.button("Leave the test", () => this.intro()));
   }
 
+  // The robot's side measures, by the code that measures everything here.
   private run(phase: Phase, later: Phase[]): void {
     this.driver.enabled = true;
-    const start = performance.now(), before = this.robot.collisions;
-    let last: Pose | undefined;
-    const trial: Trial = {
-      method: phase.method, task: Math.max(1, phase.task), practice: phase.task === 0, allowed: phase.allowed,
-      time: 0, reached: false, collisions: 0, min_clearance: 1e3, path_length: 0,
-    };
-    this.timer = window.setInterval(() => {
-      trial.time = Math.min(phase.allowed, (performance.now() - start) / 1000);
-      trial.collisions = Math.max(0, this.robot.collisions - before);
-      const clearance = this.robot.get("safety_filter/status")?.clearance;
-      if (clearance >= 0) trial.min_clearance = Math.min(trial.min_clearance, clearance);
-      const pose = this.robot.pose;
-      if (pose && last) trial.path_length += Math.hypot(pose.x - last.x, pose.y - last.y);
-      last = pose;
-      trial.reached = phase.task === 2 && pose !== undefined && inside(pose);
-      const clock = phase.task === 2 ? trial.time : phase.allowed - trial.time;
-      this.say(`${TASK[phase.task]}: ${clock.toFixed(1)} s` + (trial.collisions > 0 ? `, ${trial.collisions} collisions` : ""));
-      if (!trial.reached && trial.time < phase.allowed) return;
-      this.end();
-      this.trials.push(trial);
-      this.next(later);
-    }, BEAT);
+    const id = Date.now();
+    const sent = this.connection.publish(`${this.names().dashboard}/begin_trial`, "tandem.TrialRequest", {
+      id, method: phase.method, task: Math.max(1, phase.task), practice: phase.task === 0, allowed: phase.allowed,
+      ...(phase.task === 2 ? { region: [REGION.x0, REGION.y0, REGION.x1, REGION.y1] } : {}),
+    });
+    if (sent) {
+      this.running = { id, phase, later };
+      this.say(TASK[phase.task]!); // until the robot is heard
+      return;
+    }
+    this.say("The connection is lost");
+    this.next([phase, ...later]);
+  }
+
+  /** What the robot's side says of the trial that goes on there. */
+  onTrial(state: { id: number; time: number; collisions: number; trial?: Trial }): void {
+    if (state.id !== this.running?.id) return;
+    const { phase, later } = this.running;
+    const clock = phase.task === 2 ? state.time : phase.allowed - state.time;
+    this.say(
+      `${TASK[phase.task]}: ${clock.toFixed(1)} s` + (state.collisions > 0 ? `, ${state.collisions} collisions` : ""),
+    );
+    if (!state.trial) return;
+    this.end();
+    this.trials.push(state.trial);
+    this.next(later);
   }
 
   private finish(): void {
@@ -189,7 +192,7 @@ export class UserTest {
 
   private end(): void {
     clearTimeout(this.timer);
-    clearInterval(this.timer);
+    this.running = undefined;
     this.driver.enabled = true;
     this.view.region = undefined;
     this.say("");
@@ -216,10 +219,6 @@ export class UserTest {
     };
     return button;
   }
-}
-
-function inside(pose: Pose): boolean {
-  return pose.x > REGION.x0 && pose.x < REGION.x1 && pose.y > REGION.y0 && pose.y < REGION.y1;
 }
 
 function table(rows: [string, string, string][]): HTMLTableElement {

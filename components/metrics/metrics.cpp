@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bringup/metrics.hpp"
+#include "metrics/metrics.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -59,6 +59,12 @@ void DriveCounts::on_filtered(double t, bool changed) {
   if (changed) ++filter_interventions;
   if (changed && !was_changed_) ++filter_episodes;
   was_changed_ = changed;
+}
+
+long NodeTotal::growth(std::uint64_t total, bool just_begun) {
+  const std::uint64_t before = last_.value_or(just_begun ? 0 : total);
+  last_ = total;
+  return static_cast<long>(total >= before ? total - before : total);
 }
 
 void Metrics::add(const DriveSample& sample) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bringup/smoothness.hpp"
+#include "metrics/smoothness.hpp"
 
 #include <gtest/gtest.h>
 

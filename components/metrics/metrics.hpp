@@ -5,13 +5,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "bringup/smoothness.hpp"
+#include "metrics/smoothness.hpp"
 #include "model/obstacle.hpp"
 #include "model/se2.hpp"
 
@@ -78,6 +79,17 @@ struct DriveCounts {
  private:
   long last_look_ = -1;
   bool was_changed_ = false;
+};
+
+/// A total that a node has counted since its own start, which may be long before the drive.
+class NodeTotal {
+ public:
+  /// By how much it has grown since the node's last word. A total that fell is that of a node that
+  /// began anew, at zero. What a first word tells of is past, unless the node has just begun.
+  [[nodiscard]] long growth(std::uint64_t total, bool just_begun = false);
+
+ private:
+  std::optional<std::uint64_t> last_;
 };
 
 /// Where the time of a drive in lockstep went [s].
