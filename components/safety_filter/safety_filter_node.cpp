@@ -39,7 +39,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
 
 void SafetyFilterNode::update() {
   const Filtered out = next();
-  if (out.reason != last_.reason) node_.log().debug("{}", name(out.reason));
+  if (out.reason != last_.reason) node_.log().debug("{}", why(out));
   last_ = out;
   updated_ = node_.steady_now();
   send(out.twist);
@@ -56,6 +56,10 @@ Filtered SafetyFilterNode::next() {
   const auto robot = robot_.state();
   filter_.on_map(map_.map(robot));
   return filter_.update(robot, node_.now());
+}
+
+const char* SafetyFilterNode::why(const Filtered& out) const {
+  return out.reason == FilterReason::kNoMap ? map_.missing() : name(out.reason);
 }
 
 void SafetyFilterNode::send(const Twist2& twist) {
@@ -77,7 +81,7 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
   if (changed) ++interventions_;
   tandem_msgs::msg::FilterStatus msg;
   msg.header(header(node_.stamp(), params_->input.frames.map));
-  msg.reason(name(out.reason));
+  msg.reason(why(out));
   msg.scale(out.scale);
   msg.clearance(out.clearance);
   msg.enforcing(params_->filter.enforce);
@@ -90,7 +94,7 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
 
 void SafetyFilterNode::diagnose() {
   if (params_->filter.enforce)
-    return diagnostics_.say(last_.reason < FilterReason::kNoCommand, name(last_.reason));
+    return diagnostics_.say(last_.reason < FilterReason::kNoCommand, why(last_));
   node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
   diagnostics_.say(false, "NOT ENFORCING: commands pass unchanged");
 }

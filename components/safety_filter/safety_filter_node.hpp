@@ -52,6 +52,7 @@ class SafetyFilterNode {
  private:
   void update();
   [[nodiscard]] Filtered next();
+  [[nodiscard]] const char* why(const Filtered& out) const;  // in words
   void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);

@@ -29,7 +29,7 @@ void SharedDwaNode::choose() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
   if (!robot) return stop("not localised: odom or map → odom is missing or too old");
-  if (!map) return stop("no map");
+  if (!map) return stop(map_.missing());
   user_.forget_later_than(node_.now());
   if (!user_.fresh(node_.now(), params_->user_timeout)) return stop("cmd_vel_user is silent");
   standing_for_ = {};

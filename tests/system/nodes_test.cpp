@@ -223,7 +223,7 @@ class FilterOverDds : public OneComponent {
 };
 
 TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "no map"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "no map yet"; }));
   send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
 }

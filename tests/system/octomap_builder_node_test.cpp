@@ -144,7 +144,7 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNoth
     odom.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
     command.publish(to_msg(Twist2{0.3, 0.0}));
   });
-  ASSERT_TRUE(wait_until([&] { return v == 0.0 && reason == "no map"; }));
+  ASSERT_TRUE(wait_until([&] { return v == 0.0 && reason == "no map yet"; }));
 
   octomap_msgs::msg::Octomap msg;
   msg.binary(true);
@@ -161,7 +161,7 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNoth
   msg.data(encode_octomap(tree));
   ASSERT_TRUE(wait_until([&] { return v < 0.3 && reason != "clear"; }));
   looks = {};
-  EXPECT_TRUE(wait_until([&] { return v == 0.0 && reason == "no map"; }));
+  EXPECT_TRUE(wait_until([&] { return v == 0.0 && reason == "octomap_local is silent"; }));
 }
 
 }  // namespace
