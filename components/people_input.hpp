@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,19 +13,26 @@
 namespace tandem {
 
 /// Subscribes `people` for a node. A list in another frame, or with somebody in it who is no finite
-/// ellipse, is logged and dropped whole: who is left out of it might be the one in the way.
+/// ellipse, is logged and dropped whole: who is left out of it might be the one in the way. So is
+/// each while two nodes publish them, and for `kTwoSpeak` after: a list tells of everybody near,
+/// and one of the two leaves out whom the other sees.
 class PeopleInput {
  public:
   using Heard = std::function<void(std::vector<Obstacle>)>;
+  static constexpr double kTwoSpeak = 1.0;  // [s]
 
   PeopleInput(rt::Node& node, std::string map_frame, Heard heard);
   PeopleInput(const PeopleInput&) = delete;
   PeopleInput& operator=(const PeopleInput&) = delete;
 
  private:
+  [[nodiscard]] bool two_speak();
+
   rt::Node& node_;
   std::string map_frame_;
   Heard heard_;
+  std::optional<rt::PublisherId> sender_ = {};  // of the last list
+  double sent_ = 0.0, two_until_ = 0.0;  // [s] steady: when that was; how long two count as it
   rt::Subscription people_;
 };
 

@@ -270,6 +270,21 @@ TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
 }
 
+// Another robot's tracker sees nobody, and says so more often.
+TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
+  list_ = somebody(5.0);
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
+  const auto other = node_.create_publisher(topics::people);
+  auto others_beat = node_.create_wall_timer(
+      0.007, [&] { other.publish(to_msg(std::vector<Obstacle>{}, header({}, frame_))); });
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  words_.clear();
+  ASSERT_TRUE(wait_until([&] { return words_["people silent"] > 100; }));
+  EXPECT_EQ(words_.size(), 1U);
+  others_beat = {};
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
+}
+
 TEST_F(FilterAmongPeople, NoNumberOfAnyoneMayBeNotFinite) {
   people_beat_ = {};
   using Person = tandem_msgs::msg::Obstacle;
