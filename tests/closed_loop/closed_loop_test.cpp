@@ -20,7 +20,7 @@ namespace {
 // Ten times as slow: one drive of each kind, for what the sanitizer sees in it.
 constexpr unsigned kSeeds = 1;
 const auto kOpen = ::testing::Values("forest_task2");
-const auto kNarrow = ::testing::Values("doorway");
+const auto kNarrow = ::testing::Values("clutter");
 const auto kMethods = ::testing::Values("leader", "path", "blend");
 const auto kDelayed = ::testing::Values("leader");
 #else

@@ -16,7 +16,7 @@ namespace tandem::test {
 
 inline constexpr double kNoTransform = 1.0;  // [s] of silence of map → odom until a command of zero
 inline constexpr double kNoClock = 0.5;      // [s] real, of silence of /clock until that
-inline constexpr double kLasts = 2.0;        // [s] that a fault lasts which need not stop the robot
+inline constexpr double kLasts = 2.0 * kSpeed;  // [s] that a fault lasts which need not stop it
 
 /// Where the reason is told.
 enum class Told {

@@ -63,7 +63,7 @@ TEST_F(Wireless, LosesPackets) {
   for (const int percent : {10, 30, 50})
     faults.push_back(
         {std::to_string(percent) + " % of all packets lost, each way", losing(percent), none});
-  for (auto& fault : faults) fault.lasts = 5.0;
+  for (auto& fault : faults) fault.lasts = 5.0 * kSpeed;
   Fault gone{"network gone", losing(100), none, "cmd_vel_user is silent"};
   faults.push_back(gone);
   gone.name += " for so long that DDS forgets the other";
