@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The dashboard of a whole system, and people at it who are not ours: Python's websockets
-// (client.py) and a real browser (browser/browser_test.mjs). Built by tests/interop/build_peers;
-// what could not be is skipped.
+// The dashboard of a whole system, and clients of it that are not ours: Python's websockets
+// (client.py), installed by tests/interop/build_peers; skipped where they could not be.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -34,38 +33,36 @@ std::vector<std::string> client_arguments(const std::string& check) {
           check};
 }
 
-// Two minutes with five clients at a robot of their own, in a domain of its own: they begin after
-// the browser, to which a busy machine is a slow one, go on beside the other clients, and are
-// judged after the last of these. Under a sanitizer it is some seconds, after all, for nothing
-// would be in time beside them.
+// Two minutes with five clients at a robot of their own, in a domain of its own, beside the other
+// clients; judged after the last of these. Under a sanitizer it is some seconds, after all, for
+// nothing would be in time beside them.
 class Soak : public testing::Environment {
  public:
   void SetUp() override {
-    if (kSanitized) setenv("TANDEM_SANITIZED", "1", 1);  // whose memory grows for its own reasons
+    if (kSanitized)
+      setenv("TANDEM_SANITIZED", "1", 1);  // whose memory grows for its own reasons
+    else
+      begin();
   }
   void TearDown() override {
     if (kSanitized) begin();
     if (!clients_) return;
     EXPECT_EQ(clients_->wait(kTimeout), 0) << "five clients for a while";
   }
+
+ private:
   void begin() {
-    if (clients_ || !fs::exists(kPython) || GTEST_FLAG_GET(filter) != "*") return;
+    if (!fs::exists(kPython) || GTEST_FLAG_GET(filter) != "*") return;
     const std::string outer = std::getenv("ROS_DOMAIN_ID");
     domain_.emplace();
     clients_.emplace(kPython, client_arguments("soak"));
     setenv("ROS_DOMAIN_ID", outer.c_str(), 1);
   }
 
- private:
   std::optional<PrivateDomain> domain_;
   std::optional<ChildProcess> clients_;
 };
-
-Soak* soak() {
-  static auto* const only = new Soak;
-  return only;
-}
-[[maybe_unused]] const auto* const kSoak = testing::AddGlobalTestEnvironment(soak());
+[[maybe_unused]] const auto* const kSoak = testing::AddGlobalTestEnvironment(new Soak);
 
 void expect_client_passes(const std::string& check) {
   if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
@@ -73,32 +70,13 @@ void expect_client_passes(const std::string& check) {
   EXPECT_EQ(client.wait(kTimeout), 0);
 }
 
-TEST(Browser, DrivesTheRobotAndTakesTheUserTest) {
-  if (kSanitized) GTEST_SKIP() << "a browser beside a sanitizer: nothing of it would be in time";
-  const fs::path modules = kPeers / "browser", chromium = "/usr/bin/chromium",
-                 node = "/usr/bin/node";
-  for (const fs::path& needed : {modules / "node_modules", chromium, node})
-    if (!fs::exists(needed)) GTEST_SKIP() << "NOT TESTED: there is no " << needed;
-  ChildProcess browser{node,
-                       {TANDEM_SOURCE_DIR "/tests/dashboard/browser/browser_test.mjs", modules,
-                        kTandem, kSystems, chromium}};
-  EXPECT_EQ(browser.wait(kTimeout), 0);
-}
-
-class WebClient : public testing::Test {
- public:
-  static void SetUpTestSuite() {
-    if (!kSanitized) soak()->begin();
-  }
-};
-
-TEST_F(WebClient, SeesTopicsDrivesAndCallsServices) { expect_client_passes("drive"); }
-TEST_F(WebClient, DrivesAloneUntilAnotherTakesTheWheel) { expect_client_passes("seat"); }
-TEST_F(WebClient, WhoDrivesHasATrialMeasured) { expect_client_passes("trial"); }
-TEST_F(WebClient, IsKeptOutWhereItHasNoBusiness) { expect_client_passes("door"); }
-TEST_F(WebClient, NeedsTheTokenWhereOthersCanReachTheDoor) { expect_client_passes("token"); }
-TEST_F(WebClient, ThatIsHostileChangesNothingForTheRobot) { expect_client_passes("hostile"); }
-TEST_F(WebClient, ThatIsSlowIsDropped) { expect_client_passes("slow"); }
+TEST(WebClient, SeesTopicsDrivesAndCallsServices) { expect_client_passes("drive"); }
+TEST(WebClient, DrivesAloneUntilAnotherTakesTheWheel) { expect_client_passes("seat"); }
+TEST(WebClient, WhoDrivesHasATrialMeasured) { expect_client_passes("trial"); }
+TEST(WebClient, IsKeptOutWhereItHasNoBusiness) { expect_client_passes("door"); }
+TEST(WebClient, NeedsTheTokenWhereOthersCanReachTheDoor) { expect_client_passes("token"); }
+TEST(WebClient, ThatIsHostileChangesNothingForTheRobot) { expect_client_passes("hostile"); }
+TEST(WebClient, ThatIsSlowIsDropped) { expect_client_passes("slow"); }
 
 }  // namespace
 }  // namespace tandem::test

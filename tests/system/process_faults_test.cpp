@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// As faults_test.cpp: what goes wrong with processes, their clocks and the machine below them.
+// As faults_test.cpp: what goes wrong with processes and their clocks.
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
-#include <thread>
 #include <tuple>
 
 #include "system/faulty_system.hpp"
@@ -120,17 +118,6 @@ TEST_F(Faults, NoOldCommandComesBack) {
   EXPECT_FALSE(moved) << "command " << system_.command.v << " m/s, " << system_.command.w
                       << " rad/s; moves at " << system_.truth.twist.v;
   EXPECT_GT(system_.commands, commands);  // it is back
-}
-
-// Two processes for each core that want all of it.
-TEST_F(Faults, OfTheMachine) {
-  const auto hogs = std::make_shared<std::vector<std::unique_ptr<ChildProcess>>>();
-  const auto begin = [hogs] {
-    for (unsigned i = 0; i < 2 * std::max(1U, std::thread::hardware_concurrency()); ++i)
-      hogs->push_back(std::make_unique<ChildProcess>(
-          "/bin/sh", std::vector<std::string>{"-c", "while :; do :; done"}));
-  };
-  suffer({{"all CPU time wanted by others", begin, [hogs] { hogs->clear(); }}});
 }
 
 class ClockFaults : public Faults {

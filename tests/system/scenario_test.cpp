@@ -1,110 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program as its user runs it: scenarios over DDS and in lockstep, and what it says of bad
-// input.
-#include <gtest/gtest.h>
-
+// The program as its user runs it: scenarios in lockstep, tuning, and what it says of bad input.
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "support/captured_log.hpp"
-#include "support/child_process.hpp"
-#include "support/private_domain.hpp"
+#include "system/scenario_program.hpp"
 
-namespace tandem {
+namespace tandem::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kBudget = 35.0;  // [ms] of a planning cycle, the default
-
-class ScenarioProgram : public ::testing::Test {
- protected:
-  ScenarioProgram() { fs::create_directories(folder_); }
-  ~ScenarioProgram() override { fs::remove_all(folder_); }
-
-  // Runs `tandem scenario` and returns its exit status.
-  int run(const std::string& scenario, std::vector<std::string> options, double timeout = 150.0) {
-    std::vector<std::string> arguments{"scenario",
-                                       TANDEM_SOURCE_DIR "/bringup/scenarios/" + scenario + ".yaml",
-                                       "--json", json_file().string()};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    test::ChildProcess program{"../tandem", arguments};
-    return program.wait(timeout).value_or(-1);
-  }
-  [[nodiscard]] nlohmann::json json() const {
-    std::ifstream in{json_file()};
-    return nlohmann::json::parse(in);
-  }
-  [[nodiscard]] fs::path json_file() const { return folder_ / "result.json"; }
-
-  fs::path folder_ = fs::temp_directory_path() / ("tandem_scenario_" + std::to_string(getpid()));
-};
-
-TEST_F(ScenarioProgram, LeaderReachesTheRegionOverDds) {
-  ASSERT_EQ(run("forest_task2", {"--dds", "--picture", folder_.string()}), 0);
-  const auto drive = json().at(0);
-  EXPECT_EQ(drive.at("reached"), true);
-  EXPECT_EQ(drive.at("collisions"), 0);
-  EXPECT_EQ(drive.at("lockstep"), false);
-  EXPECT_GT(drive.at("plan_ms").at("p50"), 0.0);
-  EXPECT_GT(fs::file_size(folder_ / "forest_task2_leader_1.png"), 10'000u);
-}
-
-struct Drive {
-  const char *scenario, *method, *speed;
-};
-
-// One seed of each scenario by the real nodes. The long ones run faster than real time by /clock.
-class OverDds : public ScenarioProgram, public ::testing::WithParamInterface<Drive> {};
-
-TEST_P(OverDds, HoldsWhatTheScenarioExpects) {
-  const Drive& drive = GetParam();
-  ASSERT_EQ(run(drive.scenario, {"--dds", "--method", drive.method, "--speed", drive.speed}), 0);
-  const auto result = json().at(0);
-  EXPECT_EQ(result.at("collisions"), 0);
-  if (result.at("plans") == 0) return;
-  EXPECT_LE(result.at("plan_fallbacks").get<double>(), 0.01 * result.at("plans").get<double>());
-  // Wall-clock time: the machine may take the processor away from a solve now and then.
-  EXPECT_LE(result.at("plan_overruns").get<double>(), 0.002 * result.at("plans").get<double>());
-  EXPECT_LE(result.at("plan_ms").at("p99").get<double>(), kBudget);
-}
-
-#if defined(__SANITIZE_ADDRESS__)  // slow code misses its deadlines: only that it drives
-INSTANTIATE_TEST_SUITE_P(Sanitized, OverDds,
-                         ::testing::Values(Drive{"corridor", "safety_filter", "1"}),
-                         [](const auto&) { return "corridor"; });
-#else
-INSTANTIATE_TEST_SUITE_P(
-    Scenarios, OverDds,
-    ::testing::Values(Drive{"forest_task2", "intention", "1"}, Drive{"forest_task2", "blend", "1"},
-                      Drive{"forest_task1", "leader", "2"}, Drive{"corridor", "leader", "1"},
-                      Drive{"corridor", "safety_filter", "1"}, Drive{"slalom", "leader", "2"},
-                      Drive{"table_3_1", "goal", "4"}, Drive{"table_3_2", "goal", "4"}),
-    [](const auto& test) { return std::string(test.param.scenario) + "_" + test.param.method; });
-#endif
-
-TEST_F(ScenarioProgram, OtherMethodsAndDriversDriveOverDds) {
-  const std::pair<const char*, const char*> drives[] = {{"dwa", "navigator+tremor"},
-                                                        {"adaptive", "pointer+dropouts"}};
-  for (const auto& [method, driver] : drives) {
-    EXPECT_EQ(run("forest_task2", {"--dds", "--method", method, "--driver", driver}), 0) << method;
-    const auto drive = json().at(0);
-    EXPECT_EQ(drive.at("collisions"), 0) << method;
-    EXPECT_EQ(drive.at("driver"), driver);
-    EXPECT_GT(drive.at("plans"), 50) << method;
-  }
-}
-
-TEST_F(ScenarioProgram, HindsightDrivesOverDdsThroughANodeOfItsOwn) {
-  ASSERT_EQ(run("ward_goals", {"--dds", "--seed", "6", "--speed", "2"}), 0);
-  const auto drive = json().at(0);
-  EXPECT_EQ(drive.at("collisions"), 0);
-  EXPECT_GT(drive.at("plans"), 50);
-}
 
 TEST_F(ScenarioProgram, SameSeedGivesTheSameDriveBitForBit) {
   ASSERT_EQ(run("forest_task2", {"--lockstep", "--seed", "3"}), 0);
@@ -145,7 +51,7 @@ TEST_F(ScenarioProgram, ExitsWithOneWhenWhatMustHoldDidNot) {
                          "start: [-4, -4, 0]\ngoal: {region: [3, 1.5, 5, 3.5]}\n"
                          "method: safety_filter\nduration: 1\n"
                          "parameters: {driver: {route: [4, 2.5]}}\n";
-  test::ChildProcess program{"../tandem", {"scenario", file.string(), "--lockstep"}};
+  ChildProcess program{"../tandem", {"scenario", file.string(), "--lockstep"}};
   EXPECT_EQ(program.wait(20.0), 1);
 }
 
@@ -153,7 +59,7 @@ TEST_F(ScenarioProgram, RefusesFilesThatAreNotThere) {
   EXPECT_EQ(run("nowhere", {"--lockstep"}, 20.0), 1);
   EXPECT_EQ(run("forest_task2", {"--lockstep", "--map", "/nowhere.bt"}, 20.0), 1);
   for (const char* command : {"run", "map"}) {
-    test::ChildProcess program{"../tandem", {command, "/nowhere.yaml"}};
+    ChildProcess program{"../tandem", {command, "/nowhere.yaml"}};
     EXPECT_EQ(program.wait(20.0), 1) << command;
   }
 }
@@ -167,7 +73,7 @@ struct BadOption {
 class BadOptions : public ScenarioProgram, public ::testing::WithParamInterface<BadOption> {};
 
 TEST_P(BadOptions, AreRefusedInOneLineBeforeAnythingMoves) {
-  const test::CapturedLog log;
+  const CapturedLog log;
   EXPECT_EQ(run("forest_task2", GetParam().words, 20.0), 1);
   EXPECT_NE(log.text().find(GetParam().complaint), std::string::npos) << log.text();
   EXPECT_EQ(log.lines("tandem: "), 1) << log.text();
@@ -187,18 +93,18 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(ScenarioProgram, KnowsBeforeTheDriveThatItsResultCannotBeWritten) {
-  const test::CapturedLog log;
-  test::ChildProcess program{"../tandem",
-                             {"scenario", TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml",
-                              "--json", "/no/such/folder.json"}};
+  const CapturedLog log;
+  ChildProcess program{"../tandem",
+                       {"scenario", TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml",
+                        "--json", "/no/such/folder.json"}};
   EXPECT_EQ(program.wait(20.0), 1);
   EXPECT_EQ(log.lines("--json /no/such/folder.json: cannot be written"), 1) << log.text();
 }
 
 TEST_F(ScenarioProgram, NamesACommandThatDoesNotExist) {
-  const test::CapturedLog log;
+  const CapturedLog log;
   for (const auto& words : std::vector<std::vector<std::string>>{{"scenarios"}, {"map", "draw"}}) {
-    test::ChildProcess program{"../tandem", words};
+    ChildProcess program{"../tandem", words};
     EXPECT_EQ(program.wait(20.0), 1);
     EXPECT_EQ(log.lines("tandem: no command '" + words.back() + "'"), 1) << log.text();
   }
@@ -211,13 +117,13 @@ TEST_F(ScenarioProgram, TunesAndWritesWhatItFound) {
                                      "--evaluations", "2",   "--out",         tuned.string()};
   std::vector<std::string> words{"tune", scenario, "--vary", "local_planner.weight_heading"};
   words.insert(words.end(), few.begin(), few.end());
-  test::ChildProcess good{"../tandem", words};
+  ChildProcess good{"../tandem", words};
   EXPECT_EQ(good.wait(100.0), 0);
   std::ifstream in{tuned};
   const std::string text{std::istreambuf_iterator<char>{in}, {}};
   EXPECT_NE(text.find("local_planner:\n  ros__parameters:\n    weight_heading: "),
             std::string::npos);
-  test::ChildProcess bad{"../tandem", {"tune", scenario, "--vary", "local_planner.nonsense"}};
+  ChildProcess bad{"../tandem", {"tune", scenario, "--vary", "local_planner.nonsense"}};
   EXPECT_EQ(bad.wait(20.0), 1);
 }
 
@@ -247,11 +153,11 @@ TEST(Program, DescribesEachComponentThatItLists) {
   int components = 0;
   for (char line[100]; std::fgets(line, sizeof line, list.get()) != nullptr; ++components) {
     const std::string name{line, std::strcspn(line, "\n")};
-    test::ChildProcess describe{"../tandem", {"describe", name}};
+    ChildProcess describe{"../tandem", {"describe", name}};
     EXPECT_EQ(describe.wait(20.0), 0) << name;
   }
   EXPECT_GE(components, 14);
 }
 
 }  // namespace
-}  // namespace tandem
+}  // namespace tandem::test
