@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Sanitized, OverDds,
 INSTANTIATE_TEST_SUITE_P(
     Scenarios, OverDds,
     ::testing::Values(Drive{"forest_task2", "intention", "1"}, Drive{"forest_task2", "blend", "2"},
-                      Drive{"forest_task1", "leader", "2"}, Drive{"corridor", "leader", "1"},
+                      Drive{"forest_task1", "leader", "4"}, Drive{"corridor", "leader", "1"},
                       Drive{"corridor", "safety_filter", "2"}, Drive{"slalom", "leader", "2"},
                       Drive{"table_3_1", "goal", "4"}, Drive{"table_3_2", "goal", "4"}),
     [](const auto& test) { return std::string(test.param.scenario) + "_" + test.param.method; });
