@@ -45,7 +45,7 @@ struct NmpcParams {
   double margin = 0.04;
   double margin_v = 0.18;
   double margin_w = 0.02;
-  double margin_moving = 0.35;
+  double margin_moving = 0.6;  // people: 0.35 and 0.5 stand more among them, 0.7 and 1 come late
   double weight_slack = 3.0;
   double disc_overhang = 0.014;
   double disc_radius = 0.0;
