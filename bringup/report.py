@@ -3,7 +3,7 @@
 """The report of a study: DIR/report.html, which holds everything, and its pictures as DIR/*.png.
 
 Usage: report.py DIR    (what `tandem study` left there: drives.jsonl, drives.json, summary.json,
-                         study.json, worlds.json)
+                         builds.json, study.json, worlds.json)
 """
 import base64
 import html
@@ -28,6 +28,7 @@ class Study:
         self.drives = self.read("drives.json")
         self.summary = self.read("summary.json")
         self.worlds = self.read("worlds.json")
+        self.builds = self.read("builds.json")
         self.methods = list(dict.fromkeys(d["method"] for d in self.drives))
         self.drivers = list(dict.fromkeys(d["driver"] for d in self.drives))
         self.scenarios = list(dict.fromkeys(d["scenario"] for d in self.drives))
@@ -180,7 +181,10 @@ def page(study):
         f"<p>{len(study.drives)} simulated drives, {simulated / 3600:.1f} hours, "
         f"{collisions} collisions; {len(study.scenarios)} scenarios, {len(study.methods)} methods, "
         f"{len(study.drivers)} drivers."
-        + (f" <b>{missing} drives are still to be made.</b>" if missing else "") + "</p>",
+        + (f" <b>{missing} drives are still to be made.</b>" if missing else "")
+        + (f" <b>Made by {len(study.builds)} builds of tandem: "
+           f"{', '.join(map(str, study.builds.values()))} drives.</b>"
+           if len(study.builds) > 1 else "") + "</p>",
         "<p>Medians over seeds with bootstrap 95 % confidence intervals in brackets; shares with "
         "Wilson's. Times count drives that arrived. A collision is a contact episode: it ends when "
         "the outline has been clear by 0.05 m for 0.5 s.</p>",

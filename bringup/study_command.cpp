@@ -65,6 +65,15 @@ void make_drives(const Study& study, StudyFolder& folder, const Request& request
   std::fprintf(stderr, "%s: %zu drives%s by %u processes%s\n", study.name.c_str(), all,
                shard.count > 1 ? " of this shard" : "", request.jobs,
                todo.size() < all ? fmt::format(", {} made before", all - todo.size()).c_str() : "");
+  const auto builds = folder.builds();
+  const std::size_t others =
+      folder.finished().size() - (builds.contains(this_build()) ? builds.at(this_build()) : 0);
+  if (others > 0)
+    std::fprintf(
+        stderr,
+        "%s: %zu finished drives, %zu of them by another build of tandem, which may differ "
+        "from those made now; for a study by one build name another folder\n",
+        folder.path().c_str(), folder.finished().size(), others);
   Lockstep lockstep;  // each process has its own from here on
   ProgressBar bar{all, all - todo.size(), "drives"};
   long collisions = 0;
@@ -121,11 +130,15 @@ void write_results(const StudyFolder& folder, const Request& request) {
   const auto file = [&](const char* name) { return folder.path() + "/" + name; };
   write_file(file("drives.json"), nlohmann::json(drives).dump(1) + "\n");
   write_file(file("drives.csv"), csv_of(drives));
+  const auto builds = folder.builds();
+  write_file(file("builds.json"), nlohmann::json(builds).dump(1) + "\n");
   write_file(file("summary.json"), summary_of(groups).dump(1) + "\n");
   std::printf("%s\n%s", study_table(groups).c_str(), cost_table(drives).c_str());
   std::fflush(stdout);
   if (!request.no_report) report(folder);
-  std::printf("%zu drives in %s\n", drives.size(), folder.path().c_str());
+  std::printf(
+      "%zu drives in %s%s\n", drives.size(), folder.path().c_str(),
+      builds.size() > 1 ? fmt::format(", by {} builds of tandem", builds.size()).c_str() : "");
 }
 
 void run(const Request& request) {

@@ -9,7 +9,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "bringup/checksum.hpp"
 
 namespace tandem {
 namespace {
@@ -111,12 +116,28 @@ std::vector<DriveResult> StudyFolder::results() const {
   return results;
 }
 
+std::map<std::string, std::size_t> StudyFolder::builds() const {
+  std::map<std::string, std::size_t> builds;
+  for (const auto& [name, line] : finished_) ++builds[line.value("build", "")];
+  return builds;
+}
+
 void StudyFolder::append(const std::string& name, nlohmann::json line) {
   line["name"] = name;
+  if (!line.contains("build")) line["build"] = this_build();
   const std::string file = folder_ + "/drives.jsonl";
   write_all(file_, line.dump() + "\n", file);
   if (fsync(file_) != 0) fail(file, std::strerror(errno));
   finished_.insert_or_assign(name, std::move(line));
+}
+
+const std::string& this_build() {
+  static const std::string build = [] {
+    std::ifstream in{"/proc/self/exe", std::ios::binary};
+    const std::string program{std::istreambuf_iterator<char>{in}, {}};
+    return fmt::format("{:016x}", checksum(program));
+  }();
+  return build;
 }
 
 nlohmann::json contents_of(const Study& study) {

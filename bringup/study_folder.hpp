@@ -14,7 +14,8 @@ namespace tandem {
 /// What the drives of a study leave behind:
 ///
 ///   study.json    what the study is, and its drives' names in order
-///   drives.jsonl  a line for each finished drive, in the order in which they finished
+///   drives.jsonl  a line for each finished drive, in the order in which they finished, with the
+///                 build of tandem that made it: drives of two builds may differ
 ///
 /// A line is on the disk before append() returns; a last line that was torn by a crash is dropped
 /// by the next one who opens the folder. One process at a time.
@@ -32,7 +33,10 @@ class StudyFolder {
   [[nodiscard]] const std::map<std::string, nlohmann::json>& finished() const { return finished_; }
   /// Finished drives in the study's order.
   [[nodiscard]] std::vector<DriveResult> results() const;
-  /// Keeps a finished drive. Throws std::runtime_error if the disk takes no more.
+  /// How many drives each build made; of "" those that do not say.
+  [[nodiscard]] std::map<std::string, std::size_t> builds() const;
+  /// Keeps a finished drive, as one of this build unless the line says another. Throws
+  /// std::runtime_error if the disk takes no more.
   void append(const std::string& name, nlohmann::json line);
 
  private:
@@ -44,6 +48,9 @@ class StudyFolder {
   std::map<std::string, nlohmann::json> finished_;
   int file_ = -1;
 };
+
+/// Tells one build of this program from another: a checksum of the executable.
+[[nodiscard]] const std::string& this_build();
 
 /// What study.json says of a study.
 [[nodiscard]] nlohmann::json contents_of(const Study& study);

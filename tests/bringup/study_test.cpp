@@ -272,6 +272,20 @@ TEST_F(Folder, KeepsWhatIsFinishedInTheStudysOrder) {
   EXPECT_EQ(results[1].time_to_goal_s, 3.0);
 }
 
+TEST_F(Folder, SaysWhichBuildMadeADrive) {
+  const std::string path = (folder_ / "out").string();
+  {
+    StudyFolder folder{path, kStudy};
+    folder.append("one", line_of(1.0));
+    folder.append("two", line_of(2.0));
+    auto merged = line_of(3.0);
+    merged["build"] = "another";
+    folder.append("three", merged);
+  }
+  const std::map<std::string, std::size_t> builds{{this_build(), 2}, {"another", 1}};
+  EXPECT_EQ((StudyFolder{path, kStudy}.builds()), builds);
+}
+
 // However much of a line a crash left, what was before it is kept and what comes after it is whole.
 TEST_F(Folder, DropsALastLineTornAnywhere) {
   const std::string path = (folder_ / "out").string(), file = path + "/drives.jsonl";

@@ -148,6 +148,21 @@ TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
   EXPECT_FALSE(fs::exists(out("none")));
 }
 
+TEST_F(StudyProgram, SaysThatADriveIsOfAnotherBuild) {
+  fs::copy(out("whole"), out("mixed"));
+  std::ifstream in{out("whole") + "/drives.jsonl", std::ios::binary};
+  std::string text{std::istreambuf_iterator<char>{in}, {}};
+  const std::string key = "\"build\":\"";
+  text.replace(text.find(key) + key.size(), 16, "0123456789abcdef");
+  std::ofstream{out("mixed") + "/drives.jsonl", std::ios::binary} << text;
+  const test::CapturedLog log;
+  ASSERT_EQ(run({study(), "--out", out("mixed")}), 0);
+  EXPECT_EQ(log.lines("1 of them by another build of tandem"), 1) << log.text();
+  const json builds = json::parse(std::ifstream{out("mixed") + "/builds.json"});
+  EXPECT_EQ(builds.size(), 2u);
+  EXPECT_EQ(builds.at("0123456789abcdef"), 1);
+}
+
 // What another command says, in a line of one error, before it drives.
 void expect_complaint(const std::vector<std::string>& words, const std::string& complaint) {
   const test::CapturedLog log;
