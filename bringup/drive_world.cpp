@@ -68,7 +68,9 @@ Grid base_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params) {
 }
 
 LiveSensing::LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder)
-    : sim_{sim}, X_BS_{mounting("scan_pose", builder.scan_pose)}, map_{builder.map} {}
+    : sim_{sim},
+      X_BS_{mounting("scan_pose", builder.scan_pose).value_or(scanner_place())},
+      map_{builder.map} {}
 
 void LiveSensing::on_odometry(const RobotState& robot, double stamp) {
   poses_.add(robot.X_MB, robot.twist, stamp);
@@ -78,16 +80,18 @@ std::optional<Grid> LiveSensing::look(const DiffDriveSim& sim, const SliceParams
                                       double t) {
   auto before = std::exchange(seen_, std::nullopt);
   std::vector<float> ranges;
-  for (const double range : sim.scan(sim_.scan_beams, sim_.scan_range))
-    ranges.push_back(static_cast<float>(range));
+  for (int i = 0; i < sim_.scan_beams; ++i)
+    ranges.push_back(
+        static_cast<float>(sim.beam(sim.state().X_MB, i, sim_.scan_beams, sim_.scan_range)));
   const RangeScan scan{.angle_min = -std::numbers::pi,
                        .angle_increment = 2.0 * std::numbers::pi / sim_.scan_beams,
                        .range_min = 0.0,
                        .range_max = sim_.scan_range,
                        .ranges = ranges};
   const auto X_MB = poses_.at(t);
-  if (X_MB && map_.insert(echoes_of(scan), in_space(*X_MB) * X_BS_, t))
-    seen_ = slice(map_.tree(), params);
+  if (!X_MB) return before;
+  const Look look{echoes_of(scan), in_space(*X_MB) * X_BS_};
+  if (map_.insert({&look, 1}, t)) seen_ = slice(map_.tree(), params);
   return before;
 }
 

@@ -7,6 +7,8 @@
 namespace tandem {
 namespace {
 
+constexpr double kLeastNorm = 1e-6;  // a quaternion that is shorter says nothing
+
 geometry_msgs::msg::Point point(double x, double y, double z = 0.0) {
   geometry_msgs::msg::Point p;
   p.x(x);
@@ -146,6 +148,31 @@ geometry_msgs::msg::TransformStamped to_transform(const Pose2& X,
   return msg;
 }
 
+std::optional<Eigen::Isometry3d> from_msg(const geometry_msgs::msg::Transform& msg) {
+  const auto& t = msg.translation();
+  const auto& r = msg.rotation();
+  const Eigen::Quaterniond q{r.w(), r.x(), r.y(), r.z()};
+  const Eigen::Vector3d p{t.x(), t.y(), t.z()};
+  if (!p.allFinite() || !(q.norm() > kLeastNorm) || !std::isfinite(q.norm())) return std::nullopt;
+  return Eigen::Translation3d(p) * q.normalized();
+}
+
+geometry_msgs::msg::TransformStamped to_transform(const Eigen::Isometry3d& X,
+                                                  const std_msgs::msg::Header& header,
+                                                  const std::string& child) {
+  geometry_msgs::msg::TransformStamped msg;
+  msg.header(header);
+  msg.child_frame_id(child);
+  const Eigen::Vector3d p = X.translation();
+  const Eigen::Quaterniond q{X.linear()};
+  msg.transform().translation(vector(p.x(), p.y(), p.z()));
+  msg.transform().rotation().x(q.x());
+  msg.transform().rotation().y(q.y());
+  msg.transform().rotation().z(q.z());
+  msg.transform().rotation().w(q.w());
+  return msg;
+}
+
 Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg) {
   Obstacles obstacles;
   for (const auto& m : msg.obstacles()) {
@@ -177,9 +204,9 @@ tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
   return msg;
 }
 
-Echoes from_msg(const sensor_msgs::msg::LaserScan& msg) {
-  return echoes_of(RangeScan{msg.angle_min(), msg.angle_increment(), msg.range_min(),
-                             msg.range_max(), msg.ranges()});
+RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg) {
+  return {msg.angle_min(), msg.angle_increment(), msg.range_min(),
+          msg.range_max(), msg.time_increment(),  msg.ranges()};
 }
 
 Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg) {

@@ -3,6 +3,7 @@
 // is not finite stops here.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <msgs.hpp>
 #include <optional>
 #include <span>
@@ -63,6 +64,12 @@ struct Odometry {
                                                                 const std_msgs::msg::Header& header,
                                                                 const std::string& child);
 
+/// The whole transform. Nothing if a number is not finite or the quaternion is zero.
+[[nodiscard]] std::optional<Eigen::Isometry3d> from_msg(const geometry_msgs::msg::Transform& msg);
+[[nodiscard]] geometry_msgs::msg::TransformStamped to_transform(const Eigen::Isometry3d& X,
+                                                                const std_msgs::msg::Header& header,
+                                                                const std::string& child);
+
 /// Obstacles that are finite with a ≥ b > 0; others are counted in `refused`.
 struct Obstacles {
   std::vector<Obstacle> all;
@@ -72,8 +79,9 @@ struct Obstacles {
 [[nodiscard]] tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
                                                      const std_msgs::msg::Header& header);
 
-/// What a sensor measured; malformed messages give an error in it. Intensities are not read.
-[[nodiscard]] Echoes from_msg(const sensor_msgs::msg::LaserScan& msg);
+/// The scan, which looks into the message. Intensities are not read.
+[[nodiscard]] RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg);
+/// What a sensor measured; malformed messages give an error in it.
 [[nodiscard]] Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg);
 
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,

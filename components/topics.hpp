@@ -65,6 +65,10 @@ inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> diagnostics{"/diag
 inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom"};
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
     "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}};
+/// What is fixed to what: said once, kept for those who come later; each who says it keeps their
+/// own.
+inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
+    "/tf_static", {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100}};
 inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
 inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
 inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};

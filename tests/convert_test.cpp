@@ -31,6 +31,19 @@ TEST(Convert, PoseComesBackWithItsHeading) {
   }
 }
 
+TEST(Convert, ATransformInSpaceComesBackAndOneThatIsNoneDoesNot) {
+  const Eigen::Isometry3d X = Eigen::Translation3d(1.0, -2.0, 0.5) *
+                              Eigen::AngleAxisd(2.0, Eigen::Vector3d(1.0, 2.0, -1.0).normalized());
+  auto msg = to_transform(X, header({}, "base_link"), "laser").transform();
+  EXPECT_TRUE(from_msg(msg)->isApprox(X, 1e-12));
+  msg.translation().z(kNaN);
+  EXPECT_FALSE(from_msg(msg));
+  EXPECT_FALSE(from_msg(geometry_msgs::msg::Transform{}));  // its quaternion is zero
+  msg = to_transform(X, header({}, "base_link"), "laser").transform();
+  msg.rotation().w(std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(from_msg(msg));
+}
+
 TEST(Convert, HeadingIsTheYawOfATiltedPose) {
   geometry_msgs::msg::Pose msg;  // yaw π/2 after a roll of π
   msg.orientation().x(std::numbers::sqrt2 / 2);

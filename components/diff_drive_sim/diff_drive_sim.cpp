@@ -169,14 +169,9 @@ OdometryReport DiffDriveSim::odometry() const {
   return {sample.t, sample.X_WB, sample.twist, X_MW};
 }
 
-std::vector<double> DiffDriveSim::scan(int beams, double max_range) const {
-  std::vector<double> ranges;
-  ranges.reserve(static_cast<std::size_t>(beams));
-  for (int i = 0; i < beams; ++i) {
-    const double angle = -std::numbers::pi + 2.0 * std::numbers::pi * i / beams;
-    ranges.push_back(map_->cast_ray(state_.X_MB.position(), state_.X_MB.theta + angle, max_range));
-  }
-  return ranges;
+double DiffDriveSim::beam(const Pose2& X_MB, int i, int beams, double max_range) const {
+  const double angle = -std::numbers::pi + 2.0 * std::numbers::pi * i / beams;
+  return map_->cast_ray(X_MB.position(), X_MB.theta + angle, max_range);
 }
 
 }  // namespace tandem

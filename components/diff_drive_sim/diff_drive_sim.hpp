@@ -94,8 +94,9 @@ class DiffDriveSim {
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
-  /// Ranges of `beams` rays from B's origin, evenly from −π on, counter-clockwise [m].
-  [[nodiscard]] std::vector<double> scan(int beams, double max_range) const;
+  /// Range of ray `i` of `beams` from the origin of B at X_MB, evenly from −π on, counter-clockwise
+  /// [m].
+  [[nodiscard]] double beam(const Pose2& X_MB, int i, int beams, double max_range) const;
 
  private:
   struct Sample {

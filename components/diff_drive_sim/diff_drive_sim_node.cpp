@@ -37,6 +37,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       odom_{node.create_publisher(topics::odom)},
       ground_truth_{node.create_publisher(topics::ground_truth)},
       tf_{node.create_publisher(topics::tf)},
+      tf_static_{node.create_publisher(topics::tf_static)},
       scan_{node.create_publisher(topics::scan)},
       collision_{node.create_publisher(topics::collision)},
       people_{node.create_publisher(topics::people)},
@@ -44,6 +45,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
                [this](const Twist2& twist) { sim_.command(twist, sim_.state().t); }} {
   cmd_vel_.judge_stamps_by([this] { return sim_.state().t; });
   subscribe();
+  publish_frames();
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
 }
 
@@ -63,6 +65,8 @@ void DiffDriveSimNode::subscribe() {
 
 void DiffDriveSimNode::reset(const Pose2& X_MB) {
   sim_.reset(X_MB, static_cast<unsigned>(params_->seed));
+  ranges_.clear();  // half a turn from elsewhere is no scan
+  turn_began_ = sim_.state().t;
   node_.log().info("reset to ({:.2f}, {:.2f}, {:.2f})", X_MB.x, X_MB.y, X_MB.theta);
 }
 
@@ -75,7 +79,7 @@ void DiffDriveSimNode::tick() {
     publish_people();
     publish_collision();
   }
-  if (due(params_->scan_rate)) publish_scan();
+  turn_scanner();
 }
 
 // Whether a beat of `rate` falls into the tick that just passed.
@@ -110,18 +114,44 @@ void DiffDriveSimNode::publish_odometry() {
                                header(stamp_at(truth.t), frames.map), frames.base));
 }
 
+void DiffDriveSimNode::publish_frames() {
+  tf2_msgs::msg::TFMessage msg;
+  msg.transforms().push_back(to_transform(
+      scanner_place(), header(stamp_at(0.0), params_->frames.base), params_->scan_frame));
+  tf_static_.publish(msg);
+}
+
+// The beams of this tick; with the last one the turn is told, and the next begins.
+void DiffDriveSimNode::turn_scanner() {
+  const auto& [t, X_MB, twist] = sim_.state();
+  const int beams = params_->scan_beams;
+  const double turn = 1.0 / params_->scan_rate;  // [s]
+  while (true) {
+    const auto i = static_cast<int>(ranges_.size());
+    const double taken = turn_began_ + turn * i / beams;
+    if (taken > t) return;
+    const double range =
+        sim_.beam(integrate(X_MB, twist, taken - t), i, beams, params_->scan_range);
+    ranges_.push_back(range < params_->scan_range ? static_cast<float>(range)
+                                                  : std::numeric_limits<float>::infinity());
+    if (i + 1 < beams) continue;
+    publish_scan();
+    ranges_.clear();
+    turn_began_ += turn;
+  }
+}
+
 void DiffDriveSimNode::publish_scan() {
   sensor_msgs::msg::LaserScan msg;
-  msg.header(header(stamp_at(sim_.state().t), params_->frames.base));
+  msg.header(header(stamp_at(turn_began_), params_->scan_frame));
   const double increment = 2.0 * std::numbers::pi / params_->scan_beams;
   msg.angle_min(static_cast<float>(-std::numbers::pi));
   msg.angle_max(static_cast<float>(std::numbers::pi - increment));
   msg.angle_increment(static_cast<float>(increment));
   msg.scan_time(static_cast<float>(1.0 / params_->scan_rate));
+  msg.time_increment(static_cast<float>(1.0 / (params_->scan_rate * params_->scan_beams)));
   msg.range_max(static_cast<float>(params_->scan_range));
-  for (const double range : sim_.scan(params_->scan_beams, params_->scan_range))
-    msg.ranges().push_back(range < params_->scan_range ? static_cast<float>(range)
-                                                       : std::numeric_limits<float>::infinity());
+  msg.ranges(ranges_);
   scan_.publish(msg);
 }
 

@@ -28,6 +28,7 @@ struct DiffDriveSimNodeParams {
   double scan_rate = 10.0;
   int scan_beams = 360;
   double scan_range = 10.0;
+  std::string scan_frame = "base_scan";
   StampParams input{.max_stamp_age = 0.0};  // not all who send know its time
 
   template <class Visitor>
@@ -48,20 +49,27 @@ struct DiffDriveSimNodeParams {
     field("step", step, Range{0.001, 0.1}, "[s] of simulated time between two /clock");
     field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated per real time");
     field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] of odom, tf and ground truth");
-    field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz]");
+    field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz] turns of the scanner");
     field("scan_beams", scan_beams, Range{1, 10000}, "rays of a scan, all around");
     field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] farthest echo");
+    field("scan_frame", scan_frame, "name of the scanner's frame, 0.3 m above base_link's");
     input.visit(field);
   }
 };
+
+/// X_BS of its scanner.
+[[nodiscard]] inline Eigen::Isometry3d scanner_place() {
+  return Eigen::Isometry3d{Eigen::Translation3d(0.0, 0.0, 0.3)};
+}
 
 /// The people who walk there. Throws std::invalid_argument, as walkers_of.
 [[nodiscard]] inline People people_of(const DiffDriveSimNodeParams& params) {
   return {walkers_of(params.people), params.people_acceleration};
 }
 
-/// cmd_vel, initialpose → odom, tf, ground_truth/odom, people, scan, collision, /clock.
+/// cmd_vel, initialpose → odom, tf, tf_static, ground_truth/odom, people, scan, collision, /clock.
 ///
+/// The scanner turns as a real one does: a beam after the other, from where the robot is then.
 /// Runs by steady time at `speed_factor`; a late beat is made up for by simulated time running
 /// slower, never by a jump. Service: ~/reset (back to the start).
 class DiffDriveSimNode {
@@ -75,6 +83,8 @@ class DiffDriveSimNode {
   [[nodiscard]] bool due(double rate) const;
   void publish_clock();
   void publish_odometry();
+  void publish_frames();
+  void turn_scanner();
   void publish_scan();
   void publish_collision();
   void publish_people();
@@ -84,10 +94,12 @@ class DiffDriveSimNode {
   rt::Parameters<DiffDriveSimNodeParams> params_;
   DiffDriveSim sim_;
   long ticks_ = 0;
+  std::vector<float> ranges_;  // of the scanner's turn so far
+  double turn_began_ = 0.0;    // [s]
 
   rt::Publisher<rosgraph_msgs::msg::Clock> clock_;
   rt::Publisher<nav_msgs::msg::Odometry> odom_, ground_truth_;
-  rt::Publisher<tf2_msgs::msg::TFMessage> tf_;
+  rt::Publisher<tf2_msgs::msg::TFMessage> tf_, tf_static_;
   rt::Publisher<sensor_msgs::msg::LaserScan> scan_;
   rt::Publisher<tandem_msgs::msg::Collision> collision_;
   rt::Publisher<tandem_msgs::msg::ObstacleArray> people_;

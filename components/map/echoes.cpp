@@ -59,12 +59,19 @@ std::string field_error(const CloudLayout& layout, const CloudField& field) {
 
 }  // namespace
 
-Echoes echoes_of(const RangeScan& scan) {
+std::string error_of(const RangeScan& scan) {
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
-    return refused("angle_min and angle_increment must be finite");
+    return "angle_min and angle_increment must be finite";
   if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min) ||
       !std::isfinite(scan.range_max))
-    return refused("range_min and range_max must be finite, 0 ≤ range_min < range_max");
+    return "range_min and range_max must be finite, 0 ≤ range_min < range_max";
+  if (!(scan.time_increment >= 0.0) || !std::isfinite(scan.time_increment))
+    return "time_increment must be finite and not negative";
+  return {};
+}
+
+Echoes echoes_of(const RangeScan& scan) {
+  if (auto error = error_of(scan); !error.empty()) return refused(std::move(error));
   Echoes echoes;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double range = scan.ranges[i];

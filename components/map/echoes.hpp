@@ -18,12 +18,17 @@ struct Echoes {
   std::string error;
 };
 
-/// A plane of ranges, as in sensor_msgs/LaserScan: beam i at angle_min + i · angle_increment.
+/// A plane of ranges, as in sensor_msgs/LaserScan: beam i at angle_min + i · angle_increment, taken
+/// i · time_increment after the first.
 struct RangeScan {
   double angle_min = 0.0, angle_increment = 0.0;  ///< [rad]
   double range_min = 0.0, range_max = 0.0;        ///< [m]
+  double time_increment = 0.0;                    ///< [s]
   std::span<const float> ranges;                  ///< [m]
 };
+
+/// Why the scan's numbers cannot be right, in one line; empty if they can.
+[[nodiscard]] std::string error_of(const RangeScan& scan);
 
 /// +inf, and what is range_max or more, is a beam that met nothing up to range_max (REP 117). NaN,
 /// −inf and what is below range_min say nothing.

@@ -51,12 +51,26 @@ LocalMap::LocalMap(const LocalMapParams& params)
       window_{box_around(Eigen::Vector3d::Zero())},
       p_MC_{Eigen::Vector3d::Zero()} {}
 
-bool LocalMap::insert(const Echoes& echoes, const Eigen::Isometry3d& X_MS, double t) {
-  const Eigen::Vector3d p_MS = X_MS.translation();
-  if (!X_MS.matrix().allFinite() || p_MS.cwiseAbs().maxCoeff() > farthest()) return false;
-  follow(p_MS);
+bool LocalMap::insert(std::span<const Look> looks, double t) {
+  for (const auto& [echoes, X_MS] : looks)
+    if (!X_MS.matrix().allFinite() || X_MS.translation().cwiseAbs().maxCoeff() > farthest())
+      return false;
+  if (looks.empty()) return true;
+  follow(looks.back().X_MS.translation());
   free_.clear();
   occupied_.clear();
+  for (const Look& each : looks) look(each);
+  for (const octomap::OcTreeKey& key : free_)
+    if (occupied_.count(key) == 0) tree_.updateNode(key, false, true);
+  for (const octomap::OcTreeKey& key : occupied_) mark(key, t);
+  if (params_.decay > 0.0) forget_old(t);
+  return true;
+}
+
+// Its echoes into `occupied_`, its beams' ways into `free_`.
+void LocalMap::look(const Look& look) {
+  const auto& [echoes, X_MS] = look;
+  const Eigen::Vector3d p_MS = X_MS.translation();
   ends_.clear();
   for (const Eigen::Vector3d& p_SQ : echoes.p_SQ) {
     const double range = p_SQ.norm();
@@ -72,12 +86,6 @@ bool LocalMap::insert(const Echoes& echoes, const Eigen::Isometry3d& X_MS, doubl
   }
   for (const Eigen::Vector3d& p_SFree : echoes.p_SFree)
     clear_way(p_MS, X_MS * (p_SFree * std::min(1.0, params_.max_range / p_SFree.norm())));
-
-  for (const octomap::OcTreeKey& key : free_)
-    if (occupied_.count(key) == 0) tree_.updateNode(key, false, true);
-  for (const octomap::OcTreeKey& key : occupied_) mark(key, t);
-  if (params_.decay > 0.0) forget_old(t);
-  return true;
 }
 
 // A window round such a point has keys in OctoMap.

@@ -5,6 +5,7 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <span>
 #include <unordered_map>
 
 #include "map/echoes.hpp"
@@ -46,6 +47,12 @@ struct LocalMapParams {
   }
 };
 
+/// What a sensor at X_MS saw.
+struct Look {
+  Echoes echoes;
+  Eigen::Isometry3d X_MS;
+};
+
 /// What range sensors see, kept in an OctoMap of the robot's surroundings.
 ///
 /// One echo makes a voxel an obstacle, whatever was there before; a single one in space known to be
@@ -59,10 +66,10 @@ class LocalMap {
   LocalMap(const LocalMap&) = delete;
   LocalMap& operator=(const LocalMap&) = delete;
 
-  /// Takes in what a sensor at X_MS measured at time t [s]; the window follows the sensor. False,
-  /// and nothing is taken in, if X_MS is not finite or farther than OctoMap reaches (its 2¹⁵ voxels
-  /// from the map's origin).
-  [[nodiscard]] bool insert(const Echoes& echoes, const Eigen::Isometry3d& X_MS, double t);
+  /// Takes in looks that count as one, at time t [s]: what one of them met is no way for another.
+  /// The window follows the sensor. False, and nothing is taken in, if an X_MS is not finite or
+  /// farther than OctoMap reaches (its 2¹⁵ voxels from the map's origin).
+  [[nodiscard]] bool insert(std::span<const Look> looks, double t);
 
   /// Forgets all that was seen.
   void clear();
@@ -78,6 +85,7 @@ class LocalMap {
   };
 
   [[nodiscard]] double farthest() const;
+  void look(const Look& look);
   void follow(const Eigen::Vector3d& p_MS);
   [[nodiscard]] Box box_around(const Eigen::Vector3d& p_MC) const;
   void clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ);
@@ -90,7 +98,7 @@ class LocalMap {
   Eigen::Vector3d p_MC_;  // the window's middle
   std::unordered_map<octomap::OcTreeKey, double, octomap::OcTreeKey::KeyHash> seen_;  // time [s]
 
-  // Of the look being inserted; here to keep their memory.
+  // Of the looks being inserted; here to keep their memory.
   octomap::KeyRay ray_;
   octomap::KeySet free_, occupied_, ends_;
 };

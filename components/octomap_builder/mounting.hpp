@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: poses of the plane, and six numbers of a parameter. Out: poses in space.
+// In: poses of the plane, and a parameter's numbers. Out: poses in space.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -12,9 +13,11 @@
 namespace tandem {
 
 /// X_BS of a sensor from the parameter `name`: x, y, z, roll, pitch, yaw [m, rad], as
-/// static_transform_publisher takes them. Throws std::invalid_argument unless there are six.
-[[nodiscard]] inline Eigen::Isometry3d mounting(const std::string& name,
-                                                const std::vector<double>& numbers) {
+/// static_transform_publisher takes them; nothing without numbers. Throws std::invalid_argument if
+/// there are some, but not six.
+[[nodiscard]] inline std::optional<Eigen::Isometry3d> mounting(const std::string& name,
+                                                               const std::vector<double>& numbers) {
+  if (numbers.empty()) return std::nullopt;
   if (numbers.size() != 6)
     throw std::invalid_argument(name + ": needs six numbers, x, y, z, roll, pitch, yaw");
   return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) *

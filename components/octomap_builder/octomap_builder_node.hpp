@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "octomap_builder/frame_tree.hpp"
 #include "octomap_builder/local_map.hpp"
 #include "octomap_builder/mounting.hpp"
 #include "octomap_builder/pose_history.hpp"
+#include "octomap_builder/sweep.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 
 namespace tandem {
 
 struct OctomapBuilderNodeParams {
-  std::vector<double> scan_pose = {0.0, 0.0, 0.3, 0.0, 0.0, 0.0};
-  std::vector<double> cloud_pose = scan_pose;
+  std::vector<double> scan_pose, cloud_pose;
   LocalMapParams map;
   RobotStateParams input;
   double period = 0.05;
@@ -23,15 +26,18 @@ struct OctomapBuilderNodeParams {
     map.visit(field);
     input.visit(field);
     field("scan_pose", scan_pose, Range{-100.0, 100.0},
-          "[m, rad] x, y, z, roll, pitch, yaw of the frame of `scan` in base_link");
+          "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `scan` in base_link; empty: by "
+          "/tf_static and the frame of its header");
     field("cloud_pose", cloud_pose, Range{-100.0, 100.0},
-          "[m, rad] x, y, z, roll, pitch, yaw of the frame of `cloud_in` in base_link");
+          "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `cloud_in` in base_link; empty: by "
+          "/tf_static and the frame of its header");
     field("period", period, Range{0.01, 1.0}, "[s] at least, between two maps");
   }
 };
 
-/// scan, cloud_in, odom, tf → octomap_local: what is seen near the robot now.
+/// scan, cloud_in, odom, tf, tf_static → octomap_local: what is seen near the robot now.
 ///
+/// Each beam of a scan counts as taken when its time_increment says, from where the robot was then.
 /// Service ~/reset forgets all that was seen. Speaks only after a scan or cloud was taken in, so
 /// that its silence says that nobody looks.
 class OctomapBuilderNode {
@@ -39,23 +45,33 @@ class OctomapBuilderNode {
   explicit OctomapBuilderNode(rt::Node& node);
 
  private:
+  struct Sensor {
+    const char* topic;
+    std::optional<Eigen::Isometry3d> X_BS;  // by parameter
+    std::optional<double> unplaced = {};    // since when /tf_static lacks its frame [s]
+  };
+
   void subscribe();
-  void insert(const char* topic, const Echoes& echoes, const std_msgs::msg::Header& header,
-              const Eigen::Isometry3d& X_BS);
-  [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp);
+  void on_scan(const sensor_msgs::msg::LaserScan& msg);
+  void on_cloud(const sensor_msgs::msg::PointCloud2& msg);
+  [[nodiscard]] std::optional<Eigen::Isometry3d> place_of(Sensor& sensor, const std::string& frame);
+  [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp, double after);
+  void insert(const Sensor& sensor, const std::optional<std::vector<Look>>& looks,
+              const Stamp& stamp);
   void publish_if_due();
 
   rt::Node& node_;
   rt::Parameters<OctomapBuilderNodeParams> params_;
   LocalMap map_;
-  Eigen::Isometry3d X_BScan_, X_BCloud_;
+  Sensor scanner_, camera_;
+  FrameTree frames_;
   PoseHistory poses_;
   RobotStateInput robot_;
   std::optional<Stamp> unsent_;  // of the newest look that no map was sent with
   double sent_ = 0.0;            // node's clock [s]
 
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
-  rt::Subscription scan_, cloud_;
+  rt::Subscription scan_, cloud_, tf_static_;
   rt::Service reset_;
   rt::Timer timer_;
 };

@@ -79,7 +79,8 @@ void drive(const char* name, const StaticMap& world, const std::vector<Eigen::Ve
       const Eigen::Isometry3d X_MS = Eigen::Translation3d(X.x, X.y, 0.3) *
                                      Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
       clock.start();
-      if (!local.insert(echoes, X_MS, t += kPeriod)) return;
+      const Look look{echoes, X_MS};
+      if (!local.insert({&look, 1}, t += kPeriod)) return;
       clock.lap("1 insert [ms]");
       const auto bytes = encode_octomap(local.tree());
       clock.lap("2 encode [ms]");
@@ -116,10 +117,10 @@ void look_by_camera() {
     }
   LocalMap local({});
   Stopwatch clock;
-  const Eigen::Isometry3d X_MS{Eigen::Translation3d(0.0, 0.0, 0.6)};
+  const Look look{echoes, Eigen::Isometry3d{Eigen::Translation3d(0.0, 0.0, 0.6)}};
   for (int i = 0; i < 30; ++i) {
     clock.start();
-    if (!local.insert(echoes, X_MS, 0.1 * i)) return;
+    if (!local.insert({&look, 1}, 0.1 * i)) return;
     clock.lap("1 insert [ms]");
     const auto bytes = encode_octomap(local.tree());
     clock.lap("2 encode [ms]");

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
 #include "convert.hpp"
+#include "metrics/metrics.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
@@ -66,7 +66,7 @@ class Scanner {
  private:
   void scan() {
     sensor_msgs::msg::LaserScan msg;
-    msg.header(header(node_.stamp(), "base_link"));
+    msg.header(header(node_.stamp(), "base_scan"));
     msg.angle_increment(static_cast<float>(2.0 * std::numbers::pi / kBeams));
     msg.range_max(10.0F);
     msg.ranges().assign(kBeams, kRoom);
@@ -97,7 +97,9 @@ int measure() {
     rt::NodeOptions options;
     options.name = component;
     options.parameters.values["map_is_odom"] = {"true", "benchmark"};
-    if (std::string(component) != "octomap_builder")
+    if (std::string(component) == "octomap_builder")
+      options.parameters.values["scan_pose"] = {"[0, 0, 0.3, 0, 0, 0]", "benchmark"};
+    else
       options.parameters.values["map_source"] = {"local", "benchmark"};
     system.nodes.push_back({component, std::move(options)});
   }

@@ -151,10 +151,9 @@ TEST_F(DiffDriveSimTest, LetsARobotPutIntoAnObstacleLeaveIt) {
 }
 
 TEST_F(DiffDriveSimTest, ScansTheWall) {
-  const auto ranges = sim_.scan(360, 10.0);
-  ASSERT_EQ(ranges.size(), 360u);
-  EXPECT_NEAR(ranges[180], 1.5, 1e-6);  // straight ahead
-  EXPECT_EQ(ranges[0], 10.0);           // straight behind
+  const Pose2& X_MB = sim_.state().X_MB;
+  EXPECT_NEAR(sim_.beam(X_MB, 180, 360, 10.0), 1.5, 1e-6);  // straight ahead
+  EXPECT_EQ(sim_.beam(X_MB, 0, 360, 10.0), 10.0);           // straight behind
 }
 
 TEST_F(DiffDriveSimTest, NeedsAMap) {

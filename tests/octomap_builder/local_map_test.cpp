@@ -66,7 +66,8 @@ bool is_free(const LocalMap& map, const Eigen::Vector3d& p) {
 }
 
 void insert(LocalMap& map, const Echoes& echoes, const Pose2& X, double t) {
-  ASSERT_TRUE(map.insert(echoes, at(X), t));
+  const Look look{echoes, at(X)};
+  ASSERT_TRUE(map.insert({&look, 1}, t));
 }
 
 // A way through random worlds, a look from each place, other things there each time.
@@ -168,8 +169,10 @@ TEST(LocalMap, TakesNothingFromNowhere) {
   LocalMap map({});
   Eigen::Isometry3d X = at({});
   X.translation().x() = std::nan("");
-  EXPECT_FALSE(map.insert(one_echo(1.0, 0.0), X, 0.0));
-  EXPECT_FALSE(map.insert(one_echo(1.0, 0.0), at({1e6, 0.0, 0.0}), 0.0));
+  for (const Eigen::Isometry3d& X_MS : {X, at({1e6, 0.0, 0.0})}) {
+    const std::vector<Look> looks{{one_echo(1.0, 0.0), at({})}, {one_echo(1.0, 0.0), X_MS}};
+    EXPECT_FALSE(map.insert(looks, 0.0));
+  }
   EXPECT_EQ(map.tree().size(), 0U);
 }
 

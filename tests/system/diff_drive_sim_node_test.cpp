@@ -149,13 +149,22 @@ TEST_F(SimOverDds, ShowsItsClockItsFramesAndWhatItsScannerSees) {
   });
   const auto scan_in =
       node_.create_subscription(topics::scan, [&](const auto& msg) { scan = msg; });
-  ASSERT_TRUE(wait_until([&] { return clock.size() > 10 && X_MW && !scan.ranges().empty(); }));
+  std::optional<Eigen::Isometry3d> X_BS;  // of the scanner: told before anybody listened
+  const auto tf_static_in = node_.create_subscription(topics::tf_static, [&](const auto& msg) {
+    for (const auto& t : msg.transforms())
+      if (t.header().frame_id() == "base_link" && t.child_frame_id() == "base_scan")
+        X_BS = from_msg(t.transform());
+  });
+  ASSERT_TRUE(
+      wait_until([&] { return clock.size() > 10 && X_MW && X_BS && !scan.ranges().empty(); }));
   EXPECT_TRUE(std::is_sorted(clock.begin(), clock.end()));
   ASSERT_TRUE(X_WB);
   const Pose2 X_MB = compose(*X_MW, *X_WB);
   EXPECT_NEAR(X_MB.x, kStart, 1e-6);
   EXPECT_NEAR(X_MB.y, -2.0, 1e-6);
-  EXPECT_EQ(scan.header().frame_id(), "base_link");
+  EXPECT_EQ(scan.header().frame_id(), "base_scan");
+  EXPECT_TRUE(X_BS->isApprox(Eigen::Isometry3d{Eigen::Translation3d(0.0, 0.0, 0.3)}));
+  EXPECT_NEAR(scan.time_increment() * 360.0F, scan.scan_time(), 1e-6);
   ASSERT_EQ(scan.ranges().size(), 360u);
   EXPECT_NEAR(scan.ranges()[180], kPoleRim - kStart, 0.06);  // straight ahead: the pole
   EXPECT_NEAR(scan.ranges()[0], 5.0 + kStart, 0.06);         // behind: the wall

@@ -7,7 +7,8 @@
 namespace tandem::test {
 namespace {
 
-// A cloud in base_link of a pole that stands somewhere in the map: x, y, z as float32.
+// A cloud in base_link, at the height of the scanner, of a pole that stands somewhere in the map:
+// x, y, z as float32.
 sensor_msgs::msg::PointCloud2 pole_at(const Eigen::Vector2d& p_MP, const Pose2& X_MB, double t) {
   sensor_msgs::msg::PointCloud2 msg;
   msg.header(header(rt::to_stamp(std::llround(t * 1e9)), "base_link"));
@@ -31,7 +32,7 @@ sensor_msgs::msg::PointCloud2 pole_at(const Eigen::Vector2d& p_MP, const Pose2& 
     const double angle = 2.0 * std::numbers::pi * i / kPoints;
     const Eigen::Vector2d p_BQ =
         transform(inverse(X_MB), p_MP + 0.15 * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-    const float point[3] = {static_cast<float>(p_BQ.x()), static_cast<float>(p_BQ.y()), 0.0F};
+    const float point[3] = {static_cast<float>(p_BQ.x()), static_cast<float>(p_BQ.y()), 0.3F};
     std::memcpy(&msg.data()[static_cast<std::size_t>(12 * i)], point, sizeof point);
   }
   return msg;

@@ -25,14 +25,21 @@ class BuilderOverDds : public OneComponent {
       frame_ = msg.header().frame_id();
       ++maps_;
     });
+    publish_frame("base_link", "base_scan", Eigen::Isometry3d{Eigen::Translation3d(0, 0, 0.3)});
     odometry_ = node_.create_wall_timer(0.02, [this] {
       odom_.publish(to_msg(Odometry{kRobot, {}}, header(node_.stamp(), "odom"), "base_link"));
     });
   }
 
+  void publish_frame(const std::string& parent, const std::string& child,
+                     const Eigen::Isometry3d& X_PC) {
+    tf2_msgs::msg::TFMessage msg;
+    msg.transforms().push_back(to_transform(X_PC, header(node_.stamp(), parent), child));
+    tf_static_.publish(msg);
+  }
   [[nodiscard]] sensor_msgs::msg::LaserScan scan(float range) const {
     sensor_msgs::msg::LaserScan msg;
-    msg.header(header(node_.stamp(), "base_link"));
+    msg.header(header(node_.stamp(), "base_scan"));
     msg.angle_increment(static_cast<float>(kBeamTurn));
     msg.range_max(10.0F);
     msg.ranges().assign(360, range);
@@ -53,6 +60,7 @@ class BuilderOverDds : public OneComponent {
   rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
   rt::Publisher<sensor_msgs::msg::LaserScan> scan_ = node_.create_publisher(topics::scan);
   rt::Publisher<sensor_msgs::msg::PointCloud2> cloud_ = node_.create_publisher(topics::cloud_in);
+  rt::Publisher<tf2_msgs::msg::TFMessage> tf_static_ = node_.create_publisher(topics::tf_static);
   rt::Subscription maps_in_;
   rt::Timer odometry_;
   std::unique_ptr<octomap::OcTree> tree_;
@@ -103,6 +111,40 @@ TEST_F(BuilderOverDds, MalformedScansAndCloudsAreRefusedWithOneLineAndNothingIsL
   ASSERT_TRUE(wait_for_maps(1));
   EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
   EXPECT_FALSE(is_occupied(kRobot.x + 1.001, kRobot.y));
+}
+
+// A laser that looks backward from a mast, of which /tf_static tells in two messages, late.
+TEST_F(BuilderOverDds, WhereASensorSitsIsWhatTfStaticSaysOfItsFrame) {
+  auto ahead = scan(std::numeric_limits<float>::infinity());
+  ahead.header().frame_id("laser");
+  ahead.ranges()[0] = 2.001F;
+  const auto beat = node_.create_wall_timer(0.05, [&] {
+    ahead.header().stamp(node_.stamp());
+    scan_.publish(ahead);
+  });
+  ASSERT_TRUE(wait_until([&] {
+    return log_.lines(
+               "scan dropped: /tf_static does not say where its frame `laser` is on "
+               "`base_link`") > 0;
+  }));
+  EXPECT_EQ(maps_, 0);
+  publish_frame("base_link", "mast", Eigen::Isometry3d{Eigen::Translation3d(-0.5, 0.0, 0.0)});
+  publish_frame("mast", "laser",
+                Eigen::Translation3d(0.0, 0.0, 0.3) *
+                    Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+  ASSERT_TRUE(wait_until([&] { return maps_ > 0; }));
+  EXPECT_TRUE(is_occupied(kRobot.x, kRobot.y - 2.501));
+  EXPECT_FALSE(is_occupied(kRobot.x, kRobot.y + 2.001));
+}
+
+TEST_F(BuilderOverDds, AFrameThatIsNotFiniteIsRefused) {
+  Eigen::Isometry3d nowhere = Eigen::Isometry3d::Identity();
+  nowhere.translation().x() = kNaN;
+  publish_frame("base_link", "base_scan", nowhere);
+  ASSERT_TRUE(wait_until(
+      [&] { return log_.lines("/tf_static of `base_scan` is not finite: dropped") > 0; }));
+  ASSERT_TRUE(wait_for_maps(1));
+  EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
 }
 
 TEST_F(BuilderOverDds, ResetForgetsAllThatWasSeen) {

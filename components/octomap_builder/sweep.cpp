@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "octomap_builder/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "octomap_builder/mounting.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kTurn = 0.01;  // [rad]
+constexpr double kWay = 0.02;   // [m]
+constexpr double kMostParts = 100.0;
+
+std::size_t parts_between(const Pose2& first, const Pose2& last) {
+  const double turn = std::abs(wrap_angle(last.theta - first.theta));
+  const double way = (last.position() - first.position()).norm();
+  return static_cast<std::size_t>(
+      std::clamp(std::ceil(std::max(turn / kTurn, way / kWay)), 1.0, kMostParts));
+}
+
+RangeScan part_of(const RangeScan& scan, std::size_t begin, std::size_t end) {
+  RangeScan part = scan;
+  part.angle_min += static_cast<double>(begin) * scan.angle_increment;
+  part.ranges = scan.ranges.subspan(begin, end - begin);
+  return part;
+}
+
+}  // namespace
+
+std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const Eigen::Isometry3d& X_BS,
+                                          const PoseAfter& pose_after) {
+  const std::size_t beams = scan.ranges.size();
+  const auto after = [&](double beam) { return pose_after(beam * scan.time_increment); };
+  const auto first = after(0.0),
+             last = after(static_cast<double>(std::max<std::size_t>(beams, 1) - 1));
+  if (!first || !last) return std::nullopt;
+  const std::size_t parts = parts_between(*first, *last);
+  std::vector<Look> looks;
+  for (std::size_t i = 0; i < parts; ++i) {
+    const std::size_t begin = beams * i / parts, end = beams * (i + 1) / parts;
+    if (begin == end && parts > 1) continue;
+    const auto X_MB = after(0.5 * static_cast<double>(begin + std::max(end, begin + 1) - 1));
+    if (!X_MB) return std::nullopt;
+    looks.push_back({echoes_of(part_of(scan, begin, end)), in_space(*X_MB) * X_BS});
+  }
+  return looks;
+}
+
+}  // namespace tandem
