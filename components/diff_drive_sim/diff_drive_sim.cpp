@@ -171,7 +171,8 @@ OdometryReport DiffDriveSim::odometry() const {
 
 double DiffDriveSim::beam(const Pose2& X_MB, int i, int beams, double max_range) const {
   const double angle = -std::numbers::pi + 2.0 * std::numbers::pi * i / beams;
-  return map_->cast_ray(X_MB.position(), X_MB.theta + angle, max_range);
+  const double wall = map_->cast_ray(X_MB.position(), X_MB.theta + angle, max_range);
+  return people_.cast_ray(X_MB.position(), X_MB.theta + angle, wall);
 }
 
 }  // namespace tandem

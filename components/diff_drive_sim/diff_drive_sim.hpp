@@ -94,8 +94,8 @@ class DiffDriveSim {
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
-  /// Range of ray `i` of `beams` from the origin of B at X_MB, evenly from −π on, counter-clockwise
-  /// [m].
+  /// Range of ray `i` of `beams` from the origin of B at X_MB to a wall or a person, evenly from −π
+  /// on, counter-clockwise [m].
   [[nodiscard]] double beam(const Pose2& X_MB, int i, int beams, double max_range) const;
 
  private:

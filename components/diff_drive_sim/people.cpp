@@ -103,6 +103,20 @@ void People::send(std::size_t i, std::vector<Eigen::Vector2d> p_MW) {
   headings_[i] = {};
 }
 
+double People::cast_ray(const Eigen::Vector2d& p_MQ, double heading, double max_range) const {
+  const Eigen::Vector2d ahead{std::cos(heading), std::sin(heading)};
+  double nearest = max_range;
+  for (const Obstacle& person : all_) {
+    const Eigen::Vector2d to = person.p_MO - p_MQ;
+    const double along = ahead.dot(to), radius = person.a;
+    const double half_chord = radius * radius - (to.squaredNorm() - along * along);  // squared
+    const bool is_within = to.squaredNorm() <= radius * radius;
+    if (half_chord < 0.0 || (along < 0.0 && !is_within)) continue;
+    nearest = std::min(nearest, is_within ? 0.0 : along - std::sqrt(half_chord));
+  }
+  return nearest;
+}
+
 void People::advance(double dt) {
   for (std::size_t i = 0; i < all_.size(); ++i) {
     Obstacle& person = all_[i];

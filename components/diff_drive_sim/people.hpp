@@ -57,6 +57,10 @@ class People {
 
   /// Where they are, as discs with their velocity, in the order given.
   [[nodiscard]] const std::vector<Obstacle>& all() const { return all_; }
+  /// First person along the ray from p_MQ at `heading`: distance [m], at most `max_range`; 0 within
+  /// one.
+  [[nodiscard]] double cast_ray(const Eigen::Vector2d& p_MQ, double heading,
+                                double max_range) const;
 
  private:
   /// Which point a walker goes to, and whether along the way or back.

@@ -61,6 +61,17 @@ TEST(People, WalkToAndFroWithinTheirBounds) {
   EXPECT_EQ(people.all()[0].p_MO, Eigen::Vector2d(0.0, 0.0));
 }
 
+TEST(People, AreSeenByARayWhereTheyStand) {
+  const People people({{0.5, 1.0, {{3.0, 0.0}}}, {0.5, 1.0, {{5.0, 0.2}}}}, 1.0);
+  EXPECT_DOUBLE_EQ(people.cast_ray({0.0, 0.0}, 0.0, 10.0), 2.5);
+  EXPECT_NEAR(people.cast_ray({0.0, 0.3}, 0.0, 10.0), 2.6, 1e-12);  // 3, 4, 5 of a chord
+  EXPECT_EQ(people.cast_ray({0.0, 0.0}, 0.0, 2.0), 2.0);
+  EXPECT_EQ(people.cast_ray({0.0, 0.0}, 3.0, 10.0), 10.0);  // behind
+  EXPECT_NEAR(people.cast_ray({6.0, 0.2}, std::numbers::pi, 10.0), 0.5, 1e-12);
+  EXPECT_EQ(people.cast_ray({3.1, 0.0}, 1.0, 10.0), 0.0);  // within
+  EXPECT_EQ(People().cast_ray({0.0, 0.0}, 0.0, 10.0), 10.0);
+}
+
 TEST(People, WithOnePointStand) {
   People people({{0.25, 1.2, {{1.0, 2.0}}}}, 0.8);
   for (int i = 0; i < 100; ++i) people.advance(kDt);
