@@ -128,11 +128,15 @@ void emit_span(YAML::Emitter& out, std::int64_t first, std::int64_t last, std::i
   out << YAML::Key << "message_count" << YAML::Value << messages;
 }
 
-fs::path database_in(const std::string& path) {
-  if (!fs::is_directory(path)) return path;
+std::vector<std::string> databases_in(const std::string& path) {
+  if (!fs::is_directory(path)) return {path};
+  std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator{path})
-    if (entry.path().extension() == ".db3") return entry.path();
-  throw std::runtime_error(path + " holds no .db3: is it a recording, and of storage sqlite3?");
+    if (entry.path().extension() == ".db3") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (!files.empty()) return files;
+  throw std::runtime_error(path +
+                           " holds no .db3: is it a recording, and of storage sqlite3, not mcap?");
 }
 
 }  // namespace
@@ -228,29 +232,47 @@ void BagWriter::write_metadata() const {
 }
 
 BagReader::BagReader(const std::string& path) {
-  const std::string file = database_in(path);
-  database_ = open(file, SQLITE_OPEN_READONLY);
-  const auto topics =
-      prepare(database_, "SELECT name, type, offered_qos_profiles, id FROM topics ORDER BY id");
+  for (const auto& file : databases_in(path)) add(file);
+  std::stable_sort(files_.begin(), files_.end(),
+                   [](const File& a, const File& b) { return a.first > b.first; });
+}
+
+void BagReader::add(const std::string& file) {
+  File& added = files_.emplace_back();
+  added.database = open(file, SQLITE_OPEN_READONLY);
+  const auto topics = prepare(
+      added.database, "SELECT name, type, offered_qos_profiles, id FROM topics ORDER BY id");
   while (sqlite3_step(topics.get()) == SQLITE_ROW) {
-    index_[sqlite3_column_int64(topics.get(), 3)] = topics_.size();
-    topics_.push_back({text(topics, 0), text(topics, 1), qos_from(text(topics, 2))});
+    const BagTopic topic{text(topics, 0), text(topics, 1), qos_from(text(topics, 2))};
+    const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
+      return other.name == topic.name && other.type == topic.type;
+    });
+    added.index[sqlite3_column_int64(topics.get(), 3)] =
+        static_cast<std::size_t>(known - topics_.begin());
+    if (known == topics_.end()) topics_.push_back(topic);
   }
-  select_ = prepare(database_,
-                    "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN"
-                    " (SELECT id FROM topics) ORDER BY timestamp, id");
+  const auto first = prepare(added.database, "SELECT MIN(timestamp) FROM messages");
+  if (sqlite3_step(first.get()) == SQLITE_ROW) added.first = sqlite3_column_int64(first.get(), 0);
 }
 
 bool BagReader::next(BagMessage& message) {
-  const int result = sqlite3_step(select_.get());
-  if (result == SQLITE_DONE) return false;
-  if (result != SQLITE_ROW) fail(database_, "the recording cannot be read on");
-  message.topic = index_.at(sqlite3_column_int64(select_.get(), 0));
-  message.time = sqlite3_column_int64(select_.get(), 1);
-  const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 2));
-  const int size = sqlite3_column_bytes(select_.get(), 2);
-  message.bytes.assign(data, data + size);
-  return true;
+  for (; !files_.empty(); files_.pop_back(), select_.reset()) {
+    const File& file = files_.back();
+    if (!select_)
+      select_ = prepare(file.database,
+                        "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN"
+                        " (SELECT id FROM topics) ORDER BY timestamp, id");
+    const int result = sqlite3_step(select_.get());
+    if (result == SQLITE_DONE) continue;
+    if (result != SQLITE_ROW) fail(file.database, "the recording cannot be read on");
+    message.topic = file.index.at(sqlite3_column_int64(select_.get(), 0));
+    message.time = sqlite3_column_int64(select_.get(), 1);
+    const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 2));
+    const int size = sqlite3_column_bytes(select_.get(), 2);
+    message.bytes.assign(data, data + size);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace tandem

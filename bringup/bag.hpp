@@ -63,10 +63,10 @@ class BagWriter {
   std::int64_t messages_ = 0, first_ = 0, last_ = 0;
 };
 
-/// Reads a recording in order of time.
+/// Reads a recording in order of time, also one that was split into several files.
 class BagReader {
  public:
-  /// `path`: the folder or its .db3. Throws std::runtime_error if it is no recording.
+  /// `path`: the folder, or one .db3. Throws std::runtime_error if it is no recording.
   explicit BagReader(const std::string& path);
 
   [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
@@ -74,10 +74,17 @@ class BagReader {
   bool next(BagMessage& message);
 
  private:
-  std::shared_ptr<sqlite3> database_;
-  std::shared_ptr<sqlite3_stmt> select_;
+  struct File {
+    std::shared_ptr<sqlite3> database;
+    std::int64_t first = 0;                     // time of its first message
+    std::map<std::int64_t, std::size_t> index;  // into topics_, by the file's ids
+  };
+
+  void add(const std::string& file);
+
   std::vector<BagTopic> topics_;
-  std::map<std::int64_t, std::size_t> index_;  // by the file's ids
+  std::vector<File> files_;  // the last is the next to be read
+  std::shared_ptr<sqlite3_stmt> select_;
 };
 
 }  // namespace tandem

@@ -32,11 +32,8 @@ class Player {
  public:
   Player(rt::Node& node, const PlayRequest& request) : node_{node}, request_{request} {
     topics_ = BagReader{request.path}.topics();
-    for (const auto& topic : topics_) {
-      publishers_.emplace_back();
-      if (wants(topic.name))
-        publishers_.back() = node.create_generic_publisher(topic.name, topic.type, topic.qos);
-    }
+    for (const auto& topic : topics_)
+      publishers_.push_back(wants(topic.name) ? publisher_of(topic) : std::nullopt);
   }
 
   // How many messages it sent.
@@ -54,11 +51,21 @@ class Player {
     return wanted.empty() || std::find(wanted.begin(), wanted.end(), topic) != wanted.end();
   }
 
+  // One topic that cannot be sent, for its name is none of ROS 2's, costs no other.
+  std::optional<rt::GenericPublisher> publisher_of(const BagTopic& topic) {
+    try {
+      return node_.create_generic_publisher(topic.name, topic.type, topic.qos);
+    } catch (const std::exception& error) {
+      node_.log().warn("does not play {} [{}]: {}", topic.name, topic.type, error.what());
+      return std::nullopt;
+    }
+  }
+
   // Whether every topic has a subscription.
   [[nodiscard]] bool heard() const {
-    for (std::size_t i = 0; i < topics_.size(); ++i)
-      if (wants(topics_[i].name) && publishers_[i].matched() == 0) return false;
-    return true;
+    return std::all_of(publishers_.begin(), publishers_.end(), [](const auto& publisher) {
+      return !publisher || publisher->matched() > 0;
+    });
   }
 
   template <class Done>
@@ -79,7 +86,8 @@ class Player {
       const double due = start + 1e-9 * static_cast<double>(message.time - *first) / request_.rate;
       wait(due - node_.steady_now(), [] { return false; });
       if (node_.stopped()) return;
-      publishers_[message.topic].publish(message.bytes);
+      if (!publishers_[message.topic]) continue;
+      publishers_[message.topic]->publish(message.bytes);
       ++sent_;
     }
   }
@@ -87,7 +95,7 @@ class Player {
   rt::Node& node_;
   const PlayRequest& request_;
   std::vector<BagTopic> topics_;
-  std::vector<rt::GenericPublisher> publishers_;  // of the topics, empty where nobody wants one
+  std::vector<std::optional<rt::GenericPublisher>> publishers_;  // of the topics that are played
   long sent_ = 0;
 };
 

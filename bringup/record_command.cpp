@@ -6,6 +6,7 @@
 #include <ctime>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,7 +45,7 @@ class Recorder {
   }
 
   [[nodiscard]] std::int64_t messages() const { return bag_.messages(); }
-  [[nodiscard]] std::size_t topics() const { return subscriptions_.size(); }
+  [[nodiscard]] std::size_t topics() const { return recorded_.size(); }
 
  private:
   [[nodiscard]] bool wants(const rt::TopicInfo& topic) const {
@@ -53,26 +54,50 @@ class Recorder {
     return std::find(wanted_.begin(), wanted_.end(), topic.name) != wanted_.end();
   }
 
+  struct Recorded {
+    int id = 0;  // in the recording
+    rt::Subscription subscription;
+  };
+  using Key = std::pair<std::string, std::string>;  // name and type
+
   void look() {
-    for (const auto& topic : node_.topics())
-      if (wants(topic) && !subscriptions_.contains({topic.name, topic.type})) subscribe(topic);
+    for (const auto& topic : node_.topics()) {
+      const Key key{topic.name, topic.type};
+      if (!wants(topic) || recorded_.contains(key) || refused_.contains(key)) continue;
+      const rt::QoS qos = rt::request_for(topic.publishers, kDepth);
+      if (subscribe(key, qos)) add(key, qos);
+    }
   }
 
-  void subscribe(const rt::TopicInfo& topic) {
-    const rt::QoS qos = rt::request_for(topic.publishers, kDepth);
-    rt::QoS offered = qos;
+  // One topic that cannot be heard, for its name is none of ROS 2's, costs no other.
+  bool subscribe(const Key& key, const rt::QoS& qos) {
+    const auto& [name, type] = key;
+    Recorded& recorded = recorded_[key];
+    try {
+      recorded.subscription =
+          node_.create_generic_subscription(name, type, qos, [this, &recorded](const auto& bytes) {
+            bag_.write(recorded.id, rt::system_nanoseconds(), bytes);
+          });
+      return true;
+    } catch (const std::exception& error) {
+      node_.log().warn("does not record {} [{}]: {}", name, type, error.what());
+      recorded_.erase(key);
+      refused_.insert(key);
+      return false;
+    }
+  }
+
+  void add(const Key& key, rt::QoS offered) {
     offered.depth = rt::kDefault.depth;
-    const int id = bag_.add_topic({topic.name, topic.type, offered});
-    subscriptions_[{topic.name, topic.type}] = node_.create_generic_subscription(
-        topic.name, topic.type, qos,
-        [this, id](const auto& bytes) { bag_.write(id, rt::system_nanoseconds(), bytes); });
-    node_.log().info("records {} [{}]", topic.name, topic.type);
+    recorded_.at(key).id = bag_.add_topic({key.first, key.second, offered});
+    node_.log().info("records {} [{}]", key.first, key.second);
   }
 
   rt::Node& node_;
   BagWriter bag_;
   std::vector<std::string> wanted_;
-  std::map<std::pair<std::string, std::string>, rt::Subscription> subscriptions_;
+  std::map<Key, Recorded> recorded_;
+  std::set<Key> refused_;
   rt::Timer looking_, committing_;
 };
 

@@ -101,8 +101,13 @@ DashboardNode::DashboardNode(rt::Node& node)
     std::cerr << "    its token: " << web_.url() << "?token=" << token << std::endl;
 }
 
+// What one client asks for may not end the process, in which the planner and the filter may be too.
 void DashboardNode::tick() {
-  for (const auto& event : web_.take()) on_event(event);
+  for (const auto& event : web_.take()) try {
+      on_event(event);
+    } catch (const std::exception& error) {
+      complain(event.client, error.what());
+    }
   tell_seat();
 }
 

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "runtime/names.hpp"
+
 namespace tandem {
 namespace {
 
@@ -144,15 +146,20 @@ ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
   const bool is_there = std::any_of(services.begin(), services.end(), [&](const auto& service) {
     return service.name == node + kListService;
   });
-  if (!is_there) return nullptr;
+  if (!is_there || !rt::is_full_name(node)) return nullptr;
   const auto client = [&]<class S>(const char* name) {
     return node_.create_client(rt::ServiceName<S>{(node + name).c_str()});
   };
-  auto& made = clients_[node];
-  made.list = client.template operator()<rcl_interfaces::srv::ListParameters>(kListService);
-  made.get = client.template operator()<rcl_interfaces::srv::GetParameters>("/get_parameters");
-  made.set = client.template operator()<rcl_interfaces::srv::SetParameters>("/set_parameters");
-  return &made;
+  Clients made;
+  try {
+    made.list = client.template operator()<rcl_interfaces::srv::ListParameters>(kListService);
+    made.get = client.template operator()<rcl_interfaces::srv::GetParameters>("/get_parameters");
+    made.set = client.template operator()<rcl_interfaces::srv::SetParameters>("/set_parameters");
+  } catch (const std::exception& error) {  // who else uses these names may use other types
+    node_.log().warn_every(10.0, "no parameters of {}: {}", node, error.what());
+    return nullptr;
+  }
+  return &(clients_[node] = std::move(made));
 }
 
 void ParameterRelay::get(ClientId client, const foxglove::GetParameters& request) {

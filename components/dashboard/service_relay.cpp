@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dashboard/ros2msg.hpp"
+#include "runtime/names.hpp"
 
 namespace tandem {
 namespace {
@@ -19,7 +20,8 @@ foxglove::Service describe(std::uint32_t id, const std::string& name, const std:
 }
 
 bool is_offered(const rt::ServiceInfo& service) {
-  return ros2msg(service.type + "_Request") && !service.type.starts_with("composition_interfaces/");
+  return rt::is_full_name(service.name) && ros2msg(service.type + "_Request") &&
+         !service.type.starts_with("composition_interfaces/");
 }
 
 }  // namespace
@@ -98,9 +100,12 @@ void ServiceRelay::call(ClientId client, const foxglove::ServiceCall& call) {
 }
 
 void ServiceRelay::ask(ClientId client, const foxglove::ServiceCall& call, Relayed& relayed) {
-  if (!relayed.opened)
-    relayed.client = node_.create_generic_client(relayed.service.name, relayed.service.type);
-  relayed.opened = true;
+  if (!relayed.opened) try {
+      relayed.client = node_.create_generic_client(relayed.service.name, relayed.service.type);
+      relayed.opened = true;
+    } catch (const std::exception& error) {  // others' names and types may be anything
+      return fail(client, call, error.what());
+    }
   ++waiting_[client];
   const foxglove::ServiceCall head{call.service, call.call, call.encoding, {}};
   const auto done = [this, client] {

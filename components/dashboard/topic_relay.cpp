@@ -5,11 +5,13 @@
 #include <utility>
 
 #include "dashboard/ros2msg.hpp"
+#include "runtime/names.hpp"
 
 namespace tandem {
 namespace {
 
-constexpr int kDepth = 10;  // messages of one topic that wait for the loop
+constexpr int kDepth = 10;       // messages of one topic that wait for the loop
+constexpr int kMostKept = 1000;  // of a latched topic: one of each who sends there
 
 // A name with a part that starts with '_' is hidden.
 bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
@@ -37,7 +39,7 @@ void TopicRelay::look(const std::set<ClientId>& clients) {
       continue;
     }
     const auto schema = ros2msg(topic.type);
-    if (!schema) continue;
+    if (!schema || !rt::is_full_name(topic.name)) continue;
     auto& relayed = relayed_[*key];
     relayed.channel = {++last_id_, topic.name, "cdr", topic.type, *schema, "ros2msg"};
     relayed.publishers = topic.publishers;
@@ -106,8 +108,14 @@ void TopicRelay::subscribe(ClientId client, const foxglove::Subscribe& request) 
       continue;
     }
     relayed->listeners.push_back({client, subscription});
-    if (relayed->last) send(relayed->listeners.back(), relayed->last);
-    if (!relayed->listening) listen(*relayed);
+    for (const auto& [sender, last] : relayed->last) send(relayed->listeners.back(), last);
+    if (relayed->listening) continue;
+    try {
+      listen(*relayed);
+    } catch (const std::exception& error) {  // others' names and types may be anything
+      relayed->listeners.pop_back();
+      web_.send(client, {true, foxglove::status(foxglove::Level::kError, error.what())});
+    }
   }
 }
 
@@ -122,20 +130,24 @@ void TopicRelay::unsubscribe(ClientId client, const foxglove::Unsubscribe& reque
   }
 }
 
+// Throws what the runtime does for names and types that are none.
 void TopicRelay::listen(Relayed& relayed) {
-  const rt::QoS qos = rt::request_for(relayed.publishers, kDepth);
+  rt::QoS qos = rt::request_for(relayed.publishers, kDepth);
   relayed.latched = qos.durability == rt::Durability::kTransientLocal;
-  relayed.listening = true;
+  if (relayed.latched) qos.depth = kMostKept;
   relayed.subscription =
       node_.create_generic_subscription(relayed.channel.topic, relayed.channel.schema_name, qos,
                                         [this, id = relayed.channel.id](const auto& bytes) {
                                           if (Relayed* to = find(id)) relay(*to, bytes);
                                         });
+  relayed.listening = true;
 }
 
 void TopicRelay::relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes) {
   const auto body = std::make_shared<const std::vector<std::uint8_t>>(bytes);
-  if (relayed.latched) relayed.last = body;
+  if (relayed.latched &&
+      (relayed.last.size() < kMostKept || relayed.last.contains(relayed.subscription.sender())))
+    relayed.last[relayed.subscription.sender()] = body;
   for (const auto& listener : relayed.listeners) send(listener, body);
 }
 
@@ -149,7 +161,7 @@ void TopicRelay::rest(Relayed& relayed) {
   if (!relayed.listeners.empty() || relayed.publishers.empty() || !relayed.listening) return;
   relayed.subscription = {};
   relayed.listening = false;
-  relayed.last.reset();
+  relayed.last.clear();
 }
 
 void TopicRelay::tell(ClientId client, std::uint32_t channel, const std::string& payload) {

@@ -45,7 +45,7 @@ class TopicRelay {
     std::vector<Listener> listeners;
     rt::Subscription subscription;
     bool listening = false, latched = false;
-    Body last;  // of a latched topic, for who comes later
+    std::map<rt::PublisherId, Body> last;  // of a latched topic, for who comes later
   };
 
   [[nodiscard]] Relayed* find(std::uint32_t channel);

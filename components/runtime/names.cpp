@@ -9,23 +9,12 @@ namespace {
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// A token: letters, digits and '_', not starting with a digit, no "__".
+// A token: letters, digits and '_', not starting with a digit. ROS 2's design forbids "__" too; its
+// code does not.
 bool is_token(std::string_view token) {
   if (token.empty() || is_digit(token.front())) return false;
   for (const char c : token)
     if (!is_letter(c) && !is_digit(c)) return false;
-  return token.find("__") == std::string_view::npos;
-}
-
-// "/a/b": tokens, each behind a slash.
-bool is_absolute(std::string_view name) {
-  if (name.empty() || name.front() != '/') return false;
-  while (!name.empty()) {
-    name.remove_prefix(1);
-    const auto end = std::min(name.find('/'), name.size());
-    if (!is_token(name.substr(0, end))) return false;
-    name.remove_prefix(end);
-  }
   return true;
 }
 
@@ -41,6 +30,17 @@ std::string replace_all(std::string text, std::string_view from, std::string_vie
 
 }  // namespace
 
+bool is_full_name(std::string_view name) {
+  if (name.empty() || name.front() != '/') return false;
+  while (!name.empty()) {
+    name.remove_prefix(1);
+    const auto end = std::min(name.find('/'), name.size());
+    if (!is_token(name.substr(0, end))) return false;
+    name.remove_prefix(end);
+  }
+  return true;
+}
+
 std::string NodeName::full() const { return join(ns, name); }
 
 NodeName make_node_name(const std::string& ns, const std::string& name) {
@@ -48,7 +48,7 @@ NodeName make_node_name(const std::string& ns, const std::string& name) {
   if (!is_token(name))
     throw std::invalid_argument("'" + name +
                                 "' is no node name: letters, digits and '_', no digit first");
-  if (result.ns != "/" && !is_absolute(result.ns))
+  if (result.ns != "/" && !is_full_name(result.ns))
     throw std::invalid_argument("'" + ns + "' is no namespace: tokens separated by '/'");
   return result;
 }
@@ -59,7 +59,7 @@ std::string expand_name(std::string_view name, const NodeName& node) {
     full = node.full() + std::string{name.substr(1)};
   else if (!name.starts_with('/'))
     full = join(node.ns, name);
-  if (!is_absolute(full))
+  if (!is_full_name(full))
     throw std::invalid_argument("'" + std::string{name} + "' is no topic or service name of node " +
                                 node.full() + ": tokens of letters, digits and '_' between '/'");
   return full;

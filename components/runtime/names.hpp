@@ -16,6 +16,10 @@ struct NodeName {
   [[nodiscard]] std::string full() const;
 };
 
+/// Whether it is "/a/b", tokens of letters, digits and '_' behind slashes: DDS programs that are no
+/// ROS 2 nodes may use other names.
+[[nodiscard]] bool is_full_name(std::string_view name);
+
 /// Throws std::invalid_argument unless both follow ROS 2's rules; "a" as namespace means "/a".
 [[nodiscard]] NodeName make_node_name(const std::string& ns, const std::string& name);
 

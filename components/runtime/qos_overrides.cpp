@@ -23,22 +23,33 @@ struct QosParams {
 
 }  // namespace
 
+struct QosOverrides::Applied {
+  QoS first;  // as the node would have had it
+  std::shared_ptr<const QosParams> params;
+};
+
 QoS QosOverrides::apply(const QoS& qos, const std::string& topic, const std::string& kind) {
   const std::string prefix = "qos_overrides." + topic + "." + kind + ".";
-  if (!store_.gives_any(prefix) || !applied_.insert(prefix).second) return qos;
-  const bool reliable = qos.reliability == Reliability::kReliable;
-  const bool latched = qos.durability == Durability::kTransientLocal;
-  const auto params =
-      std::make_shared<QosParams>(QosParams{prefix, reliable ? "reliable" : "best_effort",
-                                            latched ? "transient_local" : "volatile", qos.depth});
-  params->visit(store_);
-  parameters_.declare(make_fixed_group(params));
+  if (!store_.gives_any(prefix)) return qos;
+  auto& applied = applied_[prefix];
+  if (!applied) {
+    const bool reliable = qos.reliability == Reliability::kReliable;
+    const bool latched = qos.durability == Durability::kTransientLocal;
+    const auto params =
+        std::make_shared<QosParams>(QosParams{prefix, reliable ? "reliable" : "best_effort",
+                                              latched ? "transient_local" : "volatile", qos.depth});
+    params->visit(store_);
+    parameters_.declare(make_fixed_group(params));
+    applied = std::make_shared<const Applied>(Applied{qos, params});
+  }
+  const auto& [first, params] = *applied;
   QoS wanted = qos;
   wanted.reliability =
       params->reliability == "reliable" ? Reliability::kReliable : Reliability::kBestEffort;
-  wanted.durability =
-      params->durability == "transient_local" ? Durability::kTransientLocal : Durability::kVolatile;
   wanted.depth = params->depth;
+  if (qos.durability == first.durability)
+    wanted.durability = params->durability == "transient_local" ? Durability::kTransientLocal
+                                                                : Durability::kVolatile;
   return wanted;
 }
 

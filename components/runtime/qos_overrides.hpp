@@ -2,7 +2,8 @@
 // Private to runtime/: a topic's QoS by parameters, under rclcpp's names.
 #pragma once
 
-#include <set>
+#include <map>
+#include <memory>
 #include <string>
 
 #include "runtime/parameter_table.hpp"
@@ -18,14 +19,16 @@ class QosOverrides {
       : store_{store}, parameters_{parameters} {}
 
   /// `qos` with what is given for the topic (full name) laid over it; what is given becomes
-  /// parameters. Holds for the first endpoint of its kind: what a node opens besides, to hear
-  /// every sender, stays. Throws std::invalid_argument for a value that is none.
+  /// parameters. Holds for every endpoint of its kind, but for the durability of one that a node
+  /// opens besides, to hear latched and volatile senders alike. Throws std::invalid_argument for a
+  /// value that is none.
   [[nodiscard]] QoS apply(const QoS& qos, const std::string& topic, const std::string& kind);
 
  private:
   ParameterStore& store_;
   ParameterTable& parameters_;
-  std::set<std::string> applied_;
+  struct Applied;
+  std::map<std::string, std::shared_ptr<const Applied>> applied_;  // by prefix
 };
 
 }  // namespace tandem::runtime

@@ -61,6 +61,36 @@ TEST_F(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
   EXPECT_EQ(topics[1].qos, rt::kLatched);
 }
 
+// As rosbag2 splits: the topics again in each file, under other ids; drive_10 sorts before drive_2.
+TEST_F(Bag, OfSeveralFilesIsReadAsOneInOrderOfTime) {
+  fs::create_directory(root_ / "split");
+  const auto write = [&](const std::string& name, std::int64_t time, const BagTopic& first,
+                         const BagTopic& second) {
+    {
+      BagWriter writer{root_ / name};
+      const int one = writer.add_topic(first), two = writer.add_topic(second);
+      writer.write(one, time, {1});
+      writer.write(two, time + 1, {2});
+    }
+    fs::rename(root_ / name / (name + "_0.db3"), root_ / "split" / (name + ".db3"));
+  };
+  write("drive_2", 200, kCommand, kMap);
+  write("drive_10", 300, kMap, kCommand);
+  write("drive_0", 100, kCommand, kMap);
+  const auto all = read(root_ / "split");
+  std::vector<std::string> names;
+  std::vector<std::int64_t> times;
+  for (const auto& [name, message] : all) {
+    names.push_back(name);
+    times.push_back(message.time);
+  }
+  EXPECT_EQ(times, (std::vector<std::int64_t>{100, 101, 200, 201, 300, 301}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"/cmd_vel", "/map", "/cmd_vel", "/map", "/map", "/cmd_vel"}));
+  EXPECT_EQ(BagReader{root_ / "split"}.topics().size(), 2U);
+  EXPECT_EQ(read(root_ / "split" / "drive_2.db3").size(), 2U);
+}
+
 TEST_F(Bag, DescribesItselfAsRosbag2Does) {
   {
     BagWriter writer{folder_};

@@ -68,6 +68,7 @@ class Client:
     def __init__(self, port, query="", **options):
         self.socket = connect(f"ws://127.0.0.1:{port}/{query}", subprotocols=[PROTOCOL], max_size=None, **options)
         self.channels, self.services, self.statuses, self.messages, self.answers = {}, {}, [], {}, {}
+        self.offered = []  # channels, also of one topic with several types
         self.parameters, self.decodes = {}, True
         self.types = get_typestore(Stores.EMPTY)
         self.wanted = {}
@@ -90,6 +91,7 @@ class Client:
     def on_text(self, frame):
         if frame["op"] == "advertise":
             self.channels.update({c["topic"]: c for c in frame["channels"]})
+            self.offered += frame["channels"]
         elif frame["op"] == "advertiseServices":
             self.services.update({s["name"]: s for s in frame["services"]})
         elif frame["op"] == "status":
@@ -383,6 +385,27 @@ def expect_closed(client):
         pass
 
 
+def foreign(robot):
+    """Others on the domain: three types under one name, a name with "__", several who latch."""
+    client = Client(robot.port)
+    client.decodes = False
+    joys = lambda: [c for c in client.offered if c["topic"] == "/joy"]
+    client.until(lambda: len({c["schemaName"] for c in joys()}) == 3)
+    for number, channel in enumerate(joys(), 100):
+        client.wanted[number] = ("/joy", channel["schemaName"])
+        client.say(op="subscribe", subscriptions=[{"id": number, "channelId": channel["id"]}])
+    client.until(lambda: any("in use in this process with two other types" in s for s in client.statuses))
+    client.say(op="getParameters", parameterNames=[], id="all")
+    client.until(lambda: "/my__node.use_sim_time" in client.parameters and "/teleop.max_v" in client.parameters
+                 or any(p.startswith("/my__node.") for p in client.parameters))
+    frames = {"base_scan", "foreign_0", "foreign_1", "foreign_2"}
+    for _ in range(2):  # who comes first, and who comes later
+        viewer = Client(robot.port)
+        viewer.subscribe("/tf_static")
+        viewer.until(lambda: frames <= {t.child_frame_id for m in viewer.messages.get("/tf_static", [])
+                                        for t in m.transforms})
+
+
 def slow(robot):
     """A client that takes nothing is dropped."""
     lazy, other = Client(robot.port), Client(robot.port)
@@ -400,7 +423,7 @@ def slow(robot):
     assert 2 in clients
 
 
-CHECKS = {check.__name__: check for check in (drive, seat, trial, door, token, hostile, slow, soak)}
+CHECKS = {check.__name__: check for check in (drive, seat, trial, door, token, hostile, foreign, slow, soak)}
 PARAMETERS = {"token": ("address:=0.0.0.0",)}
 
 if __name__ == "__main__":

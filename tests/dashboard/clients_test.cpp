@@ -7,10 +7,13 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
+#include "topics.hpp"
 
 namespace tandem::test {
 namespace {
@@ -76,6 +79,23 @@ TEST(WebClient, WhoDrivesHasATrialMeasured) { expect_client_passes("trial"); }
 TEST(WebClient, IsKeptOutWhereItHasNoBusiness) { expect_client_passes("door"); }
 TEST(WebClient, NeedsTheTokenWhereOthersCanReachTheDoor) { expect_client_passes("token"); }
 TEST(WebClient, ThatIsHostileChangesNothingForTheRobot) { expect_client_passes("hostile"); }
+TEST(WebClient, SeesWhatItCanOfOthersWithOddNamesAndTypes) {
+  rt::Node odd{"my__node"};
+  const auto text = odd.create_publisher(rt::Topic<std_msgs::msg::String>{"/joy"});
+  const auto flag = odd.create_publisher(rt::Topic<std_msgs::msg::Bool>{"/joy"});
+  std::vector<rt::Publisher<tf2_msgs::msg::TFMessage>> broadcasters;
+  for (int i = 0; i < 3; ++i) {
+    tf2_msgs::msg::TFMessage msg;
+    msg.transforms().emplace_back();
+    msg.transforms()[0].header().frame_id("base_link");
+    msg.transforms()[0].child_frame_id("foreign_" + std::to_string(i));
+    broadcasters.push_back(odd.create_publisher(topics::tf_static));
+    broadcasters.back().publish(msg);
+  }
+  std::jthread spinning{[&odd] { odd.spin(); }};
+  expect_client_passes("foreign");
+  odd.stop();
+}
 TEST(WebClient, ThatIsSlowIsDropped) { expect_client_passes("slow"); }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "runtime/node.hpp"
 #include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
 
 namespace tandem {
 namespace {
@@ -40,13 +41,30 @@ TEST(QosOverrides, ChangeWhatANodeOffersAndRequests) {
   EXPECT_NO_THROW(node.check_parameters());
 }
 
-TEST(QosOverrides, LeaveASecondSubscriptionAsItIs) {
-  rt::Node node{with({{"qos_overrides./chair/cmd_vel.subscription.reliability", "reliable"}})};
+// Twist and TwistStamped under one name, and latched senders beside volatile ones.
+TEST(QosOverrides, HoldForEverySubscriptionButForItsOtherDurability) {
+  rt::Node node{with({{"qos_overrides./chair/cmd_vel.subscription.reliability", "best_effort"},
+                      {"qos_overrides./chair/cmd_vel.subscription.durability", "volatile"}})};
   const auto first = node.create_subscription(kTwist, [](const auto&) {});
-  const auto second = node.create_subscription(kTwist, rt::kBestEffort(1), [](const auto&) {});
-  const auto info = info_of(node, "/chair/cmd_vel");
-  ASSERT_EQ(info.subscriptions.size(), 2U);
-  EXPECT_EQ(info.subscriptions[0].reliability + info.subscriptions[1].reliability, 1);
+  const auto second = node.create_subscription(
+      rt::Topic<geometry_msgs::msg::TwistStamped>{"cmd_vel"}, [](const auto&) {});
+  const auto latched = node.create_subscription(kTwist, rt::kLatched, [](const auto&) {});
+  std::vector<rt::Policies> all;
+  ASSERT_TRUE(test::spin_until(
+      [&] {
+        all.clear();
+        for (const auto& info : node.topics())
+          if (info.name == "/chair/cmd_vel")
+            all.insert(all.end(), info.subscriptions.begin(), info.subscriptions.end());
+        return all.size() == 3;
+      },
+      10.0, node));
+  int durable = 0;
+  for (const auto& policies : all) {
+    EXPECT_EQ(policies.reliability, 0);
+    durable += policies.durability;
+  }
+  EXPECT_EQ(durable, 1);
 }
 
 TEST(QosOverrides, OfATopicThatNobodyOpensAreRefused) {

@@ -87,6 +87,37 @@ TEST_F(Recording, PlaysBackWhatItHeardOfKnownAndUnknownTypes) {
   EXPECT_EQ(play.wait(kLong), 0);
 }
 
+// Three types under one name are more than a process can hear; a DDS program's name may be any.
+TEST_F(Recording, OneTopicThatCannotBeHeardOrSentCostsNoOther) {
+  const fs::path odd = root_ / "odd";
+  {
+    BagWriter writer{odd};
+    const int bad = writer.add_topic({"/foo/", "std_msgs/msg/Bool"});
+    const int none = writer.add_topic({"/x", "NoType"});
+    const int flag = writer.add_topic({"/many", "std_msgs/msg/Bool"});
+    for (int i = 0; i < 200; ++i)
+      for (const int topic : {bad, none, flag})
+        writer.write(topic, 1 + 20'000'000 * i, {0, 1, 0, 0, 1, 0, 0, 0});
+  }
+  const auto words = node_.create_publisher(rt::Topic<std_msgs::msg::String>{"/many"});
+  const auto numbers = node_.create_publisher(rt::Topic<std_msgs::msg::Float64>{"/many"});
+  ChildProcess play{"../tandem", {"play", odd, "--wait", "0", "--loop"}};
+  ChildProcess record{"../tandem", {"record", "-o", folder_}};
+  const auto other = node_.create_publisher(rt::Topic<std_msgs::msg::Float64>{"/other"});
+  ASSERT_TRUE(wait_until([&] { return other.matched() == 1; }));
+  ASSERT_TRUE(wait_until([&] {
+    words.publish({});
+    numbers.publish({});
+    other.publish({});
+    const auto heard = messages_by_topic(folder_);
+    return heard.contains("/many") && heard.contains("/other");
+  }));
+  record.send(SIGINT);
+  EXPECT_EQ(record.wait(kLong), 0);
+  play.send(SIGINT);
+  EXPECT_EQ(play.wait(kLong), 0);
+}
+
 TEST_F(Recording, RemapsAndRepeatsWhatItPlays) {
   {
     BagWriter writer{folder_};
