@@ -77,10 +77,16 @@ std::string yaml_of(const Parameter& parameter) {
   }
 }
 
-// rclcpp's containers know these two; both are as they are here already.
+// rclcpp's containers know these two. Nothing here goes within the process, and a component is told
+// what its request says alone, as is rclcpp's default.
 void check_extra(const Parameter& extra) {
-  if (extra.name() == "use_intra_process_comms" || extra.name() == "forward_global_arguments")
-    return;
+  if (extra.name() == "use_intra_process_comms") return;
+  if (extra.name() == "forward_global_arguments") {
+    if (!extra.value().bool_value()) return;
+    throw std::invalid_argument(
+        "forward_global_arguments: true is not done here; give remap rules and parameters in the "
+        "request");
+  }
   throw std::invalid_argument("extra argument '" + extra.name() +
                               "' is none of {use_intra_process_comms, forward_global_arguments}");
 }

@@ -224,6 +224,13 @@ int visit(double duration) {
   print_participants(domain);
   print_topics(domain);
   auto found = examine(domain);
+  if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr &&
+      std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE") == nullptr)
+    found.push_back(
+        {"this is a part of the domain: a discovery server tells a client of nobody but those whom "
+         "it speaks to",
+         "make it a SUPER_CLIENT by a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as ROS 2's own "
+         "tools need it"});
   clock.examine(found);
   for (const auto& segment : stale_segments("/dev/shm", "/proc"))
     found.push_back({segment + " was left behind by a program that died",

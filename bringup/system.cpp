@@ -8,6 +8,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "bringup/parameter_names.hpp"
 #include "bringup/processes.hpp"
 #include "runtime/arguments.hpp"
 #include "runtime/shutdown.hpp"
@@ -168,6 +169,19 @@ int run_here(const System& system, const std::vector<std::string>& only) {
   return 0;
 }
 
+// A plain `-p` is for every node that has the parameter. Of processes of their own none knows what
+// the others use; a user's component may have parameters that are not known here.
+void warn_of_unknown(const rt::RosArguments& arguments) {
+  const auto all = arguments.parameters.find("");
+  if (all == arguments.parameters.end()) return;
+  for (const auto& [key, value] : all->second) {
+    if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
+    const std::string meant = nearest_parameter(key);
+    rt::Logger{"tandem"}.warn("-p {}:={}: {} is no parameter of any component of ours{}", key,
+                              value, key, meant.empty() ? "" : "; is `" + meant + "` meant?");
+  }
+}
+
 void warn_of_strangers(const System& system, const rt::RosArguments& arguments) {
   std::vector<rt::NodeOptions> nodes;
   for (const auto& node : system.nodes) nodes.push_back(node.options);
@@ -223,6 +237,7 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
   if (only.empty()) warn_of_strangers(system, arguments);  // not once more by each process
   rt::install_signal_handlers();
   if (separate_processes) {
+    warn_of_unknown(arguments);
     Processes processes;
     for (const auto& node : system.nodes)
       if (wanted(node, only))

@@ -20,7 +20,7 @@ void Diagnostics::say(bool well, const std::string& message) {
 void Diagnostics::publish() {
   using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
   diagnostic_msgs::msg::DiagnosticStatus status;
-  status.name(node_.name());
+  status.name(node_.fully_qualified_name().substr(1));
   status.hardware_id("tandem");
   status.level(well_ ? OK : WARN);
   status.message(message_);

@@ -31,6 +31,12 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
     localization_.on_transform(*X_MW, node_.now());
     tell();
   });
+  tf_static_ = node.create_subscription(topics::tf_static, [this](const auto& msg) {
+    const auto X_MW = find_transform(msg, params_.frames.map, params_.frames.odom);
+    if (!X_MW) return;
+    localization_.on_static_transform(*X_MW);
+    tell();
+  });
 }
 
 void RobotStateInput::tell() {

@@ -22,8 +22,8 @@ struct RobotStateParams {
   }
 };
 
-/// Subscribes `odom` and `/tf` for a node and composes them. Calls `on_odom` after each odometry,
-/// with the message's stamp [s].
+/// Subscribes `odom`, `/tf` and `/tf_static` for a node and composes them. Calls `on_odom` after
+/// each odometry, with the message's stamp [s].
 class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
@@ -49,7 +49,7 @@ class RobotStateInput {
   Localization localization_;
   std::function<void(double)> on_odom_;
   std::function<void(const RobotState&)> on_state_;
-  rt::Subscription odom_, tf_;
+  rt::Subscription odom_, tf_, tf_static_;
 };
 
 }  // namespace tandem

@@ -53,13 +53,22 @@ class Localization {
     if (!is_finite(X_MW)) return;
     X_MW_ = X_MW;
     transform_time_ = t;
+    has_localiser_ = true;
+    is_static_ = false;
+  }
+
+  /// One that holds for ever; it counts as long as no other was heard.
+  void on_static_transform(const Pose2& X_MW) {
+    if (!is_finite(X_MW) || has_localiser_) return;
+    X_MW_ = X_MW;
+    is_static_ = true;
   }
 
   [[nodiscard]] std::optional<RobotState> state(double now) {
     watch_clock(now);
     if (now - odom_time_ > params_.odom_timeout) return std::nullopt;
     if (params_.map_is_odom) return RobotState{X_WB_, twist_, odom_time_};
-    if (now - transform_time_ > params_.transform_timeout) return std::nullopt;
+    if (!is_static_ && now - transform_time_ > params_.transform_timeout) return std::nullopt;
     return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_};
   }
 
@@ -77,6 +86,7 @@ class Localization {
   Pose2 X_WB_, X_MW_;
   Twist2 twist_;
   double odom_time_ = kNever, transform_time_ = kNever;  // [s]
+  bool has_localiser_ = false, is_static_ = false;       // of the transform
 };
 
 }  // namespace tandem

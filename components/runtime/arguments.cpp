@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/arguments.hpp"
 
+#include <algorithm>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -30,6 +31,13 @@ void apply_remapping(NodeOptions& options, const std::string& from, const std::s
     options.ns = to;
   else
     options.remappings[from] = to;
+}
+
+// "ns.name", as ROS 2 calls a node's logger.
+std::string logger_name_of(const NodeOptions& options) {
+  std::string name = options.ns + "/" + options.name;
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name.substr(name.find_first_not_of('.'));
 }
 
 class Parser {
@@ -63,13 +71,37 @@ class Parser {
     } else if (word == "--params-file") {
       result_.parameter_files.push_back(value_of(word));
     } else if (word == "--log-level") {
-      set_log_level(log_level_from(value_of(word)));
+      set_level(value_of(word));
+    } else if (word.ends_with("-logs") &&
+               (word.starts_with("--enable-") || word.starts_with("--disable-"))) {
+      switch_logs(word);
+    } else if (word == "-e" || word == "--enclave" || word == "--log-config-file") {
+      (void)value_of(word);  // of what is not here: security, rcl's logging library
     } else if (word.find(":=") != std::string::npos && word.starts_with("__")) {
       const Rule rule = parse_rule(word);
       result_.remappings[rule.node][rule.from] = rule.to;
     } else {
       throw std::invalid_argument("--ros-args: unknown argument '" + word + "'");
     }
+  }
+
+  // "debug", or "node:=debug".
+  void set_level(const std::string& text) {
+    const auto assign = text.find(":=");
+    if (assign == std::string::npos) return set_log_level(log_level_from(text));
+    result_.log_levels[text.substr(0, assign)] = log_level_from(text.substr(assign + 2));
+  }
+
+  // "--disable-rosout-logs"; other libraries' logs are what they are.
+  void switch_logs(const std::string& word) {
+    const bool on = word.starts_with("--enable-");
+    const std::string what = word.substr(on ? 9 : 10);
+    if (what == "rosout-logs")
+      result_.rosout = on;
+    else if (what == "stdout-logs")
+      set_log_to_stderr(on);
+    else if (what != "external-lib-logs")
+      throw std::invalid_argument("--ros-args: unknown argument '" + word + "'");
   }
 
   const std::string& value_of(const std::string& word) {
@@ -111,7 +143,10 @@ NodeOptions with_arguments(NodeOptions options, const RosArguments& arguments) {
   for (const auto& [node, values] : arguments.parameters)
     if (node.empty() || node == name || node == options.name)
       for (const auto& [key, value] : values)
-        options.parameters.overrides[key] = {value, "command line"};
+        options.parameters.overrides[key] = {value, "command line", node.empty()};
+  options.logs_to_rosout = options.logs_to_rosout && arguments.rosout;
+  for (const auto& [logger, level] : arguments.log_levels)
+    if (logger == options.name || logger == logger_name_of(options)) options.log_level = level;
   for (const auto& file : arguments.parameter_files)
     options.parameters.override_files.push_back(file);
   return options;

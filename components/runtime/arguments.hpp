@@ -15,10 +15,13 @@ struct RosArguments {
   std::map<std::string, std::map<std::string, std::string>> remappings;  ///< node → from → to
   std::map<std::string, std::map<std::string, std::string>> parameters;  ///< node → key → value
   std::vector<std::string> parameter_files;
-  std::vector<std::string> rest;  ///< the arguments that are not ROS's
+  std::map<std::string, LogLevel> log_levels;  ///< of a node's logger ("node", "ns.node")
+  bool rosout = true;                          ///< whether nodes log to /rosout
+  std::vector<std::string> rest;               ///< the arguments that are not ROS's
 };
 
-/// Throws std::invalid_argument for an argument that ROS 2 would not understand.
+/// The process's log level and whether it logs to stderr are set at once. Throws
+/// std::invalid_argument for an argument that ROS 2 would not understand.
 [[nodiscard]] RosArguments parse_ros_arguments(const std::vector<std::string>& arguments);
 
 /// The nodes that rules name and that are none of these: with those rules nothing is done. A rule

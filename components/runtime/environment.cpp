@@ -34,6 +34,17 @@ DiscoveryRange range_from(const std::string& text) {
                            "' is none of {SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT}");
 }
 
+// Whether security is wanted, and may be missing.
+bool goes_unsecured() {
+  if (variable("ROS_SECURITY_ENABLE") != "true") return false;
+  if (variable("ROS_SECURITY_STRATEGY") == "Enforce")
+    throw std::runtime_error(
+        "ROS_SECURITY_ENABLE=true with ROS_SECURITY_STRATEGY=Enforce: Tandem does not speak DDS "
+        "Security, and unsecured it may not start; keep this domain on a network of its own "
+        "(WireGuard, a VLAN) and unset one of the two");
+  return true;
+}
+
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::istringstream stream{text};
@@ -50,7 +61,8 @@ Environment read_environment() {
                           .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
                           .loopback_only = variable("ROS_LOCALHOST_ONLY") == "1",
                           .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
-                          .humble = distribution == "humble"};
+                          .humble = distribution == "humble",
+                          .unsecured = goes_unsecured()};
   const bool since_iron = !distribution.empty() && !environment.humble;
   if (environment.loopback_only && since_iron) {  // there it is the old word for a range, and wins
     environment.loopback_only = false;

@@ -15,10 +15,12 @@ struct Environment {
   DiscoveryRange range = DiscoveryRange::kSubnet;  ///< ROS_AUTOMATIC_DISCOVERY_RANGE
   bool loopback_only = false;             ///< ROS_LOCALHOST_ONLY=1, as Humble understands it
   std::vector<std::string> static_peers;  ///< ROS_STATIC_PEERS, a;b;c
-  bool humble = false;  ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
+  bool humble = false;     ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
+  bool unsecured = false;  ///< ROS_SECURITY_ENABLE=true, which is not done here
 };
 
-/// Throws std::runtime_error naming the variable, its value and what it may be.
+/// Throws std::runtime_error naming the variable, its value and what it may be; also where
+/// ROS_SECURITY_STRATEGY=Enforce forbids to speak unsecured.
 [[nodiscard]] Environment read_environment();
 
 }  // namespace tandem::runtime

@@ -2,6 +2,7 @@
 #include "runtime/log.hpp"
 
 #include <atomic>
+#include <cctype>
 #include <cstdlib>
 #include <map>
 #include <mutex>
@@ -23,6 +24,11 @@ LogLevel level_at_start() {
 std::atomic<LogLevel>& least_level() {
   static std::atomic<LogLevel> level{level_at_start()};
   return level;
+}
+
+std::atomic<bool>& to_stderr() {
+  static std::atomic<bool> wanted{true};
+  return wanted;
 }
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
@@ -77,14 +83,18 @@ struct Logger::State {
 
 void set_log_level(LogLevel level) { least_level() = level; }
 
+void set_log_to_stderr(bool wanted) { to_stderr() = wanted; }
+
 LogLevel log_level_from(std::string_view name) {
-  if (name == "debug") return LogLevel::kDebug;
-  if (name == "info") return LogLevel::kInfo;
-  if (name == "warn") return LogLevel::kWarn;
-  if (name == "error") return LogLevel::kError;
-  if (name == "off") return LogLevel::kOff;
+  std::string low{name};
+  for (char& c : low) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (low == "debug") return LogLevel::kDebug;
+  if (low == "info") return LogLevel::kInfo;
+  if (low == "warn" || low == "warning") return LogLevel::kWarn;
+  if (low == "error") return LogLevel::kError;
+  if (low == "off" || low == "fatal") return LogLevel::kOff;
   throw std::invalid_argument("log level '" + std::string{name} +
-                              "' is none of {debug, info, warn, error, off}");
+                              "' is none of {debug, info, warn, error, fatal, off}");
 }
 
 Logger::Logger(std::string name) : state_{std::make_unique<State>(std::move(name))} {}
@@ -111,7 +121,7 @@ void Logger::set_sink(Sink sink) {
 
 void Logger::write(LogLevel level, const std::string& text, const Place& place) {
   if (!enabled(level)) return;
-  state_->logger.log(to_spdlog(level), spdlog::string_view_t{text});
+  if (to_stderr()) state_->logger.log(to_spdlog(level), spdlog::string_view_t{text});
   if (const auto sink = state_->current_sink()) (*sink)({level, text, place});
 }
 

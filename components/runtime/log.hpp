@@ -50,7 +50,11 @@ struct LogLine {
 /// (debug, info, warn, error, off) at start.
 void set_log_level(LogLevel level);
 
-/// Throws std::invalid_argument for a name that is no level.
+/// Whether lines go to stderr.
+void set_log_to_stderr(bool wanted);
+
+/// In capitals or not; "warning" and ROS 2's "fatal" too, of which there is nothing here. Throws
+/// std::invalid_argument for a name that is no level.
 [[nodiscard]] LogLevel log_level_from(std::string_view name);
 
 /// Writes one line per event to stderr: `[level] [time] [node]: text`. May be used by any thread.

@@ -54,11 +54,12 @@ NodeName make_node_name(const std::string& ns, const std::string& name) {
 }
 
 std::string expand_name(std::string_view name, const NodeName& node) {
-  std::string full{name};
-  if (name.starts_with("~/"))
-    full = node.full() + std::string{name.substr(1)};
-  else if (!name.starts_with('/'))
-    full = join(node.ns, name);
+  std::string full = replace_all(std::string{name}, "{node}", node.name);
+  for (const char* space : {"{ns}", "{namespace}"}) full = replace_all(full, space, node.ns);
+  if (full.starts_with("~/"))
+    full = node.full() + full.substr(1);
+  else if (!full.starts_with('/'))
+    full = join(node.ns, full);
   if (!is_full_name(full))
     throw std::invalid_argument("'" + std::string{name} + "' is no topic or service name of node " +
                                 node.full() + ": tokens of letters, digits and '_' between '/'");

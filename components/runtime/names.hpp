@@ -23,8 +23,9 @@ struct NodeName {
 /// Throws std::invalid_argument unless both follow ROS 2's rules; "a" as namespace means "/a".
 [[nodiscard]] NodeName make_node_name(const std::string& ns, const std::string& name);
 
-/// Absolute form of "/x", "x" or "~/x". Throws std::invalid_argument for a name that ROS 2 would
-/// not take (letters, digits, '_', '/'; no token starts with a digit).
+/// Absolute form of "/x", "x" or "~/x"; {node}, {ns} and {namespace} stand for the node's. Throws
+/// std::invalid_argument for a name that ROS 2 would not take (letters, digits, '_', '/'; no token
+/// starts with a digit).
 [[nodiscard]] std::string expand_name(std::string_view name, const NodeName& node);
 
 /// expand_name(), then the first remapping whose expanded left side is that name.

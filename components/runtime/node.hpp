@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -29,9 +30,11 @@ struct NodeOptions {
   std::string ns = "/";
   std::map<std::string, std::string> remappings{};  ///< from → to, ROS 2 names
   ParameterSources parameters{};
-  bool use_sim_time = false;  ///< a parameter `use_sim_time` wins
+  bool use_sim_time = false;            ///< a parameter `use_sim_time` wins
+  std::optional<LogLevel> log_level{};  ///< least that it logs; none: the process's
+  bool logs_to_rosout = true;
   /// Whether it answers what ROS 2 tools ask of every node: parameters, logger levels, types; and
-  /// logs to /rosout.
+  /// logs to /rosout unless logs_to_rosout forbids it.
   bool serves_tools = true;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 
 #include "runtime/graph.hpp"
 #include "runtime/node_services.hpp"
@@ -56,6 +57,13 @@ NodeCore::NodeCore(NodeOptions node_options)
       participant_{Participant::shared()},
       peers_{participant_->discovery(), log},
       clock_arrival_{steady_seconds()} {
+  log.set_level(options.log_level);
+  if (static std::once_flag said; participant_->goes_unsecured())
+    std::call_once(said, [this] {
+      log.warn(
+          "ROS_SECURITY_ENABLE=true, but Tandem does not speak DDS Security: all that it says can "
+          "be read and forged by whoever reaches this network");
+    });
   declare_use_sim_time();
   for (const auto& [from, to] : options.remappings) (void)resolve(from.c_str());
   participant_->graph().add_node(name);

@@ -39,9 +39,9 @@ rcl_interfaces::msg::SetLoggerLevelsResult set_level(
 
 NodeServices::NodeServices(NodeCore& node)
     : node_{node},
-      rosout_{node},
       event_codec_{type_ref<ParameterEvent>()},
       events_{node.open_writer({"rt/parameter_events", event_codec_.dds_name(), kParameters})} {
+  if (node.options.logs_to_rosout) rosout_.emplace(node);
   serve_parameters();
   serve_logger_levels();
   serve<type_description_interfaces::srv::GetTypeDescription>(

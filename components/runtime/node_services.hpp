@@ -31,7 +31,7 @@ class NodeServices {
   void announce(const ParameterTable::Values& declared, const ParameterTable::Values& changed);
 
   NodeCore& node_;
-  RosOut rosout_;
+  std::optional<RosOut> rosout_;
   Codec event_codec_;
   std::shared_ptr<Writer> events_;
   std::vector<std::unique_ptr<Server>> servers_;

@@ -31,19 +31,21 @@ void note_wildcard(const std::string& origin, const std::string& key, bool used)
 struct ParameterStore::State {
   struct Given {
     ParameterValue value;
-    bool wildcard;
     bool declared = false;
   };
 
   void add_file(const std::string& path) {
-    for (auto& found : read_parameter_file(path, node)) {
-      if (found.wildcard) note_wildcard(found.origin, found.key, false);
-      given[found.key] = {{std::move(found.yaml), std::move(found.origin)}, found.wildcard};
-    }
+    for (auto& found : read_parameter_file(path, node))
+      add(found.key, {std::move(found.yaml), std::move(found.origin), found.wildcard});
   }
 
   void add_values(const std::map<std::string, ParameterValue>& values) {
-    for (const auto& [key, value] : values) given[key] = {value, false};
+    for (const auto& [key, value] : values) add(key, value);
+  }
+
+  void add(const std::string& key, ParameterValue value) {
+    if (value.for_all) note_wildcard(value.origin, key, false);
+    given[key] = {std::move(value)};
   }
 
   [[noreturn]] void fail(const Given& entry, const std::string& what) const {
@@ -72,7 +74,7 @@ void ParameterStore::load(const Field& field) {
   if (found == state_->given.end()) return check(field);
   State::Given& entry = found->second;
   entry.declared = true;
-  if (entry.wildcard) note_wildcard(entry.value.origin, field.name, true);
+  if (entry.value.for_all) note_wildcard(entry.value.origin, field.name, true);
   try {
     assign(field, value_from_yaml(entry.value.yaml));
     check(field);
@@ -88,7 +90,7 @@ bool ParameterStore::gives_any(const std::string& prefix) const {
 
 void ParameterStore::check_unknown() const {
   for (const auto& [key, entry] : state_->given)
-    if (!entry.declared && !entry.wildcard)
+    if (!entry.declared && !entry.value.for_all)
       state_->fail(entry, key + " = " + entry.value.yaml + " is no parameter of this node");
 }
 

@@ -17,6 +17,7 @@ namespace tandem::runtime {
 struct ParameterValue {
   std::string yaml;
   std::string origin;
+  bool for_all = false;  ///< given for every node, as `/**` and a plain `-p`: some may lack it
 };
 
 /// Where a node's parameters come from; later ones win: files in order, values, overrides.

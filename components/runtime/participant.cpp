@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/participant.hpp"
 
+#include <arpa/inet.h>
+#include <netdb.h>
+
 #include <cstdlib>
+#include <cstring>
+#include <memory>
 #include <stdexcept>
 
 #include "runtime/codec.hpp"
@@ -16,11 +21,29 @@ constexpr const char* kLoopback = "127.0.0.1";
 constexpr uint32_t kParticipantsPerHost = 32;  // ids that unicast discovery asks, as ROS 2 does
 constexpr uint32_t kSocketBuffer = 4U << 20;   // the kernel lowers it to its own limit
 
-rtps::Locator_t peer(const std::string& address) {
+// The first IPv4 address of a host name, as the system resolves it; an address is its own.
+std::string resolved(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* raw = nullptr;
+  const int error = getaddrinfo(host.c_str(), nullptr, &hints, &raw);
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> found{raw, freeaddrinfo};
+  if (error != 0)
+    throw std::runtime_error("ROS_STATIC_PEERS: '" + host +
+                             "' is no IPv4 address, and no host's name (" + gai_strerror(error) +
+                             ")");
+  char text[INET_ADDRSTRLEN];
+  sockaddr_in address{};
+  std::memcpy(&address, found->ai_addr, sizeof address);
+  return inet_ntop(AF_INET, &address.sin_addr, text, sizeof text);
+}
+
+rtps::Locator_t peer(const std::string& host) {
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_UDPv4;
-  if (!IpLocator::setIPv4(locator, address))
-    throw std::runtime_error("ROS_STATIC_PEERS: '" + address + "' is no IPv4 address");
+  if (!IpLocator::setIPv4(locator, resolved(host)))
+    throw std::runtime_error("ROS_STATIC_PEERS: '" + host + "' is no IPv4 address");
   locator.port = 0;  // all well-known ports of the domain
   return locator;
 }

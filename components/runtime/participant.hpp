@@ -53,6 +53,7 @@ class Participant {
   [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// Whether the ROS 2 around is Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
+  [[nodiscard]] bool goes_unsecured() const { return environment_.unsecured; }
 
  private:
   friend class SharedTopic;

@@ -183,6 +183,41 @@ TEST(RosArguments, TellOfNodesThatAreNotThere) {
             (std::vector<std::string>{"left", "nobody"}));
 }
 
+// What launch files pass.
+TEST(RosArguments, TakeWhatRos2Takes) {
+  const auto arguments = rt::parse_ros_arguments(
+      {"--ros-args", "--log-level", "a.gate:=DEBUG", "--log-level", "other:=fatal",
+       "--disable-rosout-logs", "--enable-stdout-logs", "--disable-external-lib-logs", "--enclave",
+       "/x", "--log-config-file", "y", "-r", "out:={node}/{ns}/x"});
+  const auto gate = rt::with_arguments({.name = "gate", .ns = "/a"}, arguments);
+  EXPECT_EQ(gate.log_level, rt::LogLevel::kDebug);
+  EXPECT_FALSE(gate.logs_to_rosout);
+  EXPECT_EQ(rt::with_arguments({.name = "other"}, arguments).log_level, rt::LogLevel::kOff);
+  EXPECT_FALSE(rt::with_arguments({.name = "third"}, arguments).log_level);
+  EXPECT_EQ(rt::resolve_name("out", rt::NodeName{"/a", "gate"}, {{"out", "/{node}{ns}/x"}}),
+            "/gate/a/x");
+  EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "--enable-x-logs"}),
+               std::invalid_argument);
+  EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "--log-level", "a:=loud"}),
+               std::invalid_argument);
+}
+
+// A plain -p is for whoever has the parameter, as in rcl; one for a node must be one of its own.
+TEST(RosArguments, APlainParameterMayBeAnothersNodes) {
+  const auto plain = rt::parse_ros_arguments({"--ros-args", "-p", "margn:=0.4"});
+  {
+    rt::Node node{rt::with_arguments({.name = "gate"}, plain)};
+    (void)node.declare_parameters<GateParams>();
+    EXPECT_NO_THROW(node.check_parameters());
+  }
+  const auto unused = rt::unused_wildcard_keys();
+  EXPECT_NE(std::find(unused.begin(), unused.end(), "command line: margn"), unused.end());
+  const auto own = rt::parse_ros_arguments({"--ros-args", "-p", "gate:margn:=0.4"});
+  rt::Node strict{rt::with_arguments({.name = "gate"}, own)};
+  (void)strict.declare_parameters<GateParams>();
+  EXPECT_THROW(strict.check_parameters(), std::invalid_argument);
+}
+
 TEST(RosArguments, RefuseWhatRos2WouldNotUnderstand) {
   EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "-r"}), std::invalid_argument);
   EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "-p", "x=1"}), std::invalid_argument);

@@ -92,8 +92,21 @@ INSTANTIATE_TEST_SUITE_P(
               true},
         Reach{
             "LocalhostOnlySinceIron", {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_DISTRO", "jazzy"}}, true},
-        Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true}),
+        Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true},
+        Reach{"SubnetWithPeersByName", {{"ROS_STATIC_PEERS", "localhost;192.0.2.1"}}, true}),
     [](const auto& reach) { return reach.param.name; });
+
+TEST(Environment, WhereItForbidsToSpeakUnsecuredOrNamesNoHostNothingStarts) {
+  setenv("ROS_SECURITY_ENABLE", "true", 1);
+  setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
+  EXPECT_THROW(rt::Node{"secret"}, std::runtime_error);
+  unsetenv("ROS_SECURITY_STRATEGY");
+  EXPECT_NO_THROW(rt::Node{"open"});
+  unsetenv("ROS_SECURITY_ENABLE");
+  setenv("ROS_STATIC_PEERS", "no.such.host.invalid", 1);
+  EXPECT_THROW(rt::Node{"seeker"}, std::runtime_error);
+  unsetenv("ROS_STATIC_PEERS");
+}
 
 // A profile of Fast DDS that lets the peer use one network interface only.
 class ProfilesFile : public testing::Test {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/localization.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tandem {
+namespace {
+
+TEST(Localization, ComposesWhatIsFreshAndKnowsNothingElse) {
+  Localization localization{{}};
+  EXPECT_FALSE(localization.state(0.0));
+  localization.on_odom({1.0, 0.0, 0.0}, {0.2, 0.0}, 0.0);
+  EXPECT_FALSE(localization.state(0.0));
+  localization.on_transform({0.0, 2.0, 0.0}, 0.0);
+  ASSERT_TRUE(localization.state(0.1));
+  EXPECT_EQ(localization.state(0.1)->X_MB, (Pose2{1.0, 2.0, 0.0}));
+  EXPECT_FALSE(localization.state(0.2));  // odom_timeout
+  localization.on_odom({1.0, 0.0, 0.0}, {0.2, 0.0}, 1.1);
+  EXPECT_FALSE(localization.state(1.1));  // transform_timeout
+}
+
+// static_transform_publisher says map → odom once.
+TEST(Localization, AStaticTransformHoldsForEverUntilALocaliserIsHeard) {
+  Localization localization{{}};
+  localization.on_static_transform({0.0, 2.0, 0.0});
+  localization.on_odom({1.0, 0.0, 0.0}, {}, 100.0);
+  ASSERT_TRUE(localization.state(100.0));
+  EXPECT_EQ(localization.state(100.0)->X_MB, (Pose2{1.0, 2.0, 0.0}));
+  localization.on_transform({0.0, 5.0, 0.0}, 100.0);
+  EXPECT_EQ(localization.state(100.0)->X_MB, (Pose2{1.0, 5.0, 0.0}));
+  localization.on_static_transform({0.0, 2.0, 0.0});
+  EXPECT_EQ(localization.state(100.0)->X_MB, (Pose2{1.0, 5.0, 0.0}));
+  localization.on_odom({1.0, 0.0, 0.0}, {}, 102.0);
+  EXPECT_FALSE(localization.state(102.0));  // and its silence counts
+}
+
+}  // namespace
+}  // namespace tandem
