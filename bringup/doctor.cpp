@@ -274,7 +274,9 @@ void add_doctor_command(CLI::App& app, int& status) {
   auto duration = std::make_shared<double>(3.0);
   auto* command = app.add_subcommand(
       "doctor", "Show who is on the domain and what does not fit; exit status 1 if anything");
-  command->add_option("--wait", *duration, "[s] to look and listen")->check(CLI::Range(0.1, 600.0));
+  command->add_option("--wait", *duration, "[s] to look and listen")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
   command->callback([duration, &status] { status = visit(*duration); });
 }
 

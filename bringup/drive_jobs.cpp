@@ -197,13 +197,16 @@ void work_side_by_side(std::size_t count, unsigned workers,
                              " drives failed, the first: " + all.trouble());
 }
 
-std::vector<DriveResult> run_side_by_side(
-    const std::vector<DriveJob>& jobs, unsigned workers,
-    const std::function<DriveResult(const DriveJob&)>& drive) {
+std::vector<DriveResult> run_side_by_side(const std::vector<DriveJob>& jobs, unsigned workers,
+                                          const std::function<DriveResult(const DriveJob&)>& drive,
+                                          const std::function<void()>& finished) {
   std::vector<DriveResult> results(jobs.size());
   work_side_by_side(
       jobs.size(), workers, [&](std::size_t i) { return nlohmann::json(drive(jobs[i])); },
-      [&](std::size_t i, const nlohmann::json& result) { result.get_to(results[i]); });
+      [&](std::size_t i, const nlohmann::json& result) {
+        result.get_to(results[i]);
+        finished();
+      });
   return results;
 }
 

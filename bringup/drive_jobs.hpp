@@ -33,9 +33,10 @@ void work_side_by_side(std::size_t count, unsigned workers,
                        const std::function<nlohmann::json(std::size_t)>& work,
                        const std::function<void(std::size_t, const nlohmann::json&)>& done);
 
-/// Makes each drive so; the results are in the order of the jobs.
+/// Makes each drive so, and says when one is finished; the results are in the order of the jobs.
 [[nodiscard]] std::vector<DriveResult> run_side_by_side(
     const std::vector<DriveJob>& jobs, unsigned workers,
-    const std::function<DriveResult(const DriveJob&)>& drive);
+    const std::function<DriveResult(const DriveJob&)>& drive,
+    const std::function<void()>& finished = [] {});
 
 }  // namespace tandem

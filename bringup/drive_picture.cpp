@@ -102,9 +102,10 @@ void draw_drive(const Scenario& scenario, const System& system, const DriveLog& 
   const Footprint footprint = footprint_of(sim.robot);
   MapPicture picture{slice(*load_octomap(sim.map), sim.slice)};
   draw_goal(picture, scenario.goal, footprint);
-  picture.draw_obstacles(log.obstacles, {.color = colors::kShape,
-                                         .width = 1.6,
-                                         .label = "obstacles as the planner saw them, near it"});
+  picture.draw_obstacles(log.obstacles,
+                         {.color = colors::kShape,
+                          .width = 1.6,
+                          .label = "obstacles near the robot, as the planner saw them"});
   draw_walks(picture, log);
   if (!log.track.empty()) {
     if (scenario.method == "leader" || scenario.method == "path") draw_leader(picture, log.track);

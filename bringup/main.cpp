@@ -41,7 +41,7 @@ int main(int argc, char** argv) {
   tandem::add_study_command(app);
   tandem::add_record_command(app);
   tandem::add_play_command(app);
-  tandem::add_metrics_command(app);
+  tandem::add_metrics_command(app, status);
   tandem::add_doctor_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);

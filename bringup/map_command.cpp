@@ -169,7 +169,7 @@ void render(const MapOptions& options) {
 }  // namespace
 
 void add_map_command(CLI::App& program) {
-  CLI::App* const map = program.add_subcommand("map", "build, describe and draw maps");
+  CLI::App* const map = program.add_subcommand("map", "Build, describe and draw maps");
   map->require_subcommand(1);
   const auto options = std::make_shared<MapOptions>();
   const auto add = [&](const char* name, const char* what, void (*run)(const MapOptions&)) {
@@ -178,26 +178,26 @@ void add_map_command(CLI::App& program) {
     return command;
   };
 
-  CLI::App* const build_it = add("build", "make an OctoMap (.bt) from a description", build);
+  CLI::App* const build_it = add("build", "Make an OctoMap (.bt) from a description", build);
   build_it
       ->add_option("description", options->input,
                    "map description (.yaml), or a BARN world: worlds.json#17")
       ->required();
   build_it->add_option("-o,--output", options->output, "file to write; default: beside it, .bt");
 
-  CLI::App* const clutter = add("clutter", "make a random, passable clutter world", make_clutter);
+  CLI::App* const clutter = add("clutter", "Make a random, passable clutter world", make_clutter);
   clutter->add_option("--seed", options->seed, "another seed, another world")
       ->capture_default_str();
   clutter->add_option("-o,--output", options->output, "file to write; default: clutter_SEED.bt");
   options->clutter.visit(OptionAdder{*clutter});
 
-  CLI::App* const info = add("info", "say what a map holds", print_info);
+  CLI::App* const info = add("info", "Say what a map holds", print_info);
   info->add_option("map", options->input,
                    "OctoMap (.bt, .ot) or description (.yaml, worlds.json#17)")
       ->required();
   options->slice.visit(OptionAdder{*info});
 
-  CLI::App* const draw = add("render", "draw a map as a PNG", render);
+  CLI::App* const draw = add("render", "Draw a map as a PNG", render);
   draw->add_option("map", options->input,
                    "OctoMap (.bt, .ot) or description (.yaml, worlds.json#17)")
       ->required();

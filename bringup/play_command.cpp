@@ -120,11 +120,14 @@ void add_play_command(CLI::App& app) {
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("--topics", request->topics, "only these (full names)");
-  command->add_option("--rate", request->rate, "times as fast")->check(CLI::Range(1e-3, 1e3));
+  command->add_option("--rate", request->rate, "times as fast")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
   command
       ->add_option("--wait", request->wait,
                    "[s] at most, until every topic has a subscription, before it begins")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   command->add_flag("--loop", request->loop, "again and again, until Ctrl-C");
   command->allow_extras();
   command->footer("Takes ROS 2's --ros-args -r from:=to.");

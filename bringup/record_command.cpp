@@ -119,8 +119,8 @@ void add_record_command(CLI::App& app) {
     std::vector<std::string> topics;
   };
   auto request = std::make_shared<Request>();
-  auto* command =
-      app.add_subcommand("record", "Record topics as rosbag2 does (SQLite), playable by either");
+  auto* command = app.add_subcommand(
+      "record", "Record topics until Ctrl-C, as rosbag2 does (SQLite), playable by either");
   command->add_option("topics", request->topics,
                       "full names; none: every topic that is not hidden");
   command->add_option("-o,--output", request->folder, "folder (default: rosbag2_<date>)");

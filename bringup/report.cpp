@@ -37,7 +37,10 @@ std::string summary_table(const std::vector<DriveResult>& results) {
         "{:<16} {:<13} {:>4} {:>7} {:>6.1f} s {:>10} {:>6.3f} m {:>6.3f} m {:>6.1f} m {:>5.1f} s "
         "{:>5.1f} %  "
         "{}\n",
-        r.scenario, r.method, r.seed, r.reached ? "yes" : "NO",
+        r.scenario, r.method, r.seed,
+        r.reached            ? "yes"
+        : r.failures.empty() ? "no"
+                             : "NO",
         r.reached ? r.time_to_goal_s : r.simulated_s, r.collisions, r.min_clearance_m,
         r.final_position_error_m, r.path_length_m, r.stuck_s,
         percent(r.counts.filter_interventions, r.counts.filter_commands), planner_column(r));

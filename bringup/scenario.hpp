@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
 #include "diff_drive_sim/people.hpp"
+#include "metrics/metrics.hpp"
 
 namespace YAML {
 class Node;

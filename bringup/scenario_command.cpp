@@ -13,6 +13,7 @@
 #include "bringup/drive_jobs.hpp"
 #include "bringup/lockstep.hpp"
 #include "bringup/over_dds.hpp"
+#include "bringup/progress_bar.hpp"
 #include "bringup/report.hpp"
 #include "runtime/shutdown.hpp"
 
@@ -109,9 +110,16 @@ DriveResult drive(const DriveJob& job, const Request& request) {
 }
 
 std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Request& request) {
-  if (request.lockstep && request.jobs > 1)
-    return run_side_by_side(all, request.jobs,
-                            [&](const DriveJob& job) { return drive(job, request); });
+  if (request.lockstep && all.size() > 1) {  // how far each is would be a jumble of lines
+    Request each = request;
+    each.quiet = true;
+    ProgressBar bar{all.size(), 0, "drives"};
+    return run_side_by_side(
+        all, request.jobs, [&](const DriveJob& job) { return drive(job, each); },
+        [&] {
+          if (!request.quiet) bar.step("");
+        });
+  }
   if (!request.lockstep) rt::install_signal_handlers();
   std::vector<DriveResult> results;
   for (const DriveJob& job : all) {
@@ -150,17 +158,18 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_option(
       "--method", request->method,
       "manual, safety_filter, leader, intention, path, blend, adaptive, dwa, hindsight, goal; "
-      "all: every method "
-      "the scenario lists");
+      "all: those that the scenario lists. Default: the scenario's");
   command->add_option(
       "--driver", request->driver,
       "who sits at the stick: navigator, pointer, reckless, adversary, replay, each "
-      "with modifiers after +, as navigator+tremor");
+      "with modifiers after +, as navigator+tremor: one_sided, over_correction, tremor, "
+      "quantised, pulses, dropouts. Default: the scenario's");
   command->add_option("--recording", request->recording, "what driver replay plays")
       ->check(CLI::ExistingPath);
   command->add_option("--recording-topic", request->recording_topic,
                       "full name of its topic with the stick, if there are several, as /a/joy");
-  auto* seed = command->add_option("--seed", request->seed, "seed of the simulated person");
+  auto* seed = command->add_option("--seed", request->seed,
+                                   "seed of the simulated person; default: the scenario's");
   command->add_option("--seeds", request->seeds, "a range of seeds, A-B")->excludes(seed);
   command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);
   command->add_option("--json", request->json, "write all results to this file");
@@ -169,11 +178,12 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_flag("--dds", request->dds, "the real nodes over DDS (default)");
   command->add_flag("--lockstep", request->lockstep,
                     "the same cores without DDS, deterministic and faster than real time");
-  command->add_option("--speed", request->speed, "over DDS: simulated per real time");
+  command->add_option("--speed", request->speed, "over DDS: simulated per real time; default 1");
   command->add_flag("--no-filter", request->no_filter,
                     "the safety filter only watches: what does the method do alone?");
   command->add_option("--jobs", request->jobs, "in lockstep: processes side by side")
-      ->check(CLI::Range(1, 256));
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   command->add_flag("--quiet", request->quiet, "no progress line");
   command->callback([request, &status] { status = run(*request); });
 }

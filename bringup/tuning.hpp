@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
+#include "metrics/metrics.hpp"
 
 namespace tandem {
 

@@ -78,8 +78,8 @@ TEST(Convert, ObstaclesThatAreNoEllipsesAreCountedAndLeftOut) {
 
 TEST(Convert, FindsTheTransformAmongOthers) {
   tf2_msgs::msg::TFMessage msg;
-  msg.transforms().push_back(to_transform({9, 9, 0}, header({}, "odom"), "base_link"));
-  msg.transforms().push_back(to_transform({1, 2, 0.5}, header({}, "map"), "odom"));
+  msg.transforms().push_back(to_transform(Pose2{9, 9, 0}, header({}, "odom"), "base_link"));
+  msg.transforms().push_back(to_transform(Pose2{1, 2, 0.5}, header({}, "map"), "odom"));
   const auto X_MW = find_transform(msg, "map", "odom");
   ASSERT_TRUE(X_MW);
   EXPECT_NEAR(X_MW->theta, 0.5, 1e-12);

@@ -98,7 +98,7 @@ DashboardNode::DashboardNode(rt::Node& node)
                   web_.url());
   // To the terminal, not to /rosout; one from a file is known already.
   if (const auto& token = web_.token(); !token.empty() && params_->web.token_file.empty())
-    std::cerr << "    its token: " << web_.url() << "?token=" << token << std::endl;
+    std::cerr << "    Open it with its token: " << web_.url() << "?token=" << token << std::endl;
 }
 
 // What one client asks for may not end the process, in which the planner and the filter may be too.

@@ -86,6 +86,15 @@ std::optional<double> way_length(const Json& meta, const Json& entry) {
   return length;
 }
 
+// Numbers have gaps.
+std::string nearest_to(int number, const std::vector<int>& numbers) {
+  const auto above = std::upper_bound(numbers.begin(), numbers.end(), number);
+  std::string text;
+  if (above != numbers.begin()) text = std::to_string(*(above - 1));
+  if (above != numbers.end()) text += (text.empty() ? "" : " and ") + std::to_string(*above);
+  return text.empty() ? "" : ", next to it " + text;
+}
+
 // What `read` makes of the file's meta and its world of that number.
 template <class Read>
 auto of_world(const std::filesystem::path& file, int number, const Read& read) {
@@ -94,9 +103,7 @@ auto of_world(const std::filesystem::path& file, int number, const Read& read) {
   if (entry == root["worlds"].end()) {
     const auto numbers = barn_world_numbers(file);
     fail(file, "no world " + std::to_string(number) + "; it has " + std::to_string(numbers.size()) +
-                   (numbers.empty() ? ""
-                                    : ", from " + std::to_string(numbers.front()) + " to " +
-                                          std::to_string(numbers.back())));
+                   nearest_to(number, numbers));
   }
   try {
     return read(root["meta"], *entry);

@@ -329,7 +329,7 @@ def hostile(robot):
 
 
 def token(robot):
-    robot.until_heard("its token: ")
+    robot.until_heard("Open it with its token: ")
     secret = next(found[1] for line in robot.lines if (found := re.search(r"its token: \S+\?token=(\w+)", line)))
     client = Client(robot.port, "?token=" + secret)
     client.subscribe("/rosout")

@@ -73,7 +73,7 @@ TEST(BarnWorld, SaysWhatIsWrong) {
   EXPECT_NE(complaint("", 1).find("not a file of BARN worlds"), std::string::npos);
   EXPECT_NE(complaint("[1, 2]", 1).find("not a file of BARN worlds"), std::string::npos);
   EXPECT_NE(complaint("{" + kMeta + R"(, "worlds": {"3": {"cylinders": []}}})", 4)
-                .find("no world 4; it has 1, from 3 to 3"),
+                .find("no world 4; it has 1, next to it 3"),
             std::string::npos);
   for (const char* world : {R"({"cylinders": []})", R"({})", R"({"cylinders": [["a", 1]]})",
                             R"({"cylinders": [[1e9, 1]]})", "7"}) {

@@ -183,7 +183,7 @@ TEST_F(PlannerWithLocaliser, StandsUntilTheRobotIsLocalised) {
   EXPECT_EQ(X_, Pose2{});
   const auto tf = node_.create_publisher(topics::tf);
   tf2_msgs::msg::TFMessage msg;
-  msg.transforms().push_back(to_transform({}, header({}, "map"), "odom"));
+  msg.transforms().push_back(to_transform(Pose2{}, header({}, "map"), "odom"));
   const auto localiser = node_.create_wall_timer(kBeat, [&] { tf.publish(msg); });
   EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
 }
