@@ -110,6 +110,23 @@ void examine_nodes(const Domain& domain, std::vector<Finding>& found) {
          "find out who sends them: no release of ROS 2 does"});
 }
 
+// A base obeys whoever spoke last.
+void examine_commands(const Domain& domain, std::vector<Finding>& found) {
+  std::map<std::string, std::vector<std::string>> writers;
+  for (const auto& endpoint : domain.endpoints)
+    if (endpoint.writes && (endpoint.topic == "/cmd_vel" || endpoint.topic.ends_with("/cmd_vel")))
+      writers[endpoint.topic].push_back(who(endpoint));
+  for (const auto& [topic, names] : writers) {
+    if (names.size() < 2) continue;
+    std::string all;
+    for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+    found.push_back({topic + " has " + std::to_string(names.size()) + " publishers (" + all +
+                         "): what is not the safety filter's goes past it",
+                     "remap all but one, to cmd_vel_nav or cmd_vel_user, or give each robot a "
+                     "namespace"});
+  }
+}
+
 void examine_company(const Domain& domain, std::vector<Finding>& found) {
   const bool alone = std::all_of(domain.participants.begin(), domain.participants.end(),
                                  [](const auto& participant) { return participant.ours; });
@@ -246,6 +263,7 @@ std::vector<Finding> examine(const Domain& domain) {
   examine_types(domain, found);
   examine_qos(domain, found);
   examine_nodes(domain, found);
+  examine_commands(domain, found);
   return found;
 }
 

@@ -41,13 +41,19 @@ int main(int argc, char** argv) {
   tandem::add_study_command(app);
   tandem::add_record_command(app);
   tandem::add_play_command(app);
-  tandem::add_metrics_command(app, status);
+  tandem::add_metrics_command(app);
   tandem::add_doctor_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);
   tandem::add_tune_command(app);
   try {
+    for (int i = 1; i < argc; ++i)  // else it would count as not given
+      if (*argv[i] == '\0')
+        throw std::invalid_argument("argument " + std::to_string(i) +
+                                    " is empty; is a variable of the shell unset?");
     app.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw std::runtime_error("standard output takes no more");
     return status;
   } catch (const CLI::RequiredError& error) {
     const std::string unknown = unknown_command(app);

@@ -93,10 +93,16 @@ void save(const octomap::OcTree& tree, const fs::path& output) {
               static_cast<std::uintmax_t>(fs::file_size(output)));
 }
 
+// Under whatever name: another spelling, a link.
+void keep_input(const std::string& input, const fs::path& output) {
+  std::error_code error;  // there is no such output yet
+  if (fs::equivalent(WorldName(input).file, output, error))
+    throw std::runtime_error(input + ": would be overwritten; name another file with -o");
+}
+
 void build(const MapOptions& options) {
   const fs::path output = output_beside(options, ".bt");
-  if (fs::path(options.input) == output)
-    throw std::runtime_error(options.input + ": would be overwritten; name another file with -o");
+  keep_input(options.input, output);
   save(*build_octomap(describe(options.input)), output);
 }
 
@@ -162,6 +168,7 @@ void render(const MapOptions& options) {
                                     .label = std::to_string(shapes.size()) + " fitted shapes"});
   }
   const fs::path output = output_beside(options, ".png");
+  keep_input(options.input, output);
   picture.write_png(output);
   std::printf("%s\n", output.c_str());
 }

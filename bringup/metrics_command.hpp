@@ -7,6 +7,6 @@
 namespace tandem {
 
 /// Adds the subcommand.
-void add_metrics_command(CLI::App& app, int& status);
+void add_metrics_command(CLI::App& app);
 
 }  // namespace tandem

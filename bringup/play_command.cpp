@@ -11,6 +11,7 @@
 
 #include "bringup/bag.hpp"
 #include "runtime/arguments.hpp"
+#include "runtime/names.hpp"
 #include "runtime/node.hpp"
 #include "runtime/shutdown.hpp"
 #include "runtime/time.hpp"
@@ -32,6 +33,12 @@ class Player {
  public:
   Player(rt::Node& node, const PlayRequest& request) : node_{node}, request_{request} {
     topics_ = BagReader{request.path}.topics();
+    for (const auto& name : request.topics) {
+      wanted_.push_back(rt::expand_name(name, {"/", "tandem_play"}));
+      if (std::none_of(topics_.begin(), topics_.end(),
+                       [&](const BagTopic& topic) { return topic.name == wanted_.back(); }))
+        throw std::invalid_argument(request.path + " holds no " + wanted_.back());
+    }
     for (const auto& topic : topics_)
       publishers_.push_back(wants(topic.name) ? publisher_of(topic) : std::nullopt);
   }
@@ -47,8 +54,7 @@ class Player {
 
  private:
   [[nodiscard]] bool wants(const std::string& topic) const {
-    const auto& wanted = request_.topics;
-    return wanted.empty() || std::find(wanted.begin(), wanted.end(), topic) != wanted.end();
+    return wanted_.empty() || std::find(wanted_.begin(), wanted_.end(), topic) != wanted_.end();
   }
 
   // One topic that cannot be sent, for its name is none of ROS 2's, costs no other.
@@ -94,6 +100,7 @@ class Player {
 
   rt::Node& node_;
   const PlayRequest& request_;
+  std::vector<std::string> wanted_;
   std::vector<BagTopic> topics_;
   std::vector<std::optional<rt::GenericPublisher>> publishers_;  // of the topics that are played
   long sent_ = 0;
@@ -119,7 +126,7 @@ void add_play_command(CLI::App& app) {
   command->add_option("recording", request->path, "its folder or its .db3")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option("--topics", request->topics, "only these (full names)");
+  command->add_option("--topics", request->topics, "only these");
   command->add_option("--rate", request->rate, "times as fast")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();

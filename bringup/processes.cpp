@@ -67,8 +67,10 @@ void Processes::reap(bool expected) {
 
 int Processes::run() {
   while (!children_.empty()) {
-    if (rt::wait_for_shutdown(kLook)) return 0;
+    if (rt::wait_for_shutdown(kLook)) return died_ ? 1 : 0;
+    const std::size_t before = children_.size();
     reap(false);
+    died_ = died_ || children_.size() < before;
   }
   log().error("no component is left");
   return 1;

@@ -21,8 +21,7 @@ class Processes {
   void start(const std::string& name, const std::vector<std::string>& arguments);
 
   /// Watches the children until a shutdown (SIGINT, SIGTERM) or until none is left; each death is
-  /// logged and the others run on. The exit status: 0 after a shutdown, 1 if all died by
-  /// themselves.
+  /// logged and the others run on. The exit status: 0 after a shutdown, 1 if one died by itself.
   int run();
 
  private:
@@ -34,6 +33,7 @@ class Processes {
   void reap(bool expected);
 
   std::vector<Child> children_;
+  bool died_ = false;  // one of them, unasked
 };
 
 }  // namespace tandem

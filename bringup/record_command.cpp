@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bringup/bag.hpp"
+#include "runtime/names.hpp"
 #include "runtime/node.hpp"
 #include "runtime/shutdown.hpp"
 
@@ -39,6 +40,7 @@ class Recorder {
  public:
   Recorder(rt::Node& node, const std::string& folder, std::vector<std::string> wanted)
       : node_{node}, bag_{folder}, wanted_{std::move(wanted)} {
+    for (auto& name : wanted_) name = rt::expand_name(name, {"/", "tandem_record"});
     look();
     looking_ = node.create_wall_timer(kLook, [this] { look(); });
     committing_ = node.create_wall_timer(kCommit, [this] { bag_.commit(); });
@@ -46,6 +48,14 @@ class Recorder {
 
   [[nodiscard]] std::int64_t messages() const { return bag_.messages(); }
   [[nodiscard]] std::size_t topics() const { return recorded_.size(); }
+  [[nodiscard]] std::vector<std::string> unheard() const {
+    std::vector<std::string> names;
+    for (const auto& name : wanted_)
+      if (std::none_of(recorded_.begin(), recorded_.end(),
+                       [&](const auto& entry) { return entry.first.first == name; }))
+        names.push_back(name);
+    return names;
+  }
 
  private:
   [[nodiscard]] bool wants(const rt::TopicInfo& topic) const {
@@ -107,6 +117,7 @@ void record(const std::string& folder, const std::vector<std::string>& topics) {
   Recorder recorder{node, folder, topics};
   node.log().info("records into {} until Ctrl-C", folder);
   node.spin();
+  for (const auto& name : recorder.unheard()) node.log().warn("nobody published {}", name);
   std::printf("%lld messages of %zu topics in %s\n", static_cast<long long>(recorder.messages()),
               recorder.topics(), folder.c_str());
 }
@@ -121,8 +132,7 @@ void add_record_command(CLI::App& app) {
   auto request = std::make_shared<Request>();
   auto* command = app.add_subcommand(
       "record", "Record topics until Ctrl-C, as rosbag2 does (SQLite), playable by either");
-  command->add_option("topics", request->topics,
-                      "full names; none: every topic that is not hidden");
+  command->add_option("topics", request->topics, "names; none: every topic that is not hidden");
   command->add_option("-o,--output", request->folder, "folder (default: rosbag2_<date>)");
   command->callback([request] {
     record(request->folder.empty() ? default_folder() : request->folder, request->topics);

@@ -123,8 +123,11 @@ std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Reque
   if (!request.lockstep) rt::install_signal_handlers();
   std::vector<DriveResult> results;
   for (const DriveJob& job : all) {
-    results.push_back(drive(job, request));
-    if (!request.lockstep && rt::shutting_down()) break;
+    DriveResult result = drive(job, request);
+    if (!request.lockstep && rt::shutting_down())  // half a drive is none
+      throw std::runtime_error(
+          fmt::format("interrupted after {} of {} drives", results.size(), all.size()));
+    results.push_back(std::move(result));
   }
   return results;
 }
@@ -135,7 +138,12 @@ int run(const Request& request) {
   if (request.jobs > 1 && !request.lockstep)
     throw std::invalid_argument("--jobs needs --lockstep: over DDS one system runs at a time");
   check_outputs(request);
-  const auto results = drive_all(jobs_of(request), request);
+  const auto jobs = jobs_of(request);
+  for (const DriveJob& job : jobs)
+    if (std::error_code error;
+        !request.json.empty() && fs::equivalent(job.scenario.path, request.json, error))
+      throw std::invalid_argument("--json " + request.json + ": would overwrite the scenario");
+  const auto results = drive_all(jobs, request);
   if (!request.json.empty()) {
     std::ofstream out{request.json};
     out << nlohmann::json(results).dump(2) << '\n';

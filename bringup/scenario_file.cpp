@@ -11,6 +11,7 @@
 
 #include "bringup/scenario.hpp"
 #include "runtime/yaml_text.hpp"
+#include "yaml_check.hpp"
 
 namespace tandem {
 namespace {
@@ -274,9 +275,10 @@ Scenario load_scenario(const std::string& path) {
   YAML::Node root;
   try {
     root = YAML::LoadFile(path);
+    check_yaml(root);
   } catch (const YAML::BadFile&) {
     throw std::invalid_argument(path + ": no such scenario file");
-  } catch (const YAML::ParserException& error) {
+  } catch (const YAML::Exception& error) {
     throw std::invalid_argument(path + ":" + std::to_string(error.mark.line + 1) + ": " +
                                 error.msg);
   }

@@ -11,8 +11,11 @@
 #include "bringup/parameter_names.hpp"
 #include "bringup/processes.hpp"
 #include "runtime/arguments.hpp"
+#include "runtime/names.hpp"
+#include "runtime/parameter_files.hpp"
 #include "runtime/shutdown.hpp"
 #include "runtime/yaml_text.hpp"
+#include "yaml_check.hpp"
 
 namespace tandem {
 namespace {
@@ -47,7 +50,9 @@ class SystemReader {
 
   [[nodiscard]] YAML::Node load() const {
     try {
-      return YAML::LoadFile(path_);
+      const YAML::Node root = YAML::LoadFile(path_);
+      check_yaml(root);
+      return root;
     } catch (const YAML::BadFile&) {
       throw std::invalid_argument("system file " + path_ + " cannot be read");
     } catch (const YAML::Exception& error) {
@@ -185,6 +190,17 @@ void warn_of_unknown(const rt::RosArguments& arguments) {
 void warn_of_strangers(const System& system, const rt::RosArguments& arguments) {
   std::vector<rt::NodeOptions> nodes;
   for (const auto& node : system.nodes) nodes.push_back(node.options);
+  std::set<std::string> files{arguments.parameter_files.begin(), arguments.parameter_files.end()};
+  std::vector<std::string> names;
+  for (const auto& node : nodes) {
+    const auto options = rt::with_arguments(node, arguments);
+    names.push_back(rt::make_node_name(options.ns, options.name).full());
+    files.insert(options.parameters.files.begin(), options.parameters.files.end());
+  }
+  for (const auto& file : files)
+    for (const auto& section : rt::sections_for_nobody(file, names))
+      rt::Logger{"tandem"}.warn("{}: {} has no node '{}': what the file says of it is of no effect",
+                                section.origin, system.path, section.name);
   for (const auto& name : rt::strangers_in(arguments, nodes))
     rt::Logger{"tandem"}.warn("--ros-args: {} has no node '{}': its rules are of no effect",
                               system.path, name);

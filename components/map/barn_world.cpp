@@ -15,6 +15,7 @@ using Json = nlohmann::json;
 
 constexpr double kHeight = 1.0;       // [m] of a cylinder
 constexpr double kAround = 1.0;       // [m] free about start and goal
+constexpr double kLargest = 100.0;    // [m] side of a world; BARN's are 5 m by 10 m
 constexpr double kResolution = 0.05;  // [m]
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
@@ -62,6 +63,9 @@ MapDescription world(const Json& meta, const Json& cylinders) {
     map.solids.push_back(solid);
   }
   if (map.solids.empty()) throw std::runtime_error("no cylinders");
+  if ((map.high - map.low).head<2>().prod() > kLargest * kLargest ||
+      static_cast<double>(map.solids.size()) * radius * radius > kLargest * kLargest)
+    throw std::runtime_error("more than a map of 100 m by 100 m");
   return map;
 }
 

@@ -172,10 +172,15 @@ std::string bt_file_bytes(const octomap::OcTree& tree) {
 }
 
 void save_octomap(const octomap::OcTree& tree, const std::filesystem::path& file) {
-  std::ofstream stream(file, std::ios::binary);
+  const std::filesystem::path part = file.string() + ".part";  // never half a map
+  std::ofstream stream(part, std::ios::binary);
   stream << bt_file_bytes(tree);
   stream.close();
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+  std::error_code error;
+  if (stream) std::filesystem::rename(part, file, error);
+  if (stream && !error) return;
+  std::filesystem::remove(part, error);
+  throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 }  // namespace tandem

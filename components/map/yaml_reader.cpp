@@ -8,11 +8,15 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "yaml_check.hpp"
+
 namespace tandem {
 
 YAML::Node YamlReader::parse(const std::string& text) const {
   try {
-    return YAML::Load(text);
+    const YAML::Node root = YAML::Load(text);
+    check_yaml(root);
+    return root;
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(name_ + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
   }

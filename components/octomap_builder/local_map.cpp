@@ -13,6 +13,10 @@ constexpr double kFollow = 2.0;    // [m] the window moves in steps of this
 constexpr float kUnsure = -0.1F;   // log-odds of a voxel that was forgotten
 constexpr double kInside = 0.001;  // [m] an echo's point lies on the surface: just behind it
 
+// Ways that a look clears, and voxels on them: a camera before a wall asks for half of that, a
+// cloud of noise would for minutes, in which nothing is heard. What else it met still counts.
+constexpr std::size_t kMostWays = 30'000, kMostFree = 1'000'000;
+
 const LocalMapParams& checked(const LocalMapParams& params) {
   check(params);
   if (!(params.point_cloud_min_z < params.point_cloud_max_z))
@@ -103,7 +107,7 @@ void LocalMap::clear() {
 void LocalMap::clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ) {
   octomap::OcTreeKey end;
   if (!p_MQ.allFinite() || !tree_.coordToKeyChecked(to_octomap(p_MQ), end)) return;
-  if (!ends_.insert(end).second) return;
+  if (ends_.size() >= kMostWays || free_.size() >= kMostFree || !ends_.insert(end).second) return;
   if (!tree_.computeRayKeys(to_octomap(p_MS), to_octomap(p_MQ), ray_)) return;
   for (const octomap::OcTreeKey& key : ray_)
     if (window_.contains(key)) free_.insert(key);

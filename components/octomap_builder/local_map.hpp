@@ -66,9 +66,10 @@ class LocalMap {
   LocalMap(const LocalMap&) = delete;
   LocalMap& operator=(const LocalMap&) = delete;
 
-  /// Takes in looks that count as one, at time t [s]: what one of them met is no way for another.
-  /// The window follows the sensor. False, and nothing is taken in, if an X_MS is not finite or
-  /// farther than OctoMap reaches (its 2¹⁵ voxels from the map's origin).
+  /// Takes in looks that count as one, each of at most 30,000 ways that differ, at time t [s]: what
+  /// one of them met is no way for another. The window follows the sensor. False, and nothing is
+  /// taken in, if an X_MS is not finite or farther than OctoMap reaches (its 2¹⁵ voxels from the
+  /// map's origin).
   [[nodiscard]] bool insert(std::span<const Look> looks, double t);
 
   /// Forgets all that was seen.

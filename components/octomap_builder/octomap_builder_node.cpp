@@ -8,6 +8,7 @@
 namespace tandem {
 namespace {
 
+constexpr double kRest = 2.0;      // times as long as the last map took: to hear odometry meanwhile
 constexpr double kPatience = 1.0;  // [s] /tf_static may come later than the first scan
 
 bool is_zero(const Stamp& stamp) { return stamp.sec() == 0 && stamp.nanosec() == 0; }
@@ -120,8 +121,8 @@ std::optional<Pose2> OctomapBuilderNode::pose_at(const Stamp& stamp, double afte
 }
 
 void OctomapBuilderNode::publish_if_due() {
-  const double now = node_.now();
-  if (!unsent_ || (now >= sent_ && now - sent_ < params_->period)) return;
+  const double now = node_.now(), began = node_.steady_now();
+  if (!unsent_ || began < rested_ || (now >= sent_ && now - sent_ < params_->period)) return;
   octomap_msgs::msg::Octomap msg;
   msg.header(header(*unsent_, params_->input.frames.map));
   msg.binary(true);
@@ -131,6 +132,8 @@ void OctomapBuilderNode::publish_if_due() {
   octomap_.publish(msg);
   unsent_.reset();
   sent_ = now;
+  const double end = node_.steady_now();
+  rested_ = end + kRest * (end - began);
 }
 
 }  // namespace tandem

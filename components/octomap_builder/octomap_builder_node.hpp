@@ -69,6 +69,7 @@ class OctomapBuilderNode {
   RobotStateInput robot_;
   std::optional<Stamp> unsent_;  // of the newest look that no map was sent with
   double sent_ = 0.0;            // node's clock [s]
+  double rested_ = 0.0;          // steady clock: no map before [s]
 
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
   rt::Subscription scan_, cloud_, tf_static_;

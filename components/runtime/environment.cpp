@@ -34,6 +34,13 @@ DiscoveryRange range_from(const std::string& text) {
                            "' is none of {SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT}");
 }
 
+bool flag_from(const char* name) {
+  const std::string text = variable(name);
+  if (text.empty() || text == "0") return false;
+  if (text == "1") return true;
+  throw std::runtime_error(std::string{name} + " = '" + text + "' is neither 0 nor 1");
+}
+
 // Whether security is wanted, and may be missing.
 bool goes_unsecured() {
   if (variable("ROS_SECURITY_ENABLE") != "true") return false;
@@ -59,7 +66,7 @@ Environment read_environment() {
   const std::string distribution = variable("ROS_DISTRO");
   Environment environment{.domain = domain_from(variable("ROS_DOMAIN_ID")),
                           .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
-                          .loopback_only = variable("ROS_LOCALHOST_ONLY") == "1",
+                          .loopback_only = flag_from("ROS_LOCALHOST_ONLY"),
                           .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
                           .humble = distribution == "humble",
                           .unsecured = goes_unsecured()};

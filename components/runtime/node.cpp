@@ -70,6 +70,13 @@ Subscription Node::create_generic_subscription(
                              std::move(deliver))};
 }
 
+std::size_t Node::count_publishers(const std::string& topic) const {
+  const std::string name = core_->resolve(topic.c_str());
+  std::size_t count = 0;
+  for (const auto& info : topics()) count += info.name == name ? info.publishers.size() : 0;
+  return count;
+}
+
 std::vector<TopicInfo> Node::topics() const {
   std::map<std::pair<std::string, std::string>, TopicInfo> topics;
   for (const auto& endpoint : core_->discovered()) {

@@ -78,6 +78,9 @@ class Node {
   /// ROS 2's topics on the domain now, as far as they are discovered; by name and type.
   [[nodiscard]] std::vector<TopicInfo> topics() const;
 
+  /// Publishers of a topic on the domain now, of whatever type, own ones included.
+  [[nodiscard]] std::size_t count_publishers(const std::string& topic) const;
+
   /// Calls `fn` once, as soon as anybody publishes messages of that type on that topic; not after
   /// the result is destroyed.
   template <class M>

@@ -2,12 +2,14 @@
 #include "runtime/parameter_files.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
 
 #include "runtime/yaml_text.hpp"
+#include "yaml_check.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -23,10 +25,25 @@ std::string place(const std::string& path, const YAML::Node& node) {
 }
 
 YAML::Node load(const std::string& path) {
+  if (std::filesystem::is_directory(path))
+    throw std::invalid_argument("parameter file " + path + " is a folder; name a file in it");
   try {
-    return YAML::LoadFile(path);
+    const YAML::Node root = YAML::LoadFile(path);
+    check_yaml(root);
+    if (!root.IsNull()) return root;
   } catch (const YAML::BadFile&) {
     throw std::invalid_argument("parameter file " + path + " cannot be read");
+  }
+  // Half a robot file is another robot; an empty one is what a power loss leaves of it.
+  throw std::invalid_argument("parameter file " + path +
+                              " is empty; restore it, or take it out of the list");
+}
+
+// What YAML's reader complains of, with the file's name.
+template <class Read>
+auto named(const std::string& path, const Read& read) {
+  try {
+    return read();
   } catch (const YAML::Exception& error) {
     throw std::invalid_argument(path + ":" + std::to_string(error.mark.line + 1) + ": " +
                                 error.msg);
@@ -39,9 +56,12 @@ class Collector {
   Collector(const std::string& path, const std::string& full_name)
       : path_{path}, full_name_{full_name} {}
 
+  std::vector<FileSection> sections() {
+    visit_names(load(path_), "");
+    return std::move(sections_);
+  }
   std::vector<FileValue> collect() {
-    const YAML::Node root = load(path_);
-    if (!root.IsNull()) visit_names(root, "");
+    visit_names(load(path_), "");
     std::stable_partition(values_.begin(), values_.end(),
                           [](const FileValue& value) { return value.wildcard; });
     return std::move(values_);
@@ -53,6 +73,8 @@ class Collector {
     if (!node.IsMap()) fail(path_, node, "expected `node: ros__parameters:`");
     for (const auto& entry : node) {
       const auto key = entry.first.as<std::string>();
+      if (key == kParameters && !name.empty())
+        sections_.push_back({name, place(path_, entry.first)});
       if (key != kParameters)
         visit_names(entry.second, name + (key.starts_with('/') ? "" : "/") + key);
       else if (name.empty())
@@ -85,6 +107,7 @@ class Collector {
   const std::string& path_;
   const std::string& full_name_;
   std::vector<FileValue> values_;
+  std::vector<FileSection> sections_;
 };
 
 // Takes the first token off "/a/b".
@@ -126,7 +149,18 @@ bool matches_node(std::string_view pattern, std::string_view full_name) {
 }
 
 std::vector<FileValue> read_parameter_file(const std::string& path, const std::string& full_name) {
-  return Collector{path, full_name}.collect();
+  return named(path, [&] { return Collector{path, full_name}.collect(); });
+}
+
+std::vector<FileSection> sections_for_nobody(const std::string& path,
+                                             const std::vector<std::string>& full_names) {
+  auto sections = named(path, [&] { return Collector{path, ""}.sections(); });
+  std::erase_if(sections, [&](const FileSection& section) {
+    return section.name.find('*') != std::string::npos ||
+           std::any_of(full_names.begin(), full_names.end(),
+                       [&](const std::string& name) { return matches_node(section.name, name); });
+  });
+  return sections;
 }
 
 }  // namespace tandem::runtime

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: reading parameter files of ROS 2's form.
+// Reading parameter files of ROS 2's form.
 #pragma once
 
 #include <string>
@@ -15,6 +15,16 @@ struct FileValue {
   std::string origin;  ///< "robot.yaml:12"
   bool wildcard;       ///< from a section such as `/**`
 };
+
+/// A part of a parameter file that names one node.
+struct FileSection {
+  std::string name;    ///< "/a/b"
+  std::string origin;  ///< "robot.yaml:1"
+};
+
+/// Sections that name a node, and none of these. Throws as read_parameter_file.
+[[nodiscard]] std::vector<FileSection> sections_for_nobody(
+    const std::string& path, const std::vector<std::string>& full_names);
 
 /// The values of `path` for node `full_name`: first those of wildcard sections, then the node's
 /// own. Throws std::invalid_argument naming file and line for what is not of ROS 2's form.

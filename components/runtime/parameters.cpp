@@ -45,7 +45,11 @@ struct ParameterStore::State {
 
   void add(const std::string& key, ParameterValue value) {
     if (value.for_all) note_wildcard(value.origin, key, false);
-    given[key] = {std::move(value)};
+    const auto [entry, is_new] = given.try_emplace(key, Given{value});
+    if (is_new) return;
+    const ParameterValue& before = entry->second.value;  // whoever has the later one has this too
+    if (before.for_all) note_wildcard(before.origin, key, true);
+    entry->second = {std::move(value)};
   }
 
   [[noreturn]] void fail(const Given& entry, const std::string& what) const {

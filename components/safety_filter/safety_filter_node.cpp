@@ -7,6 +7,11 @@
 #include "topics.hpp"
 
 namespace tandem {
+namespace {
+
+constexpr double kLook = 1.0;  // [s] between looks at who publishes cmd_vel
+
+}  // namespace
 
 SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     : node_{node},
@@ -34,6 +39,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     cmd_vel_stamped_ = node.create_publisher(topics::cmd_vel_stamped);
   else
     cmd_vel_ = node.create_publisher(topics::cmd_vel);
+  looks_ = node.create_wall_timer(kLook, [this] { look_for_others(); });
   watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
 }
 
@@ -92,7 +98,21 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
   status_.publish(msg);
 }
 
+// Who else moves the base goes past this filter, and past all that it promises.
+void SafetyFilterNode::look_for_others() {
+  const std::size_t all = node_.count_publishers(topics::cmd_vel.name);
+  others_ = all > 0 ? all - 1 : 0;
+  if (others_ > 0)
+    node_.log().error_every(
+        5.0,
+        "cmd_vel has {} publishers besides this filter, and the base may obey them; "
+        "remap them to cmd_vel_nav or cmd_vel_user, or give each robot a "
+        "namespace",
+        others_);
+}
+
 void SafetyFilterNode::diagnose() {
+  if (others_ > 0) return diagnostics_.say(false, "others publish cmd_vel, past this filter");
   if (params_->filter.enforce)
     return diagnostics_.say(last_.reason < FilterReason::kNoCommand, why(last_));
   node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");

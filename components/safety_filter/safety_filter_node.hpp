@@ -56,6 +56,7 @@ class SafetyFilterNode {
   void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);
+  void look_for_others();
   void diagnose();
 
   rt::Node& node_;
@@ -73,7 +74,8 @@ class SafetyFilterNode {
   rt::Publisher<tandem_msgs::msg::FilterStatus> status_;
   Diagnostics diagnostics_;
   TwistInput command_;
-  rt::Timer watchdog_;
+  std::size_t others_ = 0;  // who publish cmd_vel too
+  rt::Timer watchdog_, looks_;
 };
 
 }  // namespace tandem

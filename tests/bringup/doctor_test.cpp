@@ -75,6 +75,15 @@ TEST(Doctor, FindsTwinsStrangersAndHumbleBesideOthers) {
   EXPECT_TRUE(finds(examine(sick), "3 samples of ros_discovery_info"));
 }
 
+TEST(Doctor, FindsWhoElseMovesTheBase) {
+  auto sick = domain();
+  const std::string type = "geometry_msgs/msg/Twist";
+  sick.endpoints.push_back({"aa", "/safety_filter", "/a/cmd_vel", type, true, {1, 0}, "h"});
+  EXPECT_TRUE(examine(sick).empty());
+  sick.endpoints.push_back({"bb", "/robot", "/a/cmd_vel", type, true, {1, 0}, "h"});
+  EXPECT_TRUE(finds(examine(sick), "/a/cmd_vel has 2 publishers (/safety_filter, /robot)"));
+}
+
 TEST(Doctor, SaysThatNobodyIsThere) {
   auto lonely = domain();
   lonely.participants.pop_back();

@@ -115,6 +115,19 @@ TEST_F(MapCommand, ThrowsOneLineForWhatCannotBe) {
     }
 }
 
+TEST_F(MapCommand, NorOverItsInputUnderAnotherName) {
+  fs::copy_file(kMaps / "forest.yaml", folder_ / "a.yaml");
+  fs::copy_file(kMaps / "forest.bt", folder_ / "f.bt");
+  fs::create_symlink(folder_ / "f.bt", folder_ / "link.bt");
+  const std::string folder = folder_.string();
+  for (const std::string& command : {"map build " + folder + "/./a.yaml -o " + folder + "/a.yaml",
+                                     "map render " + folder + "/f.bt -o " + folder + "/f.bt",
+                                     "map render " + folder + "/f.bt -o " + folder + "/link.bt"})
+    EXPECT_THROW(run(command), std::runtime_error) << command;
+  EXPECT_EQ(bytes_of(folder_ / "f.bt"), bytes_of(kMaps / "forest.bt"));
+  EXPECT_EQ(bytes_of(folder_ / "a.yaml"), bytes_of(kMaps / "forest.yaml"));
+}
+
 TEST_F(MapCommand, NeverWritesOverItsInput) {
   std::ofstream(in_folder("a.bt")) << bytes_of(kMaps / "slalom.yaml");
   EXPECT_THROW(run("map build " + in_folder("a.bt")), std::runtime_error);

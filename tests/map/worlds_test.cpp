@@ -75,8 +75,9 @@ TEST(BarnWorld, SaysWhatIsWrong) {
   EXPECT_NE(complaint("{" + kMeta + R"(, "worlds": {"3": {"cylinders": []}}})", 4)
                 .find("no world 4; it has 1, next to it 3"),
             std::string::npos);
-  for (const char* world : {R"({"cylinders": []})", R"({})", R"({"cylinders": [["a", 1]]})",
-                            R"({"cylinders": [[1e9, 1]]})", "7"}) {
+  for (const char* world :
+       {R"({"cylinders": []})", R"({})", R"({"cylinders": [["a", 1]]})",
+        R"({"cylinders": [[1e9, 1]]})", R"({"cylinders": [[999, 999], [-999, -999]]})", "7"}) {
     const std::string text = complaint("{" + kMeta + R"(, "worlds": {"3": )" + world + "}}", 3);
     EXPECT_NE(text.find("world 3"), std::string::npos) << text;
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;

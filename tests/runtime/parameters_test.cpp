@@ -9,6 +9,7 @@
 #include "runtime/arguments.hpp"
 #include "runtime/names.hpp"
 #include "runtime/node.hpp"
+#include "runtime/parameter_files.hpp"
 #include "support/private_domain.hpp"
 
 namespace tandem {
@@ -99,7 +100,7 @@ TEST_F(ParameterFile, IsWhatRos2ParamDumpWrites) {
 }
 
 TEST_F(ParameterFile, LeavesDefaultsWhereNothingIsSaid) {
-  ASSERT_EQ(load(""), "");
+  ASSERT_EQ(load("gate:\n  ros__parameters:\n"), "");
   EXPECT_EQ(params_.margin, 0.1);
 }
 
@@ -125,6 +126,43 @@ TEST_F(ParameterFile, UnknownWildcardKeyIsReportedAsUnused) {
   const auto unused = rt::unused_wildcard_keys();
   EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":3: margn"), 1);
   EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":4: margin"), 0);
+}
+
+TEST_F(ParameterFile, LaterOfTwoWildcardSectionsWinsAndTheFirstIsNoStranger) {
+  EXPECT_EQ(load("/**:\n  ros__parameters: {margin: 0.3}\n/**:\n  ros__parameters:\n"
+                 "    margin: 0.2\n"),
+            "");
+  EXPECT_EQ(params_.margin, 0.2);
+  const auto unused = rt::unused_wildcard_keys();
+  EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":2: margin"), 0);
+}
+
+TEST_F(ParameterFile, ThatIsEmptyOrAFolderIsRefused) {
+  expect_complaint("", {path_, "is empty"});
+  expect_complaint("# nothing left\n", {path_, "is empty"});
+  EXPECT_THROW(rt::ParameterStore("/gate", {.files = {"/tmp"}}), std::invalid_argument);
+}
+
+TEST_F(ParameterFile, WithAliasesWithoutEndIsRefused) {
+  expect_complaint("/**:\n  ros__parameters: {x: &b {y: *b}}\n", {path_ + ":2", "alias"});
+  expect_complaint("/**: &a\n  ros__parameters: {x: [*a]}\n", {path_, "alias"});
+  std::string bomb = "/**:\n  ros__parameters:\n    a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    bomb += "    a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int j = 1; j < 10; ++j) bomb += ", " + before;
+    bomb += "]\n";
+  }
+  expect_complaint(bomb, {path_, "million"});
+}
+
+TEST_F(ParameterFile, TellsOfSectionsForNodesThatAreNotThere) {
+  std::ofstream{path_} << "/**:\n  ros__parameters: {a: 1}\ngate:\n  ros__parameters: {b: 1}\n"
+                          "/gaet:\n  ros__parameters: {margin: 0.1}\n";
+  const auto strangers = rt::sections_for_nobody(path_, {"/gate", "/other"});
+  ASSERT_EQ(strangers.size(), 1U);
+  EXPECT_EQ(strangers[0].name, "/gaet");
+  EXPECT_EQ(strangers[0].origin, path_ + ":6");
 }
 
 TEST_F(ParameterFile, ValueOutOfBoundsIsNamedWithItsBound) {
@@ -153,6 +191,7 @@ TEST_F(ParameterFile, ThatIsNotOfRos2sFormIsRefused) {
   expect_complaint("gate: 5\n", {path_ + ":1"});
   expect_complaint("ros__parameters: {margin: 0.1}\n", {path_ + ":1", "ros__parameters"});
   expect_complaint("gate: [\n", {path_});
+  expect_complaint("[a]: 1\n", {path_ + ":1"});
   expect_complaint("gate:\n  ros__parameters:\n    margin: 0.1\n    margin: 0.2\n", {"twice"});
 }
 

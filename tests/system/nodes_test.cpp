@@ -363,5 +363,19 @@ TEST_F(OneComponent, AMapThatIsMissingStopsTheStart) {
       std::runtime_error);
 }
 
+TEST_F(OneComponent, AFilterSaysThatSomebodyElseMovesTheBase) {
+  const auto filter = load("safety_filter", {{"map_is_odom", "true"}});
+  std::string said;
+  const auto diagnostics = node_.create_subscription(topics::diagnostics, [&](const auto& msg) {
+    for (const auto& status : msg.status()) said = status.message();
+  });
+  ASSERT_TRUE(wait_until([&] { return !said.empty(); }));
+  EXPECT_EQ(said.find("others publish cmd_vel"), std::string::npos);
+  auto other = node_.create_publisher(topics::cmd_vel);
+  EXPECT_TRUE(wait_until([&] { return said == "others publish cmd_vel, past this filter"; }));
+  other = {};
+  EXPECT_TRUE(wait_until([&] { return said.find("others publish") == std::string::npos; }));
+}
+
 }  // namespace
 }  // namespace tandem::test

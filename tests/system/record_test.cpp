@@ -118,6 +118,20 @@ TEST_F(Recording, OneTopicThatCannotBeHeardOrSentCostsNoOther) {
   EXPECT_EQ(play.wait(kLong), 0);
 }
 
+TEST_F(Recording, TakesNamesWithoutASlashAndSaysOfWhichTopicNothingCame) {
+  const auto numbers = node_.create_publisher(rt::Topic<std_msgs::msg::Float64>{"/numbers"});
+  ChildProcess record{"../tandem", {"record", "numbers", "/numbres", "-o", folder_}};
+  ASSERT_TRUE(wait_until([&] { return numbers.matched() == 1; }));
+  ASSERT_TRUE(wait_until([&] {
+    numbers.publish({});
+    return messages_by_topic(folder_).contains("/numbers");
+  }));
+  record.send(SIGINT);
+  EXPECT_EQ(record.wait(kLong), 0);
+  ChildProcess play{"../tandem", {"play", folder_, "--topics", "/numbres"}};
+  EXPECT_EQ(play.wait(kLong), 1);
+}
+
 TEST_F(Recording, RemapsAndRepeatsWhatItPlays) {
   {
     BagWriter writer{folder_};

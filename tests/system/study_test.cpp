@@ -205,6 +205,11 @@ TEST_F(StudyProgram, AndTuneAndScenarioRefuseSeedsThatContradict) {
                    "--seed excludes --seeds");
 }
 
+TEST_F(StudyProgram, AndAnEmptyArgumentIsAMistake) {
+  expect_complaint({"study", study(), "--out", out("none"), "--shard", ""}, "argument 6 is empty");
+  EXPECT_FALSE(fs::exists(out("none")));
+}
+
 TEST_F(StudyProgram, MergesNoDamagedShardAndSaysWhichItIs) {
   fs::create_directories(out("damaged"));
   std::ofstream{out("damaged") + "/study.json"} << "{}";

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: YAML from anywhere. Out: that it can be walked through.
+#pragma once
+
+#include <cstddef>
+
+#include <yaml-cpp/yaml.h>
+
+namespace tandem {
+
+/// Aliases can make a short text a tree without end, or one that outgrows the memory. Throws
+/// YAML::Exception with the place for what is nested deeper than 64, or has more than 10⁶ values.
+inline void check_yaml(const YAML::Node& root) {
+  constexpr int kDeepest = 64;
+  constexpr std::size_t kMost = 1'000'000;
+  std::size_t values = 0;
+  const auto walk = [&](const auto& self, const YAML::Node& node, int depth) -> void {
+    if (depth > kDeepest)
+      throw YAML::Exception(node.Mark(), "nested too deep; is there an alias within its anchor?");
+    if (++values > kMost)
+      throw YAML::Exception(node.Mark(),
+                            "more than a million values; are there aliases of aliases?");
+    if (node.IsSequence())
+      for (const auto& element : node) self(self, element, depth + 1);
+    if (node.IsMap())
+      for (const auto& entry : node) {
+        self(self, entry.first, depth + 1);
+        self(self, entry.second, depth + 1);
+      }
+  };
+  walk(walk, root, 0);
+}
+
+}  // namespace tandem
