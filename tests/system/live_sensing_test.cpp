@@ -1,41 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Robots that know what stands in their way from their sensors alone; a process per component.
-#include <cstring>
-
+#include "support/point_cloud.hpp"
 #include "system/system_under_test.hpp"
 
 namespace tandem::test {
 namespace {
 
-// A cloud in base_link, at the height of the scanner, of a pole that stands somewhere in the map:
-// x, y, z as float32.
+// A cloud in base_link, at the height of the scanner, of a pole that stands somewhere in the map.
 sensor_msgs::msg::PointCloud2 pole_at(const Eigen::Vector2d& p_MP, const Pose2& X_MB, double t) {
-  sensor_msgs::msg::PointCloud2 msg;
-  msg.header(header(rt::to_stamp(std::llround(t * 1e9)), "base_link"));
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z"}) {
-    sensor_msgs::msg::PointField field;
-    field.name(name);
-    field.offset(offset);
-    field.datatype(7);
-    field.count(1);
-    msg.fields().push_back(field);
-    offset += 4;
-  }
   constexpr int kPoints = 24;
-  msg.height(1);
-  msg.width(kPoints);
-  msg.point_step(12);
-  msg.row_step(12 * kPoints);
-  msg.data().resize(12 * kPoints);
+  std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kPoints;
     const Eigen::Vector2d p_BQ =
         transform(inverse(X_MB), p_MP + 0.15 * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-    const float point[3] = {static_cast<float>(p_BQ.x()), static_cast<float>(p_BQ.y()), 0.3F};
-    std::memcpy(&msg.data()[static_cast<std::size_t>(12 * i)], point, sizeof point);
+    points.emplace_back(static_cast<float>(p_BQ.x()), static_cast<float>(p_BQ.y()), 0.3F);
   }
-  return msg;
+  return cloud_of(points, header(rt::to_stamp(std::llround(t * 1e9)), "base_link"));
 }
 
 class LiveSensingInTheYard : public ::testing::Test {

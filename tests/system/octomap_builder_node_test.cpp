@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstring>
 #include <numbers>
 #include <random>
 
 #include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
+#include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -152,31 +152,11 @@ TEST_F(BuilderOverDds, AFrameThatIsNotFiniteIsRefused) {
 // Points all over the window, as a camera gone mad tells them: it costs some moments, no more.
 TEST_F(BuilderOverDds, ACloudOfNoiseIsSurvived) {
   ASSERT_TRUE(wait_for_maps(1));
-  sensor_msgs::msg::PointCloud2 noise;
-  noise.header(header(node_.stamp(), "base_scan"));
-  std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z"}) {
-    sensor_msgs::msg::PointField field;
-    field.name(name);
-    field.offset(offset);
-    field.datatype(7);
-    field.count(1);
-    noise.fields().push_back(field);
-    offset += 4;
-  }
-  constexpr std::uint32_t kPoints = 100'000;
-  noise.height(1);
-  noise.width(kPoints);
-  noise.point_step(12);
-  noise.row_step(12 * kPoints);
-  noise.data().resize(12 * kPoints);
   std::mt19937 random{1};
   std::uniform_real_distribution<float> wide(-5.0F, 5.0F), high(-0.6F, 1.0F);
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const float point[3] = {wide(random), wide(random), high(random)};
-    std::memcpy(&noise.data()[12 * i], point, sizeof point);
-  }
-  cloud_.publish(noise);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 100'000; ++i) points.emplace_back(wide(random), wide(random), high(random));
+  cloud_.publish(cloud_of(points, header(node_.stamp(), "base_scan")));
   ASSERT_TRUE(wait_until([&] {
     return is_occupied(kRobot.x + 1.0, kRobot.y + 1.0) || tree_->getNumLeafNodes() > 50'000;
   }));
