@@ -145,9 +145,11 @@ void TopicRelay::listen(Relayed& relayed) {
 
 void TopicRelay::relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes) {
   const auto body = std::make_shared<const std::vector<std::uint8_t>>(bytes);
-  if (relayed.latched &&
-      (relayed.last.size() < kMostKept || relayed.last.contains(relayed.subscription.sender())))
-    relayed.last[relayed.subscription.sender()] = body;
+  if (relayed.latched) {  // of who sends anew the newest comes last, to whoever comes later too
+    const rt::PublisherId sender = relayed.subscription.sender();
+    std::erase_if(relayed.last, [&](const auto& last) { return last.first == sender; });
+    if (relayed.last.size() < kMostKept) relayed.last.emplace_back(sender, body);
+  }
   for (const auto& listener : relayed.listeners) send(listener, body);
 }
 

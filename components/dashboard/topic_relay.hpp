@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dashboard/foxglove.hpp"
@@ -45,7 +46,8 @@ class TopicRelay {
     std::vector<Listener> listeners;
     rt::Subscription subscription;
     bool listening = false, latched = false;
-    std::map<rt::PublisherId, Body> last;  // of a latched topic, for who comes later
+    // Of a latched topic, for who comes later: each sender's last, as they came.
+    std::vector<std::pair<rt::PublisherId, Body>> last;
   };
 
   [[nodiscard]] Relayed* find(std::uint32_t channel);
