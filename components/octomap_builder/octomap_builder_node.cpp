@@ -19,8 +19,8 @@ OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<OctomapBuilderNodeParams>()},
       map_{params_->map},
-      scanner_{"scan", mounting("scan_pose", params_->scan_pose)},
-      camera_{"cloud_in", mounting("cloud_pose", params_->cloud_pose)},
+      scanner_{"scan", "scan_pose", mounting("scan_pose", params_->scan_pose)},
+      camera_{"cloud_in", "cloud_pose", mounting("cloud_pose", params_->cloud_pose)},
       robot_{node, params_->input,
              [this](double stamp) {
                if (const auto robot = robot_.state()) poses_.add(robot->X_MB, robot->twist, stamp);
@@ -91,8 +91,7 @@ std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(Sensor& sensor,
                             "{} dropped: /tf_static does not say where its frame `{}` is on `{}`; "
                             "publish that (robot_state_publisher, static_transform_publisher), or "
                             "set the parameter {}",
-                            sensor.topic, frame, base,
-                            &sensor == &scanner_ ? "scan_pose" : "cloud_pose");
+                            sensor.topic, frame, base, sensor.parameter);
   return std::nullopt;
 }
 

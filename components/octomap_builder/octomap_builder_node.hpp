@@ -46,8 +46,8 @@ class OctomapBuilderNode {
 
  private:
   struct Sensor {
-    const char* topic;
-    std::optional<Eigen::Isometry3d> X_BS;  // by parameter
+    const char *topic, *parameter;
+    std::optional<Eigen::Isometry3d> X_BS;  // by the parameter
     std::optional<double> unplaced = {};    // since when /tf_static lacks its frame [s]
   };
 
