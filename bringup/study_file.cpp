@@ -26,7 +26,7 @@ const char* const kKeys = "scenarios, methods, drivers, seeds, overrides";
 
 using Parameters = std::map<std::string, std::map<std::string, rt::ParameterValue>>;
 
-struct Method {
+struct StudyMethod {
   std::string name, method;
   bool enforce = true;
   Parameters parameters;
@@ -100,7 +100,7 @@ class StudyReader {
     const auto people = read_people(said(part, "drivers"));
     const auto seeds = read_seeds(part);
     for (const Scenario& scenario : scenarios)
-      for (const Method& method : read_methods(said(part, "methods"), scenario))
+      for (const StudyMethod& method : read_methods(said(part, "methods"), scenario))
         for (const Person& person : people) add_cell(scenario, method, person, seeds);
   }
 
@@ -141,8 +141,8 @@ class StudyReader {
     return scenario;
   }
 
-  std::vector<Method> read_methods(const YAML::Node& list, const Scenario& scenario) const {
-    std::vector<Method> methods;
+  std::vector<StudyMethod> read_methods(const YAML::Node& list, const Scenario& scenario) const {
+    std::vector<StudyMethod> methods;
     if (!list || (list.IsScalar() && list.Scalar() == "all")) {
       for (const auto& name : scenario.methods) methods.push_back({name, name, true, {}});
       return methods;
@@ -153,8 +153,8 @@ class StudyReader {
     return methods;
   }
 
-  Method read_method(const YAML::Node& node) const {
-    Method method;
+  StudyMethod read_method(const YAML::Node& node) const {
+    StudyMethod method;
     if (node.IsMap()) {
       yaml_.allow(node, {"name", "method", "enforce", "parameters"});
       method.method = word(yaml_.required(node, "method"), "method");
@@ -237,7 +237,7 @@ class StudyReader {
     return seeds;
   }
 
-  void add_cell(Scenario scenario, const Method& method, const Person& person,
+  void add_cell(Scenario scenario, const StudyMethod& method, const Person& person,
                 const std::vector<unsigned>& seeds) {
     merge(scenario.parameters, method.parameters);
     merge(scenario.parameters, {{"driver", person.parameters}});
