@@ -13,7 +13,7 @@
 namespace tandem {
 namespace {
 
-constexpr int kBeams = 720;
+constexpr int kSweepBeams = 720;
 constexpr double kPeriod = 0.1, kRange = 8.0;  // [s], [m] of the scanner
 
 // A round room of 4 m with its middle at the origin.
@@ -34,22 +34,22 @@ struct Sweep {
 
   [[nodiscard]] Pose2 after(double t) const { return integrate(X_MB, twist, t); }
   void turn(const StaticMap& world, const Pose2& X_BS_plane) {
-    for (int i = 0; i < kBeams; ++i) {
-      const Pose2 X_MS = compose(after(kPeriod * i / kBeams), X_BS_plane);
-      const double angle = 2.0 * std::numbers::pi * i / kBeams;
+    for (int i = 0; i < kSweepBeams; ++i) {
+      const Pose2 X_MS = compose(after(kPeriod * i / kSweepBeams), X_BS_plane);
+      const double angle = 2.0 * std::numbers::pi * i / kSweepBeams;
       const double d = world.cast_ray(X_MS.position(), X_MS.theta + angle, kRange);
       ranges.push_back(d < kRange ? static_cast<float>(d) : std::numeric_limits<float>::infinity());
     }
   }
-  [[nodiscard]] RangeScan scan(double time_increment = kPeriod / kBeams) const {
+  [[nodiscard]] RangeScan scan(double time_increment = kPeriod / kSweepBeams) const {
     return {.angle_min = 0.0,
-            .angle_increment = 2.0 * std::numbers::pi / kBeams,
+            .angle_increment = 2.0 * std::numbers::pi / kSweepBeams,
             .range_min = 0.0,
             .range_max = kRange,
             .time_increment = time_increment,
             .ranges = ranges};
   }
-  [[nodiscard]] std::vector<Look> looks(double time_increment = kPeriod / kBeams) const {
+  [[nodiscard]] std::vector<Look> looks(double time_increment = kPeriod / kSweepBeams) const {
     return looks_of(scan(time_increment), X_BS, [&](double t) { return std::optional{after(t)}; })
         .value();
   }
@@ -84,7 +84,7 @@ TEST(Sweep, EchoesLieOnTheWallHoweverTheRobotMoves) {
 }
 
 TEST(Sweep, IsOneLookOfARobotThatStandsAndAllBeamsAreInTheParts) {
-  Sweep sweep{{}, {}, Eigen::Isometry3d::Identity(), std::vector<float>(kBeams, 2.0F)};
+  Sweep sweep{{}, {}, Eigen::Isometry3d::Identity(), std::vector<float>(kSweepBeams, 2.0F)};
   EXPECT_EQ(sweep.looks().size(), 1U);
   sweep.twist = {0.5, 1.0};
   std::size_t echoes = 0;
@@ -106,7 +106,7 @@ TEST(Sweep, OfFewBeamsOrNoneIsSafe) {
 }
 
 TEST(Sweep, NeedsThePosesOfItsWholeTime) {
-  const std::vector<float> ranges(kBeams, 2.0F);
+  const std::vector<float> ranges(kSweepBeams, 2.0F);
   const Sweep sweep{{}, {}, Eigen::Isometry3d::Identity(), ranges};
   const auto until = [](double end) {
     return [end](double t) { return t <= end ? std::optional{Pose2{}} : std::nullopt; };
