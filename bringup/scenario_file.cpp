@@ -11,7 +11,7 @@
 
 #include "bringup/scenario.hpp"
 #include "runtime/yaml_text.hpp"
-#include "yaml_check.hpp"
+#include "yaml_document.hpp"
 
 namespace tandem {
 namespace {
@@ -274,8 +274,7 @@ std::map<std::string, std::map<std::string, rt::ParameterValue>> component_param
 Scenario load_scenario(const std::string& path) {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(path);
-    check_yaml(root);
+    root = one_document(YAML::LoadAllFromFile(path));
   } catch (const YAML::BadFile&) {
     throw std::invalid_argument(path + ": no such scenario file");
   } catch (const YAML::Exception& error) {

@@ -15,7 +15,7 @@
 #include "runtime/parameter_files.hpp"
 #include "runtime/shutdown.hpp"
 #include "runtime/yaml_text.hpp"
-#include "yaml_check.hpp"
+#include "yaml_document.hpp"
 
 namespace tandem {
 namespace {
@@ -50,9 +50,7 @@ class SystemReader {
 
   [[nodiscard]] YAML::Node load() const {
     try {
-      const YAML::Node root = YAML::LoadFile(path_);
-      check_yaml(root);
-      return root;
+      return one_document(YAML::LoadAllFromFile(path_));
     } catch (const YAML::BadFile&) {
       throw std::invalid_argument("system file " + path_ + " cannot be read");
     } catch (const YAML::Exception& error) {

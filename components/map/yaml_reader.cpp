@@ -8,15 +8,13 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "yaml_check.hpp"
+#include "yaml_document.hpp"
 
 namespace tandem {
 
 YAML::Node YamlReader::parse(const std::string& text) const {
   try {
-    const YAML::Node root = YAML::Load(text);
-    check_yaml(root);
-    return root;
+    return one_document(YAML::LoadAll(text));
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(name_ + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
   }

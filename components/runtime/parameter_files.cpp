@@ -9,7 +9,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "runtime/yaml_text.hpp"
-#include "yaml_check.hpp"
+#include "yaml_document.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -28,8 +28,7 @@ YAML::Node load(const std::string& path) {
   if (std::filesystem::is_directory(path))
     throw std::invalid_argument("parameter file " + path + " is a folder; name a file in it");
   try {
-    const YAML::Node root = YAML::LoadFile(path);
-    check_yaml(root);
+    const YAML::Node root = one_document(YAML::LoadAllFromFile(path));
     if (!root.IsNull()) return root;
   } catch (const YAML::BadFile&) {
     throw std::invalid_argument("parameter file " + path + " cannot be read");

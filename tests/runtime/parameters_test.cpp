@@ -156,6 +156,12 @@ TEST_F(ParameterFile, WithAliasesWithoutEndIsRefused) {
   expect_complaint(bomb, {path_, "million"});
 }
 
+TEST_F(ParameterFile, WithASecondDocumentIsRefused) {
+  const std::string first = "---\n/**:\n  ros__parameters: {margin: 0.1}\n";
+  expect_complaint(first + "---\n/**:\n  ros__parameters: {margin: 0.2}\n",
+                   {path_ + ":5", "second document"});
+}
+
 TEST_F(ParameterFile, TellsOfSectionsForNodesThatAreNotThere) {
   std::ofstream{path_} << "/**:\n  ros__parameters: {a: 1}\ngate:\n  ros__parameters: {b: 1}\n"
                           "/gaet:\n  ros__parameters: {margin: 0.1}\n";

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: YAML from anywhere. Out: that it can be walked through.
+// In: YAML from anywhere. Out: its one document, which can be walked through.
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include <yaml-cpp/yaml.h>
 
 namespace tandem {
 
-/// Aliases can make a short text a tree without end, or one that outgrows the memory. Throws
-/// YAML::Exception with the place for what is nested deeper than 64, or has more than 10⁶ values.
-inline void check_yaml(const YAML::Node& root) {
+/// What YAML::LoadAll found, as one document; a null one if there is none. Throws YAML::Exception
+/// with the place for a second document, which nobody would read, and for what is nested deeper
+/// than 64 or has more than 10⁶ values: aliases can make a short text a tree without end, or one
+/// that outgrows the memory.
+inline YAML::Node one_document(const std::vector<YAML::Node>& documents) {
+  if (documents.empty()) return {};
+  if (documents.size() > 1 && !documents[1].IsNull())
+    throw YAML::Exception(documents[1].Mark(),
+                          "a second document begins here and would not be read; bring both "
+                          "together and take out the `---` between them");
   constexpr int kDeepest = 64;
   constexpr std::size_t kMost = 1'000'000;
   std::size_t values = 0;
@@ -28,7 +36,8 @@ inline void check_yaml(const YAML::Node& root) {
         self(self, entry.second, depth + 1);
       }
   };
-  walk(walk, root, 0);
+  walk(walk, documents.front(), 0);
+  return documents.front();
 }
 
 }  // namespace tandem
