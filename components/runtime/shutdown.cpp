@@ -39,7 +39,10 @@ static_assert(std::atomic<int>::is_always_lock_free);  // or the handler might n
 
 // Only async-signal-safe calls.
 extern "C" void on_signal(int number) {
-  if (signals_seen.fetch_add(1) > 0) _exit(128 + number);
+  if (signals_seen.fetch_add(1) > 0) {
+    if (number == SIGHUP) return;  // shell and system may each tell of a closed terminal
+    _exit(128 + number);
+  }
   const int saved = errno;
   const char byte = 0;
   if (write(signal_pipe[1], &byte, 1) < 0) _exit(128 + number);
@@ -65,6 +68,9 @@ void install_signal_handlers() {
     action.sa_flags = SA_RESTART;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
+    struct sigaction before {};
+    sigaction(SIGHUP, nullptr, &before);  // ignored: started by nohup, to outlive the terminal
+    if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
   });
 }
 

@@ -3,7 +3,8 @@
 
 namespace tandem::runtime {
 
-/// SIGINT and SIGTERM then stop every node of the process; a second one exits at once.
+/// SIGINT, SIGTERM and SIGHUP (a terminal that is closed; not under nohup) then stop every node of
+/// the process; a second one exits at once, but for SIGHUP.
 void install_signal_handlers();
 
 /// Stops every node of the process, present and future. May be called by any thread.

@@ -175,7 +175,7 @@ TEST_P(SignalledPeer, EndsWithStatusZeroWithinASecond) {
   EXPECT_TRUE(spin_until([&] { return ping.matched() == 0; }, kTimeout, node));
 }
 
-INSTANTIATE_TEST_SUITE_P(Signals, SignalledPeer, testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(Signals, SignalledPeer, testing::Values(SIGINT, SIGTERM, SIGHUP));
 
 TEST(ThrowingCallback, EndsTheProcess) {
   ChildProcess peer{"peer", {"throw"}};
