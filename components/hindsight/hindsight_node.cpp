@@ -35,7 +35,7 @@ void HindsightNode::on_user(const Twist2& user) {
     known_ = map;
   }
   if (!robot || !known_) {
-    node_.log().warn_every(1.0, "no help yet: {}", known_ ? "not localised" : "no map");
+    node_.log().missing_every(1.0, "no help yet: {}", known_ ? "not localised" : "no map");
     return assisted_.publish(to_msg(user));
   }
   const Assistance assistance = hindsight_.assist(robot->X_MB, user, node_.now());

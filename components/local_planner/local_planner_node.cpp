@@ -203,7 +203,7 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
 void LocalPlannerNode::stop(const char* reason) {
   planning_ = false;
   if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
-    node_.log().warn_every(1.0, "standing: {}", reason);
+    node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   write_status({.status = PlanStatus::kRefused, .source = PlanSource::kStanding});
   status_.status_text(reason);

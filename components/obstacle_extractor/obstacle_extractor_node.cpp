@@ -27,18 +27,18 @@ void ObstacleExtractorNode::extract() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
   if (!map || !robot) {
-    node_.log().warn_every(1.0, "no obstacles: {}", map ? "not localised" : map_.missing());
+    node_.log().missing_every(1.0, "no obstacles: {}", map ? "not localised" : map_.missing());
     return;
   }
   const auto near = shapes_.near(map, robot->X_MB.position());
   if (!near) {
-    node_.log().warn_every(1.0, "no obstacles: not fitted yet");
+    node_.log().missing_every(1.0, "no obstacles: not fitted yet");
     return;
   }
   if (!params_->people) return publish(*near);
   people_.forget_later_than(node_.now());
   if (!people_.fresh(node_.now(), params_->people_timeout)) {
-    node_.log().warn_every(1.0, "no obstacles: people are silent");
+    node_.log().missing_every(1.0, "no obstacles: people are silent");
     return;
   }
   auto shapes = *near;

@@ -58,6 +58,7 @@ const spdlog::sink_ptr& stderr_sink() {
 
 struct Logger::State {
   static constexpr int kProcessLevel = -1;
+  static constexpr double kYouth = 2.0;  // [s]
 
   struct Throttle {
     double last;  // [s] steady
@@ -74,6 +75,7 @@ struct Logger::State {
     return sink;
   }
 
+  const double start = steady_seconds();
   spdlog::logger logger;
   std::atomic<int> level = kProcessLevel;  // a LogLevel
   std::mutex mutex;
@@ -118,6 +120,8 @@ void Logger::set_sink(Sink sink) {
   const std::lock_guard lock{state_->mutex};
   state_->sink = std::move(next);
 }
+
+bool Logger::is_young() const { return steady_seconds() < state_->start + State::kYouth; }
 
 void Logger::write(LogLevel level, const std::string& text, const Place& place) {
   if (!enabled(level)) return;

@@ -95,6 +95,15 @@ class Logger {
     log_every(period, LogLevel::kError, format, std::forward<Args>(args)...);
   }
 
+  /// Something that is needed is not there: as warn_every, but an info in the logger's first 2 s,
+  /// when it is most likely on its way.
+  template <class... Args>
+  void missing_every(double period, LogFormat<std::type_identity_t<Args>...> format,
+                     Args&&... args) {
+    log_every(period, is_young() ? LogLevel::kInfo : LogLevel::kWarn, format,
+              std::forward<Args>(args)...);
+  }
+
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] bool enabled(LogLevel level) const { return level >= this->level(); }
   /// Least level that is written: its own or the process's.
@@ -123,6 +132,8 @@ class Logger {
       write_every(period, level, {key.data(), key.size()},
                   fmt::format(format.text, std::forward<Args>(args)...), format.place);
   }
+
+  [[nodiscard]] bool is_young() const;
 
   struct State;
   std::unique_ptr<State> state_;

@@ -55,7 +55,7 @@ void SharedDwaNode::publish(const DwaChoice& choice, double time) {
 
 void SharedDwaNode::stop(const char* reason) {
   if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
-    node_.log().warn_every(1.0, "standing: {}", reason);
+    node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   // Nothing of the last choice: its clearance would be taken for how near things are now.
   tandem_msgs::msg::PlannerStatus standing;
