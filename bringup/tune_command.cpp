@@ -157,12 +157,12 @@ void check_writable(const std::string& out) {
                                 ": cannot be written; name a file in a folder that exists");
 }
 
-void write(const std::string& out, const std::string& text) {
-  if (out.empty()) return;
+[[nodiscard]] bool is_written(const std::string& out, const std::string& text) {
+  if (out.empty()) return true;
   std::ofstream stream{out};
   stream << text;
   stream.close();
-  if (!stream) throw std::runtime_error("--out " + out + ": cannot be written; copy from above");
+  return static_cast<bool>(stream);
 }
 
 void check_apart(const SeedRange& seeds, const SeedRange& check) {
@@ -177,7 +177,7 @@ void check_apart(const SeedRange& seeds, const SeedRange& check) {
 Tuned search(const Request& request, const std::vector<Knob>& knobs, Study& study, Study& check,
              std::vector<Summary>& others) {
   int n = 0;
-  double lowest = 1e300;
+  double lowest = 1e300, lowest_other = 1e300;
   ProgressBar bar{static_cast<std::size_t>(request.evaluations), 0, "evaluations"};
   const auto print = [&](const std::string& what, const Summary& s) {
     bar.clear();
@@ -195,7 +195,11 @@ Tuned search(const Request& request, const std::vector<Knob>& knobs, Study& stud
   const auto other_cost = [&](const std::vector<double>& values) {
     others.push_back(check.run(knobs, values));
     print("  other persons", others.back());
-    return others.back().cost;
+    const double found = others.back().cost;
+    if (found >= lowest_other) return found;
+    lowest_other = found;
+    (void)is_written(request.out, parameter_file(knobs, values));  // the search may be stopped
+    return found;
   };
   return tune(knobs, request.evaluations, cost, other_cost);
 }
@@ -217,7 +221,8 @@ void run(const Request& request) {
   const std::string text = parameter_file(knobs, tuned.values);
   std::printf("\n%s", text.c_str());
   std::fflush(stdout);
-  write(request.out, text);
+  if (!is_written(request.out, text))
+    throw std::runtime_error("--out " + request.out + ": cannot be written; copy from above");
 }
 
 }  // namespace
@@ -243,7 +248,8 @@ void add_tune_command(CLI::App& app) {
   command->add_option("--jobs", request->jobs, "processes side by side")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--out", request->out, "write the values found to this parameter file");
+  command->add_option("--out", request->out,
+                      "write the best values, as soon as they are found, to this parameter file");
   command->callback([request] { run(*request); });
 }
 
