@@ -114,11 +114,14 @@ std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Reque
     Request each = request;
     each.quiet = true;
     ProgressBar bar{all.size(), 0, "drives"};
-    return run_side_by_side(
+    auto results = run_side_by_side(
         all, request.jobs, [&](const DriveJob& job) { return drive(job, each); },
         [&] {
           if (!request.quiet) bar.step("");
         });
+    if (!request.quiet && !request.picture.empty())
+      std::printf("%zu pictures: %s\n", all.size(), request.picture.c_str());
+    return results;
   }
   if (!request.lockstep) rt::install_signal_handlers();
   std::vector<DriveResult> results;
