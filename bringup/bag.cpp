@@ -26,8 +26,23 @@ constexpr int kKeepLast = 1, kReliable = 1, kBestEffort = 2, kTransientLocal = 1
 using Database = std::shared_ptr<sqlite3>;
 using Statement = std::shared_ptr<sqlite3_stmt>;
 
-[[noreturn]] void fail(const Database& database, const std::string& what) {
-  throw std::runtime_error(what + ": " + sqlite3_errmsg(database.get()));
+std::string mend(int result, const std::string& file) {
+  switch (result) {
+    case SQLITE_CORRUPT:  // it was cut off, or a sector of it is lost
+      return "; save what is left of it: sqlite3 " + file + " .recover | sqlite3 saved.db3";
+    case SQLITE_NOTADB:
+    case SQLITE_ERROR:  // no such table
+      return "; is it a recording, and of storage sqlite3, not mcap?";
+    case SQLITE_FULL:
+      return "; make room on the disk";
+    default:
+      return "";
+  }
+}
+
+[[noreturn]] void fail(const Database& database, const std::string& file) {
+  throw std::runtime_error(file + ": " + sqlite3_errmsg(database.get()) +
+                           mend(sqlite3_errcode(database.get()), file));
 }
 
 Database open(const std::string& file, int flags) {
@@ -39,17 +54,28 @@ Database open(const std::string& file, int flags) {
   return database;
 }
 
+std::string file_of(const Database& database) {
+  return sqlite3_db_filename(database.get(), "main");
+}
+
 Statement prepare(const Database& database, const std::string& sql) {
   sqlite3_stmt* raw = nullptr;
   if (sqlite3_prepare_v2(database.get(), sql.c_str(), -1, &raw, nullptr) != SQLITE_OK)
-    fail(database, sqlite3_db_filename(database.get(), "main"));
+    fail(database, file_of(database));
   // The statement keeps its database open.
   return {raw, [database](sqlite3_stmt* statement) { sqlite3_finalize(statement); }};
 }
 
 void execute(const Database& database, const std::string& sql) {
   if (sqlite3_exec(database.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
-    fail(database, sqlite3_db_filename(database.get(), "main"));
+    fail(database, file_of(database));
+}
+
+// False after the last row.
+bool step(const Database& database, const Statement& statement) {
+  const int result = sqlite3_step(statement.get());
+  if (result != SQLITE_ROW && result != SQLITE_DONE) fail(database, file_of(database));
+  return result == SQLITE_ROW;
 }
 
 std::string text(const Statement& row, int column) {
@@ -242,7 +268,7 @@ void BagReader::add(const std::string& file) {
   added.database = open(file, SQLITE_OPEN_READONLY);
   const auto topics = prepare(
       added.database, "SELECT name, type, offered_qos_profiles, id FROM topics ORDER BY id");
-  while (sqlite3_step(topics.get()) == SQLITE_ROW) {
+  while (step(added.database, topics)) {
     const BagTopic topic{text(topics, 0), text(topics, 1), qos_from(text(topics, 2))};
     const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
       return other.name == topic.name && other.type == topic.type;
@@ -252,7 +278,7 @@ void BagReader::add(const std::string& file) {
     if (known == topics_.end()) topics_.push_back(topic);
   }
   const auto first = prepare(added.database, "SELECT MIN(timestamp) FROM messages");
-  if (sqlite3_step(first.get()) == SQLITE_ROW) added.first = sqlite3_column_int64(first.get(), 0);
+  if (step(added.database, first)) added.first = sqlite3_column_int64(first.get(), 0);
 }
 
 bool BagReader::next(BagMessage& message) {
@@ -262,9 +288,7 @@ bool BagReader::next(BagMessage& message) {
       select_ = prepare(file.database,
                         "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN"
                         " (SELECT id FROM topics) ORDER BY timestamp, id");
-    const int result = sqlite3_step(select_.get());
-    if (result == SQLITE_DONE) continue;
-    if (result != SQLITE_ROW) fail(file.database, "the recording cannot be read on");
+    if (!step(file.database, select_)) continue;
     message.topic = file.index.at(sqlite3_column_int64(select_.get(), 0));
     message.time = sqlite3_column_int64(select_.get(), 1);
     const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 2));

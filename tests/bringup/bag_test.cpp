@@ -141,5 +141,22 @@ TEST_F(Bag, RefusesWhatIsNone) {
   EXPECT_THROW(BagReader{root_ / "missing.db3"}, std::runtime_error);
 }
 
+TEST_F(Bag, ThatWasCutOffIsRefusedWithAWayToSaveWhatIsLeft) {
+  {
+    BagWriter writer{folder_};
+    const int command = writer.add_topic(kCommand);
+    for (int i = 0; i < 1000; ++i) writer.write(command, i, std::vector<std::uint8_t>(100, 7));
+  }
+  const std::string file = folder_ / "drive_0.db3";
+  fs::resize_file(file, fs::file_size(file) / 2);
+  try {
+    (void)read(folder_);
+    FAIL() << "half of it was taken for all";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string{error.what()}.find(file), std::string::npos) << error.what();
+    EXPECT_NE(std::string{error.what()}.find(".recover"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace tandem
