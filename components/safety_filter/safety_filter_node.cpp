@@ -105,9 +105,9 @@ void SafetyFilterNode::look_for_others() {
   if (others_ > 0)
     node_.log().error_every(
         5.0,
-        "cmd_vel has {} publishers besides this filter, and the base may obey them; "
-        "remap them to cmd_vel_nav or cmd_vel_user, or give each robot a "
-        "namespace",
+        "cmd_vel has {} publishers besides this filter, and the base may obey them (a killed "
+        "process counts for 20 s more); remap them to cmd_vel_nav or cmd_vel_user, or give each "
+        "robot a namespace",
         others_);
 }
 
