@@ -50,12 +50,12 @@ Tally run(const char* what, double steps, unsigned first_seed, Scene scene) {
 }
 
 void print(const char* what, const Tally& tally) {
-  std::printf(
-      "%-34s %10ld steps %8ld rollouts  contacts %ld (%.3f %%)  smallest clearance %.4f m (scene "
-      "%u)\n",
-      what, tally.steps, tally.rollouts, tally.contacts,
-      100.0 * static_cast<double>(tally.contacts) / static_cast<double>(tally.rollouts),
-      tally.min_clearance, tally.closest_seed);
+  std::printf("%-34s %10ld steps %8ld rollouts  contacts %ld (%.3f %%)", what, tally.steps,
+              tally.rollouts, tally.contacts,
+              100.0 * static_cast<double>(tally.contacts) / static_cast<double>(tally.rollouts));
+  if (tally.closest_seed > 0)  // among people it is not measured
+    std::printf("  smallest clearance %.4f m (scene %u)", tally.min_clearance, tally.closest_seed);
+  std::printf("\n");
   if (tally.contacts > 0) std::printf("%-34s one in scene %u\n", "", tally.contact_seed);
   std::fflush(stdout);
 }
