@@ -95,13 +95,13 @@ class Logger {
     log_every(period, LogLevel::kError, format, std::forward<Args>(args)...);
   }
 
-  /// Something that is needed is not there: as warn_every, but an info in the logger's first 2 s,
-  /// when it is most likely on its way.
+  /// Something that is needed is not there: at most once per `period` [s] for one text. A warning,
+  /// but an info in the logger's first 2 s, when it is most likely on its way.
   template <class... Args>
   void missing_every(double period, LogFormat<std::type_identity_t<Args>...> format,
                      Args&&... args) {
-    log_every(period, is_young() ? LogLevel::kInfo : LogLevel::kWarn, format,
-              std::forward<Args>(args)...);
+    const auto text = fmt::format(format.text, std::forward<Args>(args)...);
+    write_every(period, is_young() ? LogLevel::kInfo : LogLevel::kWarn, text, text, format.place);
   }
 
   [[nodiscard]] const std::string& name() const;

@@ -72,6 +72,20 @@ TEST_F(RosOut, CarriesTheLevelOfEachLine) {
   EXPECT_TRUE(heard("not at all")->file().ends_with("rosout_test.cpp"));
 }
 
+TEST_F(RosOut, CarriesEachThingThatIsMissingAtFirstAsNewsThenAsAWarning) {
+  for (const char* what : {"no map", "no goal", "no map"})
+    node_.log().missing_every(10.0, "standing: {}", what);
+  ASSERT_TRUE(heard("standing: no map") && heard("standing: no goal"));
+  EXPECT_EQ(heard("standing: no map")->level(), 20);
+  const auto warned = [&] {
+    node_.log().missing_every(0.1, "standing: {}", "no people");
+    return std::any_of(lines_.begin(), lines_.end(),
+                       [](const Log& line) { return line.level() == 30; });
+  };
+  EXPECT_TRUE(spin_until(warned, kTimeout, node_, console_));
+  EXPECT_EQ(std::ranges::count(texts(), "standing: no map"), 1);
+}
+
 TEST_F(RosOut, TellsALateListenerWhatWasBefore) {
   node_.log().info("before");
   std::string late;
