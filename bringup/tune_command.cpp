@@ -196,9 +196,9 @@ Tuned search(const Request& request, const std::vector<Knob>& knobs, Study& stud
     others.push_back(check.run(knobs, values));
     print("  other persons", others.back());
     const double found = others.back().cost;
-    if (found >= lowest_other) return found;
-    lowest_other = found;
-    (void)is_written(request.out, parameter_file(knobs, values));  // the search may be stopped
+    const bool is_better = others.size() > 1 && found < lowest_other;  // the first is of now
+    lowest_other = std::min(lowest_other, found);
+    if (is_better) (void)is_written(request.out, parameter_file(knobs, values));  // may be stopped
     return found;
   };
   return tune(knobs, request.evaluations, cost, other_cost);

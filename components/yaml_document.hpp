@@ -15,10 +15,11 @@ namespace tandem {
 /// that outgrows the memory.
 inline YAML::Node one_document(const std::vector<YAML::Node>& documents) {
   if (documents.empty()) return {};
-  if (documents.size() > 1 && !documents[1].IsNull())
-    throw YAML::Exception(documents[1].Mark(),
-                          "a second document begins here and would not be read; bring both "
-                          "together and take out the `---` between them");
+  for (std::size_t i = 1; i < documents.size(); ++i)
+    if (!documents[i].IsNull())
+      throw YAML::Exception(documents[i].Mark(),
+                            "a second document begins here and would not be read; bring both "
+                            "together and take out the `---` between them");
   constexpr int kDeepest = 64;
   constexpr std::size_t kMost = 1'000'000;
   std::size_t values = 0;

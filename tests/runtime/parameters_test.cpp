@@ -160,6 +160,8 @@ TEST_F(ParameterFile, WithASecondDocumentIsRefused) {
   const std::string first = "---\n/**:\n  ros__parameters: {margin: 0.1}\n";
   expect_complaint(first + "---\n/**:\n  ros__parameters: {margin: 0.2}\n",
                    {path_ + ":5", "second document"});
+  expect_complaint(first + "---\n---\n/**:\n  ros__parameters: {margin: 0.2}\n",
+                   {path_ + ":6", "second document"});
 }
 
 TEST_F(ParameterFile, TellsOfSectionsForNodesThatAreNotThere) {
