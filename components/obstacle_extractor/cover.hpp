@@ -42,10 +42,10 @@ struct CoverParams {
 /// c = 1, or 0.7 for a circle: it has three numbers where an ellipse has five, its distance costs
 /// the planner less, and a pole stays one shape where ellipses are asked to be tight.
 /// Clusters are split until each part's shape takes next to nothing; then the two neighbours whose
-/// common shape lowers J most are joined, as long as one does; then halves of parts go to their
-/// neighbours where that lowers J. Every cell lies wholly in a shape; a single cell has one
-/// whatever its excess. Ids are 1 + the index of the lowest cell that the shape answers for. No
-/// randomness: equal arguments give equal shapes.
+/// common shape lowers J most are joined, as long as one does; then neighbours are cut anew, and
+/// pieces of parts go to their neighbours, where that lowers J. Every cell lies wholly in a shape;
+/// a single cell has one whatever its excess. Ids are 1 + the index of the lowest cell that the
+/// shape answers for. No randomness: equal arguments give equal shapes.
 [[nodiscard]] std::vector<CoverShape> cover(const Grid& grid,
                                             const std::vector<std::vector<CellIndex>>& clusters,
                                             const FreeSpace& space, const CoverParams& params);

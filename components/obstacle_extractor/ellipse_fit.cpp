@@ -4,97 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <utility>
+#include <optional>
+#include <vector>
 
 namespace tandem {
 namespace {
 
 constexpr double kRoom = 1.0 + 1e-9;  // so that rounding leaves no point outside
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-// Rectangle around points, turned by `angle`.
-struct TurnedBox {
-  double angle = 0.0;
-  Eigen::Vector2d p_MC{0.0, 0.0};
-  Eigen::Vector2d half{0.0, 0.0};
-
-  [[nodiscard]] double area() const { return half.x() * half.y(); }
-};
-
-TurnedBox box_along(const Points& hull, double angle) {
-  const Eigen::Vector2d along{std::cos(angle), std::sin(angle)}, across{-along.y(), along.x()};
-  Eigen::Vector2d low{along.dot(hull[0]), across.dot(hull[0])}, high = low;
-  for (const auto& p : hull) {
-    const Eigen::Vector2d q{along.dot(p), across.dot(p)};
-    low = low.cwiseMin(q);
-    high = high.cwiseMax(q);
-  }
-  const Eigen::Vector2d middle = 0.5 * (low + high);
-  return {angle, middle.x() * along + middle.y() * across, 0.5 * (high - low)};
-}
-
-// The smallest rectangle; it has a side along an edge of the hull. Its length comes first.
-TurnedBox smallest_box(const Points& hull) {
-  TurnedBox best;
-  best.half.setConstant(std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Eigen::Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
-    const TurnedBox box = box_along(hull, std::atan2(edge.y(), edge.x()));
-    if (box.area() < best.area() * (1.0 - 1e-9)) best = box;
-  }
-  if (best.half.x() < best.half.y()) {
-    best.angle += 0.5 * std::numbers::pi;
-    std::swap(best.half.x(), best.half.y());
-  }
-  best.angle = std::remainder(best.angle, std::numbers::pi);  // an ellipse looks both ways
-  return best;
-}
-
-struct Circle {
-  Eigen::Vector2d p_MC;
-  double radius;
-
-  [[nodiscard]] bool contains(const Eigen::Vector2d& p) const {
-    return (p - p_MC).norm() <= kRoom * radius;
-  }
-};
-
-Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
-  return {0.5 * (p + q), 0.5 * (p - q).norm()};
-}
-
-// Through three points; around the two farthest apart if they are in line.
-Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
-  const Eigen::Vector2d u = q - p, v = r - p;
-  const double twice_area = 2.0 * cross(u, v);
-  if (std::abs(twice_area) < 1e-12) {
-    const std::array pairs{around(p, q), around(p, r), around(q, r)};
-    return *std::max_element(pairs.begin(), pairs.end(),
-                             [](const auto& a, const auto& b) { return a.radius < b.radius; });
-  }
-  const Eigen::Vector2d d{(v.y() * u.squaredNorm() - u.y() * v.squaredNorm()) / twice_area,
-                          (u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) / twice_area};
-  return {p + d, d.norm()};
-}
-
-// Smallest circle around the hull (Welzl 1991, point by point).
-Obstacle smallest_circle(const Points& hull) {
-  Circle circle{hull[0], 0.0};
-  for (std::size_t i = 1; i < hull.size(); ++i) {
-    if (circle.contains(hull[i])) continue;
-    circle = {hull[i], 0.0};
-    for (std::size_t j = 0; j < i; ++j) {
-      if (circle.contains(hull[j])) continue;
-      circle = around(hull[i], hull[j]);
-      for (std::size_t k = 0; k < j; ++k)
-        if (!circle.contains(hull[k])) circle = around(hull[i], hull[j], hull[k]);
-    }
-  }
+Obstacle circle_around(const Points& hull) {
+  const Circle circle = smallest_circle(hull);
   Obstacle shape;
   shape.p_MO = circle.p_MC;
   for (const auto& p : hull) shape.a = std::max(shape.a, kRoom * (p - circle.p_MC).norm());
@@ -102,17 +22,32 @@ Obstacle smallest_circle(const Points& hull) {
   return shape;
 }
 
+// (1) along the box's length.
+struct Form {
+  TurnedBox box;
+  double b, shift;  // [m]
+};
+
+struct Candidate {
+  Obstacle shape;
+  double price;
+  std::optional<Form> form;  // none: the circle
+};
+
 // (1), or a circle of radius b if the ellipse would be shorter than wide.
 Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, double shift) {
+  const Eigen::Vector2d along{std::cos(box.angle), std::sin(box.angle)},
+      across{-along.y(), along.x()};
   Obstacle ellipse;
-  ellipse.p_MO = box.p_MC + shift * Eigen::Vector2d{-std::sin(box.angle), std::cos(box.angle)};
+  ellipse.p_MO = box.p_MC + shift * across;
   ellipse.angle = box.angle;
+  double most = 0.0;  // of x² / (1 − ((y − s) / b)²)
   for (const auto& p : hull) {
-    const Eigen::Vector2d q = in_axes(ellipse, p);
-    const double s = q.y() / b;
-    ellipse.a = std::max(ellipse.a, std::abs(q.x()) / std::sqrt(1.0 - s * s));
+    const Eigen::Vector2d d = p - ellipse.p_MO;
+    const double x = along.dot(d), y = across.dot(d) / b;
+    most = std::max(most, x * x / (1.0 - y * y));
   }
-  ellipse.a = kRoom * std::max(ellipse.a, b);
+  ellipse.a = kRoom * std::max(std::sqrt(most), b);
   ellipse.b = kRoom * b;
   return ellipse;
 }
@@ -152,50 +87,95 @@ bool is_within(const Obstacle& shape, const FreeSpace& space, double most) {
   return is_within_along(shape, {shape.a, 0.0}, space, most);
 }
 
+// The ellipses around one hull, and the best so far.
+class Search {
+ public:
+  Search(const Points& hull, const FreeSpace& space, const FitLimits& limits)
+      : hull_{hull}, space_{space}, limits_{limits} {}
+
+  [[nodiscard]] double price(const Obstacle& shape) const {
+    return space_.taken_by(shape) - (shape.a == shape.b ? limits_.circle_bonus : 0.0);
+  }
+  [[nodiscard]] bool is_allowed(const Obstacle& shape) const {
+    return is_within(shape, space_, limits_.excess);
+  }
+  [[nodiscard]] Obstacle ellipse(const Form& form) const {
+    return ellipse_of_width(hull_, form.box, form.b, form.shift);
+  }
+
+  // The cheapest of a few forms and of the circle; nothing if none is allowed.
+  [[nodiscard]] std::optional<Candidate> coarse(const TurnedBox& box,
+                                                const Obstacle& circle) const {
+    std::vector<Candidate> candidates;
+    const auto add = [&](const Obstacle& shape, const std::optional<Form>& form) {
+      if (const double paid = price(shape); paid <= limits_.price)
+        candidates.push_back({shape, paid, form});
+    };
+    add(circle, std::nullopt);
+    for (const double shift : {0.0, 1.0, -1.0, 3.0, -3.0})
+      for (const double bulge : {0.01, 0.025, 0.05, 0.1, 0.2}) {
+        const Form form{box, box.half.y() + std::abs(shift * bulge) + bulge, shift * bulge};
+        add(ellipse(form), form);
+      }
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto& a, const auto& b) { return a.price < b.price; });
+    for (const Candidate& candidate : candidates)
+      if (is_allowed(candidate.shape)) return candidate;
+    return std::nullopt;
+  }
+
+  // Steps in heading, width and shift, smaller ones where none is better.
+  [[nodiscard]] Candidate improved(Candidate best) const {
+    double turn = kTurn, step = kStep;
+    for (int round = 0; round < kRounds && best.price > kCheap; ++round) {
+      bool is_better = false;
+      for (const Change& change : kChanges) {
+        Form form = *best.form;
+        if (change.turn != 0.0) form.box = box_along(hull_, form.box.angle + change.turn * turn);
+        form.b += change.b * step;
+        form.shift += change.shift * step;
+        if (form.b < form.box.half.y() + std::abs(form.shift) + kLeastBulge) continue;
+        const Obstacle shape = ellipse(form);
+        const double paid = price(shape);
+        if (paid > best.price - kLeastGain || !is_allowed(shape)) continue;
+        best = {shape, paid, form};
+        is_better = true;
+      }
+      if (is_better) continue;
+      turn *= 0.5;
+      step *= 0.5;
+    }
+    return best;
+  }
+
+ private:
+  struct Change {
+    double turn, b, shift;
+  };
+  static constexpr std::array<Change, 8> kChanges{
+      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 1, 1}, {0, 1, -1}}};
+  static constexpr double kTurn = 0.08;  // [rad] first step
+  static constexpr double kStep = 0.03;  // [m]
+  static constexpr int kRounds = 8;
+  static constexpr double kCheap = 1e-3;        // [m²] no need to pay less
+  static constexpr double kLeastGain = 1e-4;    // [m²]
+  static constexpr double kLeastBulge = 0.004;  // [m] less, and (1) is out of all proportion
+
+  const Points& hull_;
+  const FreeSpace& space_;
+  const FitLimits& limits_;
+};
+
 }  // namespace
 
-Points convex_hull(Points points) {
-  std::sort(points.begin(), points.end(), [](const auto& p, const auto& q) {
-    return p.y() != q.y() ? p.y() < q.y() : p.x() < q.x();
-  });
-  Points hull;  // Andrew's monotone chain: the right side going up, then the left coming down
-  const auto add = [&hull](const Eigen::Vector2d& p, std::size_t fixed) {
-    while (hull.size() >= fixed + 2 &&
-           cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
-      hull.pop_back();
-    hull.push_back(p);
-  };
-  for (const auto& p : points) add(p, 0);
-  const std::size_t top = hull.size() - 1;
-  for (auto p = points.rbegin() + 1; p != points.rend(); ++p) add(*p, top);
-  if (hull.size() > 1) hull.pop_back();
-  return hull;
-}
-
 EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimits& limits) {
+  const Search search(hull, space, limits);
   const TurnedBox box = smallest_box(hull);
-  struct Candidate {
-    Obstacle shape;
-    double price;
-  };
-  const auto price = [&](const Obstacle& shape) {
-    return space.taken_by(shape) - (shape.a == shape.b ? limits.circle_bonus : 0.0);
-  };
-  std::vector<Candidate> candidates;
-  const auto add = [&](const Obstacle& shape) {
-    if (const double paid = price(shape); paid <= limits.price) candidates.push_back({shape, paid});
-  };
-  const Obstacle circle = smallest_circle(hull);
-  add(circle);
-  const double h = box.half.y();
-  for (const double shift : {0.0, 1.0, -1.0, 3.0, -3.0})
-    for (const double bulge : {0.01, 0.02, 0.03, 0.045, 0.07, 0.11, 0.16, 0.23})
-      add(ellipse_of_width(hull, box, h + std::abs(shift * bulge) + bulge, shift * bulge));
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.price < b.price; });
-  for (const auto& [shape, paid] : candidates)
-    if (is_within(shape, space, limits.excess)) return {shape, paid, true, box.angle};
-  return {circle, price(circle), false, box.angle};
+  const Obstacle circle = circle_around(hull);
+  const auto found = search.coarse(box, circle);
+  if (!found) return {circle, search.price(circle), false, box.angle};
+  const Candidate best = found->form ? search.improved(*found) : *found;
+  return {best.shape, best.price, true, box.angle};
 }
 
 }  // namespace tandem

@@ -3,18 +3,11 @@
 // costs least.
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "model/obstacle.hpp"
+#include "obstacle_extractor/bounding.hpp"
 #include "obstacle_extractor/free_space.hpp"
 
 namespace tandem {
-
-using Points = std::vector<Eigen::Vector2d>;
-
-/// Convex hull, counter-clockwise from its lowest point, without points on its edges.
-[[nodiscard]] Points convex_hull(Points points);
 
 /// Shape that contains some points, and what it costs.
 struct EllipseFit {
@@ -38,7 +31,8 @@ struct FitLimits {
 ///
 /// A straight wall wants b ≈ 2 h, which overshoots its ends little, not the smallest area
 /// (b = √2 h), which overshoots them by 0.41 l. An s away from the room makes the side towards it
-/// flat, where the other side is of no use.
+/// flat, where the other side is of no use. The best of a coarse choice of b and s is improved by a
+/// pattern search over b, s and the heading (Hooke and Jeeves 1961).
 [[nodiscard]] EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space,
                                      const FitLimits& limits);
 

@@ -22,7 +22,7 @@ struct ExtractorParams {
   double range = 4.0;
   double max_excess = 0.25;
   double smallest_gap = 0.42;
-  double space_per_shape = 0.04;
+  double space_per_shape = 0.06;
   double tile = 4.0;
 
   template <class Visitor>

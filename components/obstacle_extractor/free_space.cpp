@@ -54,6 +54,7 @@ FreeSpace::FreeSpace(const StaticMap& map, const Places& places, const CellRect&
   const double most = window_.width() + window_.height();  // in place of infinity
   for (const double depth : distance_transform(useless, window_.width(), window_.height()))
     depth_.push_back(static_cast<float>(resolution_ * std::min(depth, most)));
+  find_shallow();
   find_passages(own);
   sum_up(places, own);
 }
@@ -125,16 +126,18 @@ double FreeSpace::taken_by(const Obstacle& shape) const {
   const int width = window_.width() * fine_, height = window_.height() * fine_;
   const int low = std::max(0, static_cast<int>(std::ceil(m.y() - reach)));
   const int high = std::min(height - 1, static_cast<int>(std::floor(m.y() + reach)));
-  const auto column = [&](double x) {  // points left of it
-    return static_cast<std::size_t>(std::clamp(std::ceil(x), 0.0, 1.0 * width));
+  const double most = width;
+  const auto column = [most](double x) {  // points left of it: a truncation is quicker than a ceil
+    return static_cast<std::size_t>(std::clamp(x + 1.0, 0.0, most));
   };
+  const double per = 1.0 / qxx;
   const int stride = 1 + (high - low) / kRows;
   double sum = 0.0;
   for (int iy = low; iy <= high; iy += stride) {
     const double y = iy - m.y();
     const double root = qxy * qxy * y * y - qxx * (qyy * y * y - 1.0);
     if (root <= 0.0) continue;
-    const double middle = m.x() - qxy * y / qxx, half = std::sqrt(root) / qxx;
+    const double middle = m.x() - qxy * y * per, half = std::sqrt(root) * per;
     const float* row = &sums_[static_cast<std::size_t>(iy) * static_cast<std::size_t>(width + 1)];
     sum += static_cast<double>(row[column(middle + half)] - row[column(middle - half)]);
   }
@@ -142,6 +145,7 @@ double FreeSpace::taken_by(const Obstacle& shape) const {
 }
 
 bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, double most) const {
+  if (most >= kInPassage && is_shallow(p_MQ)) return true;
   const double at = depth(p_MQ);
   if (at <= std::min(most, kInPassage) || at > most) return at <= most;
   const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
@@ -150,6 +154,25 @@ bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, double most) const {
   };
   const int ix = nearest(c.x(), window_.width()), iy = nearest(c.y(), window_.height());
   return in_passage_[window_.index(window_.x0 + ix, window_.y0 + iy)] == 0;
+}
+
+// Most points asked for: without interpolation.
+bool FreeSpace::is_shallow(const Eigen::Vector2d& p_MQ) const {
+  const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
+  if (!(c.x() >= 0.0 && c.y() >= 0.0 && c.x() < window_.width() && c.y() < window_.height()))
+    return false;
+  return shallow_[window_.index(window_.x0 + static_cast<int>(c.x()),
+                                window_.y0 + static_cast<int>(c.y()))] != 0;
+}
+
+// A square between four cells' centres is shallow if all of them are.
+void FreeSpace::find_shallow() {
+  shallow_.resize(window_.size());
+  const auto at = [&](int ix, int iy) { return depth_[window_.index(ix, iy)] <= kInPassage; };
+  for (int iy = window_.y0; iy + 1 < window_.y1; ++iy)
+    for (int ix = window_.x0; ix + 1 < window_.x1; ++ix)
+      shallow_[window_.index(ix, iy)] =
+          at(ix, iy) && at(ix + 1, iy) && at(ix, iy + 1) && at(ix + 1, iy + 1) ? 1 : 0;
 }
 
 double FreeSpace::depth(const Eigen::Vector2d& p_MQ) const {

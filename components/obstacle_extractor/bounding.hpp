@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to obstacle_extractor. In: points. Out: what lies round them: hull, rectangle, circle.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace tandem {
+
+using Points = std::vector<Eigen::Vector2d>;
+
+/// Convex hull, counter-clockwise from its lowest point, without points on its edges.
+[[nodiscard]] Points convex_hull(Points points);
+
+/// Rectangle around points, turned by `angle` [rad].
+struct TurnedBox {
+  double angle = 0.0;
+  Eigen::Vector2d p_MC{0.0, 0.0};
+  Eigen::Vector2d half{0.0, 0.0};  ///< [m]
+
+  [[nodiscard]] double area() const { return half.x() * half.y(); }
+};
+
+/// The rectangle with a side along `angle`.
+[[nodiscard]] TurnedBox box_along(const Points& hull, double angle);
+
+/// The smallest rectangle; it has a side along an edge of the hull. Its length comes first.
+[[nodiscard]] TurnedBox smallest_box(const Points& hull);
+
+struct Circle {
+  Eigen::Vector2d p_MC;
+  double radius;  ///< [m]
+};
+
+/// Smallest circle around the hull (Welzl 1991, point by point), but for rounding.
+[[nodiscard]] Circle smallest_circle(const Points& hull);
+
+}  // namespace tandem
