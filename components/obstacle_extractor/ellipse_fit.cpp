@@ -93,8 +93,10 @@ class Search {
   Search(const Points& hull, const FreeSpace& space, const FitLimits& limits)
       : hull_{hull}, space_{space}, limits_{limits} {}
 
-  [[nodiscard]] double price(const Obstacle& shape) const {
-    return space_.taken_by(shape) - (shape.a == shape.b ? limits_.circle_bonus : 0.0);
+  // Exact up to `most`.
+  [[nodiscard]] double price(const Obstacle& shape, double most) const {
+    const double bonus = shape.a == shape.b ? limits_.circle_bonus : 0.0;
+    return space_.taken_by(shape, most + bonus) - bonus;
   }
   [[nodiscard]] bool is_allowed(const Obstacle& shape) const {
     return is_within(shape, space_, limits_.excess);
@@ -108,7 +110,7 @@ class Search {
                                                 const Obstacle& circle) const {
     std::vector<Candidate> candidates;
     const auto add = [&](const Obstacle& shape, const std::optional<Form>& form) {
-      if (const double paid = price(shape); paid <= limits_.price)
+      if (const double paid = price(shape, limits_.price); paid <= limits_.price)
         candidates.push_back({shape, paid, form});
     };
     add(circle, std::nullopt);
@@ -136,7 +138,7 @@ class Search {
         form.shift += change.shift * step;
         if (form.b < form.box.half.y() + std::abs(form.shift) + kLeastBulge) continue;
         const Obstacle shape = ellipse(form);
-        const double paid = price(shape);
+        const double paid = price(shape, best.price - kLeastGain);
         if (paid > best.price - kLeastGain || !is_allowed(shape)) continue;
         best = {shape, paid, form};
         is_better = true;
@@ -173,7 +175,7 @@ EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimi
   const TurnedBox box = smallest_box(hull);
   const Obstacle circle = circle_around(hull);
   const auto found = search.coarse(box, circle);
-  if (!found) return {circle, search.price(circle), false, box.angle};
+  if (!found) return {circle, search.price(circle, FreeSpace::kAll), false, box.angle};
   const Candidate best = found->form ? search.improved(*found) : *found;
   return {best.shape, best.price, true, box.angle};
 }

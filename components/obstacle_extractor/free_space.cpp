@@ -115,7 +115,7 @@ bool FreeSpace::knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) c
 // Qxx x² + 2 Qxy x y + Qyy y² ≤ 1. The disc about a place touches the shape if the place lies in
 // the shape grown by the radius; the ellipse with longer axes that stands for it lies inside of
 // that (its support function is the smaller), which is near enough for a cost.
-double FreeSpace::taken_by(const Obstacle& shape) const {
+double FreeSpace::taken_by(const Obstacle& shape, double most) const {
   const double step = resolution_ / fine_, grown = radius_ * resolution_;
   const double a = (shape.a + grown) / step, b = (shape.b + grown) / step;
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
@@ -126,14 +126,15 @@ double FreeSpace::taken_by(const Obstacle& shape) const {
   const int width = window_.width() * fine_, height = window_.height() * fine_;
   const int low = std::max(0, static_cast<int>(std::ceil(m.y() - reach)));
   const int high = std::min(height - 1, static_cast<int>(std::floor(m.y() + reach)));
-  const double most = width;
-  const auto column = [most](double x) {  // points left of it: a truncation is quicker than a ceil
-    return static_cast<std::size_t>(std::clamp(x + 1.0, 0.0, most));
+  const double all = width;
+  const auto column = [all](double x) {  // points left of it: a truncation is quicker than a ceil
+    return static_cast<std::size_t>(std::clamp(x + 1.0, 0.0, all));
   };
   const double per = 1.0 / qxx;
   const int stride = 1 + (high - low) / kRows;
+  const double per_point = step * step * stride;
   double sum = 0.0;
-  for (int iy = low; iy <= high; iy += stride) {
+  for (int iy = low; iy <= high && sum * per_point <= most; iy += stride) {
     const double y = iy - m.y();
     const double root = qxy * qxy * y * y - qxx * (qyy * y * y - 1.0);
     if (root <= 0.0) continue;
@@ -141,7 +142,7 @@ double FreeSpace::taken_by(const Obstacle& shape) const {
     const float* row = &sums_[static_cast<std::size_t>(iy) * static_cast<std::size_t>(width + 1)];
     sum += static_cast<double>(row[column(middle + half)] - row[column(middle - half)]);
   }
-  return step * step * stride * sum;
+  return sum * per_point;
 }
 
 bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, double most) const {

@@ -16,6 +16,8 @@ namespace tandem {
 /// without a way out, nor unknown space.
 class FreeSpace {
  public:
+  static constexpr double kAll = 1e9;  ///< [m²] more than any shape takes
+
   /// `region`: the places the robot can go to; 0: all.
   FreeSpace(const StaticMap& map, const Places& places, const CellRect& window, int region);
 
@@ -27,8 +29,9 @@ class FreeSpace {
   /// is narrow at most 5 cm.
   [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, double most) const;
 
-  /// Area of the region's places that the shape takes [m²]: those where the disc touches it.
-  [[nodiscard]] double taken_by(const Obstacle& shape) const;
+  /// Area of the region's places that the shape takes [m²]: those where the disc touches it. What
+  /// is more than `most` may be told too small, but not as small as that.
+  [[nodiscard]] double taken_by(const Obstacle& shape, double most = kAll) const;
 
   /// Whether the box lies in the window: only there is the space known.
   [[nodiscard]] bool knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;

@@ -21,7 +21,7 @@ struct FittedArea {
   double range = 0.0;              ///< [m]
 };
 
-/// An extractor on a thread of its own. A first look at a place costs tens of milliseconds; `near`
+/// An extractor on a thread of its own. A first look at a place costs tenths of a second; `near`
 /// never waits for it, because everything within kAhead beyond the range is there before the robot
 /// is, and the next is fitted once the robot has driven kRenew.
 ///
