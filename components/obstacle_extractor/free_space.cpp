@@ -54,7 +54,7 @@ FreeSpace::FreeSpace(const StaticMap& map, const Places& places, const CellRect&
   const double most = window_.width() + window_.height();  // in place of infinity
   for (const double depth : distance_transform(useless, window_.width(), window_.height()))
     depth_.push_back(static_cast<float>(resolution_ * std::min(depth, most)));
-  find_shallow();
+  find_useless();
   find_passages(own);
   sum_up(places, own);
 }
@@ -146,7 +146,7 @@ double FreeSpace::taken_by(const Obstacle& shape, double most) const {
 }
 
 bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, double most) const {
-  if (most >= kInPassage && is_shallow(p_MQ)) return true;
+  if (is_useless(p_MQ)) return true;
   const double at = depth(p_MQ);
   if (at <= std::min(most, kInPassage) || at > most) return at <= most;
   const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
@@ -158,21 +158,21 @@ bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, double most) const {
 }
 
 // Most points asked for: without interpolation.
-bool FreeSpace::is_shallow(const Eigen::Vector2d& p_MQ) const {
+bool FreeSpace::is_useless(const Eigen::Vector2d& p_MQ) const {
   const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
   if (!(c.x() >= 0.0 && c.y() >= 0.0 && c.x() < window_.width() && c.y() < window_.height()))
     return false;
-  return shallow_[window_.index(window_.x0 + static_cast<int>(c.x()),
+  return useless_[window_.index(window_.x0 + static_cast<int>(c.x()),
                                 window_.y0 + static_cast<int>(c.y()))] != 0;
 }
 
-// A square between four cells' centres is shallow if all of them are.
-void FreeSpace::find_shallow() {
-  shallow_.resize(window_.size());
-  const auto at = [&](int ix, int iy) { return depth_[window_.index(ix, iy)] <= kInPassage; };
+// A square between four cells' centres is so if all of them are.
+void FreeSpace::find_useless() {
+  useless_.resize(window_.size());
+  const auto at = [&](int ix, int iy) { return depth_[window_.index(ix, iy)] <= 0.0F; };
   for (int iy = window_.y0; iy + 1 < window_.y1; ++iy)
     for (int ix = window_.x0; ix + 1 < window_.x1; ++ix)
-      shallow_[window_.index(ix, iy)] =
+      useless_[window_.index(ix, iy)] =
           at(ix, iy) && at(ix + 1, iy) && at(ix, iy + 1) && at(ix + 1, iy + 1) ? 1 : 0;
 }
 

@@ -37,8 +37,8 @@ class FreeSpace {
   [[nodiscard]] bool knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
  private:
-  void find_shallow();
-  [[nodiscard]] bool is_shallow(const Eigen::Vector2d& p_MQ) const;
+  void find_useless();
+  [[nodiscard]] bool is_useless(const Eigen::Vector2d& p_MQ) const;
   void find_passages(const std::vector<std::uint8_t>& places);
   void sum_up(const Places& places, const std::vector<std::uint8_t>& own);
   [[nodiscard]] double gap_at(const Places& places, int x, int y) const;
@@ -49,7 +49,7 @@ class FreeSpace {
   Eigen::Vector2d first_center_;  // of the window's lowest cell [m]
   Eigen::Vector2d low_, high_;    // of the window without the border [m]
   std::vector<float> depth_;
-  std::vector<std::uint8_t> shallow_;  // by the cell at its lower left: allowed anywhere
+  std::vector<std::uint8_t> useless_;  // by the cell at its lower left: depth 0
   std::vector<std::uint8_t> in_passage_;
 
   // The places again at `fine_` points per cell and axis: a shape's bulge is less than a cell.
