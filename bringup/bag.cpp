@@ -286,15 +286,19 @@ bool BagReader::next(BagMessage& message) {
     const File& file = files_.back();
     if (!select_)
       select_ = prepare(file.database,
-                        "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN"
-                        " (SELECT id FROM topics) ORDER BY timestamp, id");
-    if (!step(file.database, select_)) continue;
-    message.topic = file.index.at(sqlite3_column_int64(select_.get(), 0));
-    message.time = sqlite3_column_int64(select_.get(), 1);
-    const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 2));
-    const int size = sqlite3_column_bytes(select_.get(), 2);
-    message.bytes.assign(data, data + size);
-    return true;
+                        "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id");
+    while (step(file.database, select_)) {
+      // A file that is damaged has messages of no topic, one that is still written of topics that
+      // came after it was opened.
+      const auto topic = file.index.find(sqlite3_column_int64(select_.get(), 0));
+      if (topic == file.index.end()) continue;
+      message.topic = topic->second;
+      message.time = sqlite3_column_int64(select_.get(), 1);
+      const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 2));
+      const int size = sqlite3_column_bytes(select_.get(), 2);
+      message.bytes.assign(data, data + size);
+      return true;
+    }
   }
   return false;
 }

@@ -70,7 +70,8 @@ class BagReader {
   explicit BagReader(const std::string& path);
 
   [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
-  /// False after the last one. Throws std::runtime_error if the file is damaged.
+  /// False after the last one. A recording that goes on is read with the topics that it had when it
+  /// was opened. Throws std::runtime_error if the file is damaged.
   bool next(BagMessage& message);
 
  private:

@@ -128,6 +128,21 @@ TEST_F(Bag, KeepsWhatWasCommittedWhenItsProcessDies) {
   EXPECT_TRUE(fs::exists(folder_ / "metadata.yaml"));
 }
 
+TEST_F(Bag, ThatIsStillWrittenIsReadWithTheTopicsThatItHadWhenItWasOpened) {
+  BagWriter writer{folder_};
+  const int command = writer.add_topic(kCommand);
+  writer.write(command, 1, {1});
+  writer.commit();
+  BagReader reader{folder_};
+  writer.write(writer.add_topic(kMap), 2, {2});
+  writer.write(command, 3, {3});
+  writer.commit();
+  std::vector<std::int64_t> times;
+  for (BagMessage message; reader.next(message);) times.push_back(message.time);
+  EXPECT_EQ(times, (std::vector<std::int64_t>{1, 3}));
+  EXPECT_EQ(reader.topics().size(), 1U);
+}
+
 TEST_F(Bag, IsNeverWrittenOver) {
   { BagWriter writer{folder_}; }
   EXPECT_THROW(BagWriter{folder_}, std::runtime_error);
