@@ -17,6 +17,8 @@ constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split un
 
 constexpr double kLeastGain = 0.005;  // of (1): what a rearrangement must save
 constexpr int kRounds = 6;
+constexpr int kLevels = 16;      // of coarseness
+constexpr double kNearly = 1.2;  // as few as wanted: before that it is not worth the time
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 // Where a part is cut: turned from across its length, at a fraction of its extent.
@@ -39,6 +41,8 @@ constexpr int kTurns = 6, kFractions = 5;
 class Coverer {
  public:
   explicit Coverer(const PartFitter& fitter) : fitter_{fitter} {}
+
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
 
   void split(Cells cells) {
     Part part = fitter_.fit(std::move(cells), 1.0 + kTightShare);
@@ -77,6 +81,7 @@ class Coverer {
   // Cuts two neighbours together elsewhere, or a part in two of which each goes to a neighbour or
   // stays alone, where that lowers (1), until nothing does.
   void rearrange() {
+    for (Part& part : parts_) part.changed = 0;
     for (round_ = 0; round_ < kRounds; ++round_) {
       for (std::size_t i = 0; i < parts_.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -250,11 +255,17 @@ class Coverer {
 
 std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<CellIndex>>& clusters,
                               const FreeSpace& space, const CoverParams& params) {
-  const PartFitter fitter(grid, space, params);
+  PartFitter fitter(grid, space, params);
   Coverer coverer(fitter);
   for (const auto& cells : clusters) coverer.split(cells);
   coverer.join();
   coverer.rearrange();
+  for (int level = 0; level < kLevels && coverer.size() > params.crowded; ++level) {
+    fitter.coarsen();
+    coverer.join();
+    if (static_cast<double>(coverer.size()) <= kNearly * static_cast<double>(params.crowded))
+      coverer.rearrange();
+  }
   return coverer.shapes();
 }
 

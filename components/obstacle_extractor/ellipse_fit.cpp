@@ -54,7 +54,7 @@ Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, do
 
 // Whether every point along an ellipse with the shape's centre and heading is allowed.
 bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const FreeSpace& space,
-                     double most) {
+                     const Excess& most) {
   constexpr double kSpacing = 0.04;  // [m]
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const int points = std::max(16, static_cast<int>(4.0 * half.sum() / kSpacing));
@@ -74,7 +74,7 @@ bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const F
 
 // Whether the shape reaches no deeper into free space than `most`: its outline, smaller copies
 // inside, and its long axis, where those are far apart. False if it leaves the known window.
-bool is_within(const Obstacle& shape, const FreeSpace& space, double most) {
+bool is_within(const Obstacle& shape, const FreeSpace& space, const Excess& most) {
   constexpr double kRing = 0.07;  // [m] between two copies, across
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const Eigen::Vector2d reach{std::hypot(c * shape.a, s * shape.b),
@@ -95,8 +95,10 @@ class Search {
 
   // Exact up to `most`.
   [[nodiscard]] double price(const Obstacle& shape, double most) const {
-    const double bonus = shape.a == shape.b ? limits_.circle_bonus : 0.0;
-    return space_.taken_by(shape, most + bonus) - bonus;
+    return space_.taken_by(shape, most + bonus(shape)) - bonus(shape);
+  }
+  [[nodiscard]] double bonus(const Obstacle& shape) const {
+    return shape.a == shape.b ? limits_.circle_bonus : 0.0;
   }
   [[nodiscard]] bool is_allowed(const Obstacle& shape) const {
     return is_within(shape, space_, limits_.excess);
@@ -175,9 +177,9 @@ EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimi
   const TurnedBox box = smallest_box(hull);
   const Obstacle circle = circle_around(hull);
   const auto found = search.coarse(box, circle);
-  if (!found) return {circle, search.price(circle, FreeSpace::kAll), false, box.angle};
+  if (!found) return {circle, space.taken_by(circle), false, box.angle};
   const Candidate best = found->form ? search.improved(*found) : *found;
-  return {best.shape, best.price, true, box.angle};
+  return {best.shape, best.price + search.bonus(best.shape), true, box.angle};
 }
 
 }  // namespace tandem

@@ -12,20 +12,21 @@ namespace tandem {
 /// Shape that contains some points, and what it costs.
 struct EllipseFit {
   Obstacle shape;
-  double price = 0.0;         ///< what it takes of the free space, less a circle's bonus [m²]
+  double taken = 0.0;         ///< of the free space [m²]
   bool found = false;         ///< false: a circle beyond the limits, as all are
   double length_angle = 0.0;  ///< heading of the points' longest extent [rad]
 };
 
 struct FitLimits {
-  double excess;        ///< how deep a shape may reach into free space [m]
-  double price;         ///< the most that a shape may cost [m²]
+  Excess excess;
+  double price;         ///< the most that a shape may take, less the bonus [m²]
   double circle_bonus;  ///< free space that being a circle is worth [m²]
 };
 
-/// Circle or ellipse that contains the hull and has the least price within the limits. Of
-/// the ellipses along the sides of the hull's smallest rectangle, of half sides l ≥ h, with centre
-/// (0, s) in it, each half width b > h + |s| gives the shortest half length
+/// Circle or ellipse that contains the hull and takes least of the free space within the limits, a
+/// circle's bonus taken off. Of the ellipses along the sides of the hull's smallest rectangle, of
+/// half sides l ≥ h, with centre (0, s) in it, each half width b > h + |s| gives the shortest half
+/// length
 ///
 ///   a(b, s) = max over hull points (x, y) of |x| / √(1 − ((y − s)/b)²)                      (1)
 ///

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kWhole = 1.0;  // [m] clusters up to this size are never cut by a tile's border
 
+constexpr double kNarrow = 0.05;  // [m] deep may a shape reach in narrow ways: doors stay open
+
 constexpr std::size_t kPatches = 6;  // more new cells than these are fitted at once
 constexpr double kOffRaster = 1e-3;  // [cells] two grids share a raster if they are off by less
 
@@ -193,9 +195,10 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
                         {rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin},
                         region_);
   tile.space = space_round(rect);
-  tile.shapes =
-      cover(grid, clusters, space,
-            {.max_excess = params_.max_excess, .space_per_shape = params_.space_per_shape});
+  tile.shapes = cover(grid, clusters, space,
+                      {.excess = {params_.max_excess, std::min(kNarrow, params_.max_excess)},
+                       .space_per_shape = params_.space_per_shape,
+                       .crowded = static_cast<std::size_t>(params_.shapes_per_tile)});
   for (CoverShape& shape : tile.shapes) {
     const auto index = static_cast<int>(shape.obstacle.id - 1);
     shape.obstacle.id = id_of({index % grid.width + shift_.x(), index / grid.width + shift_.y()},

@@ -11,10 +11,9 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-constexpr double kFine = 0.027;      // [m] between two points at most
-constexpr int kRows = 40;            // of points that a long shape is judged by
-constexpr double kPassage = 0.30;    // [m] a way that leaves the disc less room sideways is narrow
-constexpr double kInPassage = 0.05;  // [m] deep at most may a shape reach there: doors stay open
+constexpr double kFine = 0.027;    // [m] between two points at most
+constexpr int kRows = 40;          // of points that a long shape is judged by
+constexpr double kPassage = 0.30;  // [m] a way that leaves the disc less room sideways is narrow
 
 // Cells farther than `radius` (in cells) from all of the mask's.
 Mask far_from(const Mask& mask, const CellRect& window, double radius) {
@@ -145,10 +144,10 @@ double FreeSpace::taken_by(const Obstacle& shape, double most) const {
   return sum * per_point;
 }
 
-bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, double most) const {
+bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, const Excess& most) const {
   if (is_useless(p_MQ)) return true;
   const double at = depth(p_MQ);
-  if (at <= std::min(most, kInPassage) || at > most) return at <= most;
+  if (at <= std::min(most.open, most.narrow) || at > most.open) return at <= most.open;
   const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
   const auto nearest = [](double x, int size) {
     return static_cast<int>(std::clamp(std::round(x), 0.0, size - 1.0));

@@ -12,6 +12,11 @@
 
 namespace tandem {
 
+/// How deep a shape may reach into free space [m]: where there is room, and where a way is narrow.
+struct Excess {
+  double open, narrow;
+};
+
 /// What a robot can use of a window: not the obstacles, not narrow slots and corners, not pockets
 /// without a way out, nor unknown space.
 class FreeSpace {
@@ -25,9 +30,8 @@ class FreeSpace {
   /// reaches [m], linear between cell centres; 0 there.
   [[nodiscard]] double depth(const Eigen::Vector2d& p_MQ) const;
 
-  /// Whether a shape may contain the point: it lies at most `most` [m] deep, and where the region
-  /// is narrow at most 5 cm.
-  [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, double most) const;
+  /// Whether a shape may contain the point: it lies no deeper than that.
+  [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, const Excess& most) const;
 
   /// Area of the region's places that the shape takes [m²]: those where the disc touches it. What
   /// is more than `most` may be told too small, but not as small as that.

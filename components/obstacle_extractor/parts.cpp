@@ -11,6 +11,8 @@ namespace tandem {
 namespace {
 
 constexpr double kJoinGap = 0.8;  // [m] parts farther apart are not tried together
+// A level's.
+constexpr double kMoreSpace = 1.15, kMoreReach = 0.03;  // [-], [m]
 
 Points corners(const Grid& grid, const CellIndex& cell) {
   const Eigen::Vector2d low = grid.origin + grid.resolution * Eigen::Vector2d(cell.ix, cell.iy);
@@ -19,6 +21,11 @@ Points corners(const Grid& grid, const CellIndex& cell) {
 }
 
 }  // namespace
+
+void PartFitter::coarsen() {
+  params_.space_per_shape *= kMoreSpace;
+  params_.excess.narrow = std::min(params_.excess.narrow + kMoreReach, params_.excess.open);
+}
 
 Part PartFitter::fit(Cells cells, double most) const {
   Points hull = convex_hull(corners_of_rows(cells));
@@ -34,7 +41,7 @@ Part PartFitter::fit_both(const Part& p, const Part& q, double most) const {
 Part PartFitter::make(Cells cells, Points hull, double most) const {
   Part part{std::move(cells), std::move(hull), {}, {}, {}, 0};
   part.fit = fit_ellipse(part.hull, space_,
-                         {.excess = params_.max_excess,
+                         {.excess = params_.excess,
                           .price = (most - 1.0) * params_.space_per_shape,
                           .circle_bonus = (1.0 - kLeastCost) * params_.space_per_shape});
   part.low = part.high = part.hull[0];

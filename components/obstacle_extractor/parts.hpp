@@ -31,10 +31,14 @@ class PartFitter {
   /// A circle's cost in shapes; no shape costs less.
   static constexpr double kLeastCost = 0.7;
 
-  /// Shares of one part in (1) of cover.hpp.
+  /// Share of one part in (1) of cover.hpp.
   [[nodiscard]] double cost(const Part& part) const {
-    return 1.0 + part.fit.price / params_.space_per_shape;
+    const bool is_circle = part.fit.shape.a == part.fit.shape.b;
+    return (is_circle ? kLeastCost : 1.0) + part.fit.taken / params_.space_per_shape;
   }
+
+  /// From now on shapes may take more: a level of cover.hpp.
+  void coarsen();
 
   /// The part of these cells. It is found only if it costs at most `most`.
   [[nodiscard]] Part fit(Cells cells, double most) const;

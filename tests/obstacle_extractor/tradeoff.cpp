@@ -9,20 +9,26 @@
 namespace tandem::test {
 namespace {
 
+struct Choice {
+  double space_per_shape;
+  int shapes_per_tile;
+};
+constexpr Choice kChoices[]{{0.02, 11}, {0.03, 11}, {0.04, 11}, {0.06, 11},  {0.1, 11},
+                            {0.2, 11},  {0.06, 8},  {0.06, 14}, {0.06, 1000}};
+
 void print(const char* world, const ExtractorParams& params, const Loss& loss) {
-  std::printf("%-16s %9.2f %10.2f %8.1f %5d %5d %5d %9.2f %10.2f\n", world, params.space_per_shape,
-              params.max_excess, loss.mean_shapes(), loss.shapes_at(0.5), loss.shapes_at(0.9),
+  std::printf("%-16s %9.2f %10d %8.1f %5d %5d %5d %9.2f %10.2f\n", world, params.space_per_shape,
+              params.shapes_per_tile, loss.mean_shapes(), loss.shapes_at(0.5), loss.shapes_at(0.9),
               loss.shapes_at(1.0), 100.0 * loss.share(), 100.0 * loss.share_to_discs());
   std::fflush(stdout);
 }
 
 int run(int every) {
-  std::printf("%-16s %9s %10s %8s %5s %5s %5s %9s %10s\n", "world, robot", "m²/shape", "max_excess",
+  std::printf("%-16s %9s %10s %8s %5s %5s %5s %9s %10s\n", "world, robot", "m²/shape", "per tile",
               "shapes", "p50", "p90", "max", "lost %", "by discs %");
   const auto worlds = loss_worlds(every);
-  for (const double space : {0.02, 0.03, 0.04, 0.06, 0.1, 0.2}) {
-    ExtractorParams params;
-    params.space_per_shape = space;
+  for (const auto& [space, most] : kChoices) {
+    const ExtractorParams params{.space_per_shape = space, .shapes_per_tile = most};
     for (const LossWorlds& group : worlds)
       print(group.name, params, group.measure(params, NmpcParams{}.disc_overhang));
   }
