@@ -24,15 +24,14 @@ struct ExtractorParams {
   double smallest_gap = 0.42;
   double space_per_shape = 0.06;
   double tile = 4.0;
-  int shapes_per_tile = 11;
+  int shapes_per_tile = 12;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     field("range", range, Range{0.5, 50.0}, "[m] obstacles are fitted this near to the robot");
-    field(
-        "max_excess", max_excess, Range{0.01, 1.0},
-        "[m] how far a shape may reach into free space; in narrow ways at most 0.05, but where it "
-        "is crowded");
+    field("max_excess", max_excess, Range{0.01, 1.0},
+          "[m] how far a shape may reach into free space; in narrow ways at most 0.05, where it "
+          "is crowded 0.10");
     field("smallest_gap", smallest_gap, Range{0.0, 2.0},
           "[m] gaps narrower than this may be filled; below the robot's width");
     field("space_per_shape", space_per_shape, Range{0.001, 10.0},

@@ -13,8 +13,8 @@ struct Choice {
   double space_per_shape;
   int shapes_per_tile;
 };
-constexpr Choice kChoices[]{{0.02, 11}, {0.03, 11}, {0.04, 11}, {0.06, 11},  {0.1, 11},
-                            {0.2, 11},  {0.06, 8},  {0.06, 14}, {0.06, 1000}};
+constexpr Choice kChoices[]{{0.02, 12}, {0.03, 12}, {0.04, 12}, {0.06, 12},  {0.1, 12},
+                            {0.2, 12},  {0.06, 8},  {0.06, 16}, {0.06, 1000}};
 
 void print(const char* world, const ExtractorParams& params, const Loss& loss) {
   std::printf("%-16s %9.2f %10d %8.1f %5d %5d %5d %9.2f %10.2f\n", world, params.space_per_shape,
