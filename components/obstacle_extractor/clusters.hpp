@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "map/static_map.hpp"
-#include "obstacle_extractor/cover.hpp"
+#include "obstacle_extractor/places.hpp"
 
 namespace tandem {
 

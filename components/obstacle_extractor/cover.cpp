@@ -18,6 +18,7 @@ constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split un
 constexpr double kLeastGain = 0.005;  // of (1): what a rearrangement must save
 constexpr int kRounds = 6;
 constexpr int kLevels = 16;      // of coarseness
+constexpr int kGuards = 3;       // times that it is tried to keep ways open
 constexpr double kNearly = 1.2;  // as few as wanted: before that it is not worth the time
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
@@ -40,9 +41,10 @@ constexpr int kTurns = 6, kFractions = 5;
 
 class Coverer {
  public:
-  explicit Coverer(const PartFitter& fitter) : fitter_{fitter} {}
+  explicit Coverer(const PartFitter& fitter, std::vector<Part> parts = {})
+      : fitter_{fitter}, parts_{std::move(parts)} {}
 
-  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
 
   void split(Cells cells) {
     Part part = fitter_.fit(std::move(cells), 1.0 + kTightShare);
@@ -251,22 +253,44 @@ class Coverer {
   int round_ = 0;  // of rearrange
 };
 
-}  // namespace
+std::vector<Obstacle> obstacles(const std::vector<CoverShape>& shapes) {
+  std::vector<Obstacle> all;
+  for (const CoverShape& shape : shapes) all.push_back(shape.obstacle);
+  return all;
+}
 
-std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<CellIndex>>& clusters,
-                              const FreeSpace& space, const CoverParams& params) {
-  PartFitter fitter(grid, space, params);
-  Coverer coverer(fitter);
-  for (const auto& cells : clusters) coverer.split(cells);
-  coverer.join();
-  coverer.rearrange();
-  for (int level = 0; level < kLevels && coverer.size() > params.crowded; ++level) {
+// The same cells by fewer and coarser shapes.
+std::vector<CoverShape> coarser(PartFitter fitter, const Coverer& fine, std::size_t most) {
+  Coverer coverer(fitter, fine.parts());
+  for (int level = 0; level < kLevels && coverer.parts().size() > most; ++level) {
     fitter.coarsen();
     coverer.join();
-    if (static_cast<double>(coverer.size()) <= kNearly * static_cast<double>(params.crowded))
+    if (static_cast<double>(coverer.parts().size()) <= kNearly * static_cast<double>(most))
       coverer.rearrange();
   }
   return coverer.shapes();
+}
+
+}  // namespace
+
+std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<CellIndex>>& clusters,
+                              const FreeSpace& space, const Ways& ways, const CoverParams& params) {
+  const PartFitter fitter(grid, space, params);
+  Coverer fine(fitter);
+  for (const auto& cells : clusters) fine.split(cells);
+  fine.join();
+  fine.rearrange();
+  const std::vector<CoverShape> shapes = fine.shapes();
+  if (fine.parts().size() <= params.crowded) return shapes;
+  const auto before = obstacles(shapes);
+  FreeSpace kept = space;
+  for (int round = 0; round < kGuards; ++round) {
+    const auto fewer = coarser({grid, kept, params}, fine, params.crowded);
+    const auto closed = ways.closed(before, obstacles(fewer));
+    if (closed.empty()) return fewer;
+    kept.keep(ways.window(), closed);
+  }
+  return shapes;  // rather too many than a place cut off
 }
 
 }  // namespace tandem

@@ -8,15 +8,9 @@
 #include "map/grid.hpp"
 #include "model/obstacle.hpp"
 #include "obstacle_extractor/free_space.hpp"
+#include "obstacle_extractor/ways.hpp"
 
 namespace tandem {
-
-/// Index of a cell in its grid.
-struct CellIndex {
-  int ix = 0, iy = 0;
-
-  bool operator==(const CellIndex&) const = default;
-};
 
 /// Shape and the box around the cells that it answers for [m].
 struct CoverShape {
@@ -45,12 +39,15 @@ struct CoverParams {
 /// Clusters are split until each part's shape takes next to nothing; then the two neighbours whose
 /// common shape lowers J most are joined, as long as one does; then neighbours are cut anew, and
 /// pieces of parts go to their neighbours, where that lowers J. If more than `crowded` are left,
-/// A₁ grows by 15 %, the reach into narrow ways by 3 cm up to 10 cm, and it is joined and, with
-/// nearly as few as wanted, cut again; so up to sixteen times. Every cell lies wholly in a shape; a
-/// single cell has one whatever its excess. Ids are 1 + the index of the lowest cell that the shape
-/// answers for. No randomness: equal arguments give equal shapes.
+/// A₁ grows by 15 %, the reach into narrow ways by 3 cm up to that into open space, and it is
+/// joined and, with nearly as few as wanted, cut again; so up to sixteen times. Where that closes
+/// one of `ways` it is done again with shapes that reach no deeper than `excess.kept` there; if
+/// that does not help, the shapes are those before they got coarser. Every cell lies wholly in a
+/// shape; a single cell has one whatever its excess. Ids are 1 + the index of the lowest cell that
+/// the shape answers for. No randomness: equal arguments give equal shapes.
 [[nodiscard]] std::vector<CoverShape> cover(const Grid& grid,
                                             const std::vector<std::vector<CellIndex>>& clusters,
-                                            const FreeSpace& space, const CoverParams& params);
+                                            const FreeSpace& space, const Ways& ways,
+                                            const CoverParams& params);
 
 }  // namespace tandem

@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kWhole = 1.0;  // [m] clusters up to this size are never cut by a tile's border
 
-constexpr double kNarrow = 0.05;  // [m] deep may a shape reach in narrow ways: doors stay open
+// How deep a shape may reach in narrow ways [m]: doors stay open; and where it is crowded, in those
+// that coarser shapes would close.
+constexpr double kNarrow = 0.05, kKept = 0.10;
 
 constexpr std::size_t kPatches = 6;  // more new cells than these are fitted at once
 constexpr double kOffRaster = 1e-3;  // [cells] two grids share a raster if they are off by less
@@ -191,12 +193,11 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
   for (auto& cluster : clusters)
     for (CellIndex& cell : cluster) cell = {cell.ix - shift_.x(), cell.iy - shift_.y()};
   const int margin = 2 * cells(kWhole, grid);
-  const FreeSpace space(*map_, places_,
-                        {rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin},
-                        region_);
+  const CellRect window{rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin};
+  const FreeSpace space(*map_, places_, window, region_);
   tile.space = space_round(rect);
-  tile.shapes = cover(grid, clusters, space,
-                      {.excess = {params_.max_excess, std::min(kNarrow, params_.max_excess)},
+  tile.shapes = cover(grid, clusters, space, Ways(*map_, places_, window, region_, clusters),
+                      {.excess = {params_.max_excess, std::min(kNarrow, params_.max_excess), kKept},
                        .space_per_shape = params_.space_per_shape,
                        .crowded = static_cast<std::size_t>(params_.shapes_per_tile)});
   for (CoverShape& shape : tile.shapes) {

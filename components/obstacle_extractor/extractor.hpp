@@ -30,8 +30,8 @@ struct ExtractorParams {
   void visit(Visitor&& field) {
     field("range", range, Range{0.5, 50.0}, "[m] obstacles are fitted this near to the robot");
     field("max_excess", max_excess, Range{0.01, 1.0},
-          "[m] how far a shape may reach into free space; in narrow ways at most 0.05, where it "
-          "is crowded 0.10");
+          "[m] how far a shape may reach into free space; in narrow ways at most 0.05, unless it "
+          "is crowded");
     field("smallest_gap", smallest_gap, Range{0.0, 2.0},
           "[m] gaps narrower than this may be filled; below the robot's width");
     field("space_per_shape", space_per_shape, Range{0.001, 10.0},
@@ -39,7 +39,7 @@ struct ExtractorParams {
     field("tile", tile, Range{1.0, 20.0}, "[m] side of the squares that the map is fitted in");
     field("shapes_per_tile", shapes_per_tile, Range{1.0, 1000.0},
           "[-] a tile that needs more is crowded: its shapes get coarser until it does not, or "
-          "space_per_shape is nine times as large");
+          "space_per_shape is nine times as large; no place is cut off by that");
   }
 };
 

@@ -70,8 +70,17 @@ void FreeSpace::find_passages(const Mask& places) {
   for (std::size_t i = 0; i < places.size(); ++i)
     narrow[i] = places[i] != 0 && to_wide[i] > room + 1.0 ? 1 : 0;
   const auto to_narrow = transform(narrow);
-  in_passage_.resize(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) in_passage_[i] = to_narrow[i] <= radius_ ? 1 : 0;
+  room_.resize(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i)
+    room_[i] = to_narrow[i] <= radius_ ? Room::kNarrow : Room::kOpen;
+}
+
+void FreeSpace::keep(const CellRect& window, const Mask& cells) {
+  for (int iy = std::max(window.y0, window_.y0); iy < std::min(window.y1, window_.y1); ++iy)
+    for (int ix = std::max(window.x0, window_.x0); ix < std::min(window.x1, window_.x1); ++ix) {
+      Room& room = room_[window_.index(ix, iy)];
+      if (cells[window.index(ix, iy)] != 0 && room == Room::kNarrow) room = Room::kKept;
+    }
 }
 
 void FreeSpace::sum_up(const Places& places, const Mask& own) {
@@ -147,13 +156,21 @@ double FreeSpace::taken_by(const Obstacle& shape, double most) const {
 bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, const Excess& most) const {
   if (is_useless(p_MQ)) return true;
   const double at = depth(p_MQ);
-  if (at <= std::min(most.open, most.narrow) || at > most.open) return at <= most.open;
+  if (at <= std::min({most.open, most.narrow, most.kept}) || at > most.open) return at <= most.open;
   const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
   const auto nearest = [](double x, int size) {
     return static_cast<int>(std::clamp(std::round(x), 0.0, size - 1.0));
   };
   const int ix = nearest(c.x(), window_.width()), iy = nearest(c.y(), window_.height());
-  return in_passage_[window_.index(window_.x0 + ix, window_.y0 + iy)] == 0;
+  switch (room_[window_.index(window_.x0 + ix, window_.y0 + iy)]) {
+    case Room::kOpen:
+      return true;
+    case Room::kNarrow:
+      return at <= most.narrow;
+    case Room::kKept:
+      break;
+  }
+  return at <= std::min(most.narrow, most.kept);
 }
 
 // Most points asked for: without interpolation.

@@ -12,9 +12,10 @@
 
 namespace tandem {
 
-/// How deep a shape may reach into free space [m]: where there is room, and where a way is narrow.
+/// How deep a shape may reach into free space [m]: where there is room, where a way is narrow, and
+/// at most in a narrow way that is kept open.
 struct Excess {
-  double open, narrow;
+  double open, narrow, kept;
 };
 
 /// What a robot can use of a window: not the obstacles, not narrow slots and corners, not pockets
@@ -32,6 +33,9 @@ class FreeSpace {
 
   /// Whether a shape may contain the point: it lies no deeper than that.
   [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, const Excess& most) const;
+
+  /// Keeps narrow ways open from now on, where they lead through these cells (by CellRect::index).
+  void keep(const CellRect& window, const std::vector<std::uint8_t>& cells);
 
   /// Area of the region's places that the shape takes [m²]: those where the disc touches it. What
   /// is more than `most` may be told too small, but not as small as that.
@@ -54,7 +58,8 @@ class FreeSpace {
   Eigen::Vector2d low_, high_;    // of the window without the border [m]
   std::vector<float> depth_;
   std::vector<std::uint8_t> useless_;  // by the cell at its lower left: depth 0
-  std::vector<std::uint8_t> in_passage_;
+  enum class Room : std::uint8_t { kOpen, kNarrow, kKept };
+  std::vector<Room> room_;
 
   // The places again at `fine_` points per cell and axis: a shape's bulge is less than a cell.
   int fine_;

@@ -13,7 +13,6 @@ namespace {
 constexpr double kJoinGap = 0.8;  // [m] parts farther apart are not tried together
 // A level's.
 constexpr double kMoreSpace = 1.15, kMoreReach = 0.03;  // [-], [m]
-constexpr double kMostReach = 0.10;  // [m] deeper, and ways that a robot can go are closed
 
 Points corners(const Grid& grid, const CellIndex& cell) {
   const Eigen::Vector2d low = grid.origin + grid.resolution * Eigen::Vector2d(cell.ix, cell.iy);
@@ -26,7 +25,7 @@ Points corners(const Grid& grid, const CellIndex& cell) {
 void PartFitter::coarsen() {
   params_.space_per_shape *= kMoreSpace;
   Excess& excess = params_.excess;
-  excess.narrow = std::min({excess.narrow + kMoreReach, kMostReach, excess.open});
+  excess.narrow = std::min(excess.narrow + kMoreReach, excess.open);
 }
 
 Part PartFitter::fit(Cells cells, double most) const {

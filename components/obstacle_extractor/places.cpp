@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
 #include "map/distance_transform.hpp"
+#include "obstacle_extractor/flood.hpp"
 
 namespace tandem {
 namespace {
@@ -64,20 +64,14 @@ void Places::label_regions() {
 }
 
 std::vector<std::size_t> Places::spread(std::size_t start, int region) {
-  const auto width = static_cast<std::size_t>(area_.width());
   std::vector<std::size_t> cells{start};
   regions_[start] = region;
-  const auto visit = [&](std::size_t cell) {
-    if (std::exchange(regions_[cell], regions_[cell] == -1 ? region : regions_[cell]) == -1)
-      cells.push_back(cell);
-  };
-  for (std::size_t next = 0; next < cells.size(); ++next) {
-    const std::size_t cell = cells[next];
-    if (cell % width > 0) visit(cell - 1);
-    if (cell % width + 1 < width) visit(cell + 1);
-    if (cell >= width) visit(cell - width);
-    if (cell + width < regions_.size()) visit(cell + width);
-  }
+  flood(cells, static_cast<std::size_t>(area_.width()), regions_.size(),
+        [&](std::size_t cell, std::size_t) {
+          if (regions_[cell] != -1) return false;
+          regions_[cell] = region;
+          return true;
+        });
   return cells;
 }
 

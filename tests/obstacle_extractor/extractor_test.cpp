@@ -11,6 +11,7 @@
 #include <set>
 
 #include "loss_worlds.hpp"
+#include "support/instrumented.hpp"
 #include "worlds.hpp"
 
 namespace tandem {
@@ -23,11 +24,11 @@ unsigned number(unsigned in_long, unsigned in_short) {
   return std::getenv("TANDEM_TEST_LONG") != nullptr ? in_long : in_short;
 }
 
-void expect_covered(const std::shared_ptr<const StaticMap>& map, int poses) {
+void expect_covered(const std::shared_ptr<const StaticMap>& map, unsigned poses) {
   const ExtractorParams params;
   Extractor extractor(map, params);
   std::mt19937 random{7};
-  for (int i = 0; i < poses; ++i) {
+  for (unsigned i = 0; i < poses; ++i) {
     const Eigen::Vector2d p_MB = random_point(random, map->grid());
     ASSERT_EQ(uncovered_cells(*map, p_MB, params.range, extractor.near(p_MB)), 0)
         << "at " << p_MB.transpose();
@@ -35,16 +36,18 @@ void expect_covered(const std::shared_ptr<const StaticMap>& map, int poses) {
 }
 
 // Of the poses that the outline can be brought to without contact along drives at most 5 % are
-// lost, and at this share of the places there are no more than 32 shapes.
-void expect_tight(const LossWorlds& group, double share) {
+// lost, and nowhere are there more than 32 shapes.
+void expect_tight(const LossWorlds& group) {
   const Loss loss = group.measure({});
   std::printf(
       "%-16s %4.1f %% lost; shapes within 3 m: mean %.1f, median %d, 90 %% up to %d, most %d\n",
       group.name, 100.0 * loss.share(), loss.mean_shapes(), loss.shapes_at(0.5),
       loss.shapes_at(0.9), loss.shapes_at(1.0));
+  EXPECT_GT(loss.poses, 0);
+  if (kInstrumented) return;  // too few drives to judge
   EXPECT_GT(loss.poses, 1e5);
   EXPECT_LE(loss.share(), 0.05);
-  EXPECT_LE(loss.shapes_at(share), 32);
+  EXPECT_LE(loss.shapes_at(1.0), 32);
 }
 
 // Depth in free space of the deepest point of any shape on the map, the depth by the whole map.
@@ -84,7 +87,8 @@ void expect_no_deep_shape(const std::shared_ptr<const StaticMap>& map,
 }
 
 TEST(Extractor, CoversEveryCellOfRandomWorlds) {
-  for (unsigned seed = 0; seed < number(200, 40); ++seed) expect_covered(random_world(seed), 10);
+  for (unsigned seed = 0; seed < number(200, samples(40, 8)); ++seed)
+    expect_covered(random_world(seed), 10);
 }
 
 TEST(Extractor, CoversEveryCellOfTheProjectsMaps) {
@@ -93,7 +97,7 @@ TEST(Extractor, CoversEveryCellOfTheProjectsMaps) {
        std::filesystem::directory_iterator(project_map("forest").parent_path())) {
     if (file.path().extension() != ".bt") continue;
     SCOPED_TRACE(file.path());
-    expect_covered(load_world(file.path()), 100 / kFewer);
+    expect_covered(load_world(file.path()), samples(100, 3));
     ++maps;
   }
   EXPECT_GE(maps, 6);
@@ -101,14 +105,14 @@ TEST(Extractor, CoversEveryCellOfTheProjectsMaps) {
 
 TEST(Extractor, CoversEveryCellOfARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_covered(load_world(building_map()), 60 / kFewer);
+  expect_covered(load_world(building_map()), samples(60, 3));
 }
 
 TEST(Extractor, CoversWithAnyParameters) {
   for (const ExtractorParams& params :
        {ExtractorParams{.range = 0.7, .max_excess = 0.01, .smallest_gap = 0.0, .tile = 1.0},
         ExtractorParams{.range = 8.0, .max_excess = 0.5, .smallest_gap = 2.0, .tile = 20.0}})
-    for (unsigned seed = 0; seed < 10; ++seed) {
+    for (unsigned seed = 0; seed < samples(10, 2); ++seed) {
       const auto map = random_world(seed);
       std::mt19937 random{seed};
       const Eigen::Vector2d p_MB = random_point(random, map->grid());
@@ -131,25 +135,25 @@ TEST(Extractor, CoversEveryCellOfBarnWorlds) {
   const auto numbers = barn_world_numbers(barn_file());
   EXPECT_EQ(numbers.size(), 150U);
   EXPECT_EQ(low_barn_world(numbers[0])->grid().cells, barn_world(numbers[0])->grid().cells);
-  for (std::size_t i = 0; i < numbers.size(); i += static_cast<std::size_t>(kFewer)) {
+  for (std::size_t i = 0; i < numbers.size(); i += samples(1, 50)) {
     SCOPED_TRACE(numbers[i]);
-    expect_covered(low_barn_world(numbers[i]), static_cast<int>(number(30, 3)));
+    expect_covered(low_barn_world(numbers[i]), number(30, 3));
   }
 }
 
 TEST(Extractor, LosesFewPosesInBarnWorlds) {
   if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
-  expect_tight(barn_loss_worlds(static_cast<int>(number(1, 30))), 0.9);
+  expect_tight(barn_loss_worlds(static_cast<int>(number(1, samples(30, 150)))));
 }
 
 TEST(Extractor, LosesFewPosesInARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_tight(building_loss_worlds("geb079, Jackal", kJackal, 12), 1.0);
+  expect_tight(building_loss_worlds("geb079, Jackal", kJackal, static_cast<int>(samples(12, 1))));
 }
 
 TEST(Extractor, LosesFewPosesOfALongerRobotInARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_tight(building_loss_worlds("geb079, MiR", kMir, 12), 1.0);
+  expect_tight(building_loss_worlds("geb079, MiR", kMir, static_cast<int>(samples(12, 1))));
 }
 
 TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
@@ -173,8 +177,37 @@ TEST(Extractor, RatherFitsTooManyShapesThanCloseAWay) {
   EXPECT_EQ(extract(map, {2.0, 2.0}, {.range = 10.0, .shapes_per_tile = 1}).size(), 36U);
 }
 
+// The plane of the shapes alone, as a map of half the cells' size.
+StaticMap map_of(const std::vector<Obstacle>& shapes, const Grid& like) {
+  Grid grid{0.5 * like.resolution, like.origin, 2 * like.width, 2 * like.height, {}};
+  grid.cells.resize(4 * like.cells.size());
+  for (int iy = 0; iy < grid.height; ++iy)
+    for (int ix = 0; ix < grid.width; ++ix) {
+      const bool inside = std::any_of(shapes.begin(), shapes.end(), [&](const Obstacle& shape) {
+        return level(shape, grid.center(ix, iy)) <= 1.0;
+      });
+      grid.cells[grid.index(ix, iy)] = inside ? Cell::kOccupied : Cell::kFree;
+    }
+  return StaticMap{std::move(grid)};
+}
+
+// Among so many poles that shapes get coarser a way may get narrower; so wide it stays. In world
+// 115 it would be 0.55 m, if nothing kept it open.
+TEST(Extractor, LeavesTheWayThroughTheMostCrowdedWorldsOpen) {
+  if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
+  for (const auto& [number, wide] : {std::pair{115, 0.58}, {181, 0.50}, {206, 0.50}}) {
+    SCOPED_TRACE(number);
+    const auto map = barn_world(number);
+    const auto shapes = extract(*map, {-2.25, 8.0}, {.range = 20.0});
+    const Places places(map_of(shapes, map->grid()), wide);
+    EXPECT_NE(places.region_at({-2.25, 3.0}), 0);
+    EXPECT_EQ(places.region_at({-2.25, 3.0}), places.region_at({-2.25, 13.0}));
+  }
+}
+
 TEST(Extractor, ReachesNowhereDeepIntoFreeSpace) {
-  for (unsigned seed = 0; seed < number(40, 10); ++seed) expect_no_deep_shape(random_world(seed));
+  for (unsigned seed = 0; seed < number(40, samples(10, 2)); ++seed)
+    expect_no_deep_shape(random_world(seed));
   for (const char* name : {"forest", "corridor", "slalom"})
     expect_no_deep_shape(load_world(project_map(name)));
 }
@@ -182,7 +215,7 @@ TEST(Extractor, ReachesNowhereDeepIntoFreeSpace) {
 TEST(Extractor, ReachesNowhereDeepIntoFreeSpaceOfARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
   std::vector<double> excesses{0.25};
-  if (kFewer == 1) excesses.push_back(0.03);  // many small shapes
+  if (!kInstrumented) excesses.push_back(0.03);  // many small shapes
   expect_no_deep_shape(load_world(building_map()), excesses);
 }
 
@@ -224,7 +257,7 @@ TEST(Extractor, GivesTheSameShapesWhereverTheRobotIs) {
 }
 
 TEST(Extractor, ShapesAreProperEllipsesAtRest) {
-  for (unsigned seed = 0; seed < 20; ++seed) {
+  for (unsigned seed = 0; seed < samples(20, 4); ++seed) {
     const auto map = random_world(seed);
     for (const Obstacle& shape : extract(*map, map->grid().center(40, 30), {.range = 10.0})) {
       EXPECT_TRUE(shape.p_MO.allFinite() && std::isfinite(shape.a) && std::isfinite(shape.angle));

@@ -19,12 +19,6 @@
 
 namespace tandem::test {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr int kFewer = 10;  // instrumented code is that much slower
-#else
-inline constexpr int kFewer = 1;
-#endif
-
 inline std::filesystem::path project_map(const std::string& name) {
   return std::filesystem::path(TANDEM_SOURCE_DIR) / "maps" / (name + ".bt");
 }
