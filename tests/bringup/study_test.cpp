@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "bringup/study_folder.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem {
 namespace {
@@ -231,7 +232,7 @@ TEST(Lockstep, KeepsWorldsWithoutChangingADrive) {
   std::vector<Scenario> scenarios;
   for (const char* name : {"forest_task2.yaml", "corridor.yaml"}) {
     scenarios.push_back(load_scenario(kScenarios + name));
-    scenarios.back().duration = 6.0;
+    scenarios.back().duration = test::kInstrumented ? 2.0 : 6.0;  // [s]
   }
   Lockstep kept;
   for (const unsigned seed : {1U, 2U})

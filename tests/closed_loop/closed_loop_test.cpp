@@ -4,42 +4,56 @@
 // 1-20`.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "bringup/lockstep.hpp"
 #include "map/fixtures.hpp"
 #include "map/static_map.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// Ten times as slow: one drive of each kind, for what the sanitizer sees in it.
-constexpr unsigned kSeeds = 1;
-const auto kOpen = ::testing::Values("forest_task2");
-const auto kNarrow = ::testing::Values("clutter");
-const auto kMethods = ::testing::Values("leader", "path", "blend");
-const auto kDelayed = ::testing::Values("leader");
-#else
-constexpr unsigned kSeeds = 3;
-const auto kOpen = ::testing::Values("forest_task2", "corridor", "slalom");
-const auto kNarrow = ::testing::Values("ward", "clutter", "doorway");
+using test::kInstrumented, test::samples;
+
+constexpr unsigned kSeeds = samples(3, 1);
+constexpr double kWatched = 6.0;  // [s] of a drive are enough for a sanitizer
+
+// A sanitizer sees the same in each.
+auto one_or_all(std::vector<const char*> kinds) {
+  if (kInstrumented) kinds.resize(1);
+  return ::testing::ValuesIn(kinds);
+}
+
+const auto kOpen = one_or_all({"forest_task2", "corridor", "slalom"});
+const auto kNarrow = one_or_all({"clutter", "ward", "doorway"});
 const auto kMethods = ::testing::Values("leader", "intention", "path", "blend");
-const auto kDelayed = kMethods;
-#endif
 
 std::string file(const std::string& name) {
   return std::string(TANDEM_SOURCE_DIR "/bringup/scenarios/") + name + ".yaml";
 }
 
+// The scenario, or the begin of it.
+Scenario scenario_of(const std::string& path) {
+  Scenario scenario = load_scenario(path);
+  if (kInstrumented) scenario.duration = std::min(scenario.duration, kWatched);
+  return scenario;
+}
+
 DriveResult drive(const std::string& path, const std::string& method, unsigned seed,
                   bool enforce = true) {
   const DriveOptions options{.method = method, .seed = seed, .enforce = enforce, .lockstep = true};
-  return drive_in_lockstep(load_scenario(path), options).result;
+  return drive_in_lockstep(scenario_of(path), options).result;
 }
+
+// It has come where it was to go, if it was given the time.
+bool arrived(const DriveResult& result) { return result.reached || kInstrumented; }
 
 double changed_share(const DriveResult& result) {
   return static_cast<double>(result.counts.filter_interventions) /
@@ -52,7 +66,7 @@ TEST_P(Shipped, ReachesItsGoalWithoutContact) {
   const auto [scenario, method] = GetParam();
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const DriveResult result = drive(file(scenario), method, seed);
-    EXPECT_TRUE(result.reached) << "seed " << seed;
+    EXPECT_TRUE(arrived(result)) << "seed " << seed;
     EXPECT_EQ(result.collisions, 0) << "seed " << seed;
     EXPECT_GT(result.min_clearance_m, 0.0) << "seed " << seed;
   }
@@ -74,7 +88,7 @@ class Planned : public ::testing::TestWithParam<std::tuple<const char*, const ch
 TEST_P(Planned, ReachesItsGoalWithoutContact) {
   const auto [scenario, method] = GetParam();
   const DriveResult result = drive(file(scenario), method, 1);
-  EXPECT_TRUE(result.reached);
+  EXPECT_TRUE(arrived(result));
   EXPECT_EQ(result.collisions, 0);
   EXPECT_LT(result.stuck_s, 5.0);
 }
@@ -90,16 +104,16 @@ TEST(Doorway, IsPassedAfterATryInVain) {
   const std::pair<const char*, unsigned> drives[] = {{"path", 34}, {"path", 22}, {"leader", 22}};
   for (const auto& [method, seed] : std::span(drives).first(kSeeds)) {
     const DriveResult result = drive(file("doorway"), method, seed);
-    EXPECT_TRUE(result.reached) << method << ", seed " << seed;
+    EXPECT_TRUE(arrived(result)) << method << ", seed " << seed;
     EXPECT_EQ(result.collisions, 0) << method << ", seed " << seed;
   }
 }
 
 // Two of the six places are on the two sides of one bed-room.
 TEST(Hindsight, BringsAPersonToEachPlaceWithoutContact) {
-  for (unsigned seed = 1; seed <= (kSeeds == 1 ? 1 : 6); ++seed) {
+  for (unsigned seed = 1; seed <= samples(6, 1); ++seed) {
     const DriveResult result = drive(file("ward_goals"), "hindsight", seed);
-    EXPECT_TRUE(result.reached) << "place " << seed;
+    EXPECT_TRUE(arrived(result)) << "place " << seed;
     EXPECT_EQ(result.collisions, 0) << "place " << seed;
   }
 }
@@ -123,30 +137,31 @@ TEST_P(Delayed, ForestIsDrivenAsCalmlyAsWithoutTheDelay) {
   int quick_turns = 0, slow_turns = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const DriveOptions options{.method = GetParam(), .seed = seed, .lockstep = true};
-    const DriveLog quick = drive_in_lockstep(load_scenario(file("forest_task2")), options);
-    const DriveLog slow = drive_in_lockstep(load_scenario(file("forest_delay")), options);
-    EXPECT_TRUE(slow.result.reached);
+    const DriveLog quick = drive_in_lockstep(scenario_of(file("forest_task2")), options);
+    const DriveLog slow = drive_in_lockstep(scenario_of(file("forest_delay")), options);
+    EXPECT_TRUE(arrived(slow.result));
     EXPECT_EQ(slow.result.collisions, 0);
     quick_way += quick.result.path_length_m;
     slow_way += slow.result.path_length_m;
     quick_turns += turns_back(quick);
     slow_turns += turns_back(slow);
   }
+  if (kInstrumented) return;
   EXPECT_LT(slow_way, 1.1 * quick_way);
   EXPECT_LE(slow_turns, quick_turns + 6 * static_cast<int>(kSeeds));
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, Delayed, kDelayed,
+INSTANTIATE_TEST_SUITE_P(Methods, Delayed, one_or_all({"leader", "intention", "path", "blend"}),
                          [](const auto& test) { return std::string(test.param); });
 
 // Motors of 0.4 s: told of them, the planner gives the filter less to do and is there sooner.
 TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
   double told_time = 0.0, untold_time = 0.0, told_changes = 0.0, untold_changes = 0.0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    Scenario scenario = load_scenario(file("forest_lag"));
+    Scenario scenario = scenario_of(file("forest_lag"));
     const DriveOptions options{.method = "leader", .seed = seed, .lockstep = true};
     const DriveResult told = drive_in_lockstep(scenario, options).result;
-    EXPECT_TRUE(told.reached);
+    EXPECT_TRUE(arrived(told));
     EXPECT_EQ(told.collisions, 0);
     for (const char* lag : {"lag_v", "lag_w"})
       scenario.parameters["local_planner"][lag] = {"0.0", "this test"};
@@ -156,6 +171,7 @@ TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
     told_changes += changed_share(told);
     untold_changes += changed_share(untold);
   }
+  if (kInstrumented) return;
   EXPECT_LT(told_time, untold_time);
   EXPECT_LT(told_changes, 0.7 * untold_changes);
 }
@@ -168,10 +184,10 @@ TEST(Barn, WorldsArePassedWithoutContact) {
   const std::string path = TANDEM_SOURCE_DIR "/tests/closed_loop/barn.yaml";
   for (const unsigned seed : {20U, 70U, 110U, 150U}) {
     const DriveOptions options{.method = "leader", .seed = seed, .map = worlds, .lockstep = true};
-    const DriveResult result = drive_in_lockstep(load_scenario(path), options).result;
-    EXPECT_TRUE(result.reached) << result.map;
+    const DriveResult result = drive_in_lockstep(scenario_of(path), options).result;
+    EXPECT_TRUE(arrived(result)) << result.map;
     EXPECT_EQ(result.collisions, 0) << result.map;
-    if (kSeeds == 1) break;
+    if (kInstrumented) break;
   }
 }
 
@@ -185,13 +201,13 @@ TEST_P(Forbidden, RegionsAreNeverEntered) {
   const StaticMap region{with_forbidden(empty, fixtures)};
   const Footprint mir = rectangle(0.89, 0.58, 0.038);
   const DriveOptions options{.method = GetParam(), .seed = 1, .lockstep = true};
-  const DriveLog log = drive_in_lockstep(load_scenario(folder + "forest_forbidden.yaml"), options);
-  EXPECT_TRUE(log.result.reached);
+  const DriveLog log = drive_in_lockstep(scenario_of(folder + "forest_forbidden.yaml"), options);
+  EXPECT_TRUE(arrived(log.result));
   double nearest = 1.0;
   for (const DriveSample& sample : log.track)
     nearest = std::min(nearest, region.clearance(mir, sample.X_MB, 1.0));
   EXPECT_GT(nearest, 0.0);
-  EXPECT_LT(nearest, 0.5) << "the way leads past it, else this proves nothing";
+  EXPECT_TRUE(nearest < 0.5 || kInstrumented) << "the way leads past it, else this proves nothing";
 }
 
 // Nothing but the laser scanner tells what stands there.
@@ -200,7 +216,7 @@ class WithoutAMap : public ::testing::TestWithParam<const char*> {};
 TEST_P(WithoutAMap, ReachesItsGoalWithoutContact) {
   const DriveResult result =
       drive(TANDEM_SOURCE_DIR "/tests/closed_loop/forest_unknown.yaml", GetParam(), 1);
-  EXPECT_TRUE(result.reached);
+  EXPECT_TRUE(arrived(result));
   EXPECT_EQ(result.collisions, 0);
 }
 
@@ -216,7 +232,7 @@ class AmongPeople : public ::testing::TestWithParam<const char*> {};
 // They walk through whatever is there: into the robot, too, but only while it stands.
 TEST_P(AmongPeople, ReachesItsGoalAndTouchesNobody) {
   const DriveResult result = drive(file("crossing"), GetParam(), 1);
-  EXPECT_TRUE(result.reached);
+  EXPECT_TRUE(arrived(result));
   EXPECT_EQ(result.collisions, 0);
 }
 
@@ -225,9 +241,9 @@ INSTANTIATE_TEST_SUITE_P(Methods, AmongPeople, ::testing::Values("safety_filter"
 
 TEST(ForestTask1, LeaderDrivesTwoMinutesWithoutContact) {
   const DriveResult result = drive(file("forest_task1"), "leader", 1);
-  EXPECT_TRUE(result.reached);
+  EXPECT_TRUE(arrived(result));
   EXPECT_EQ(result.collisions, 0);
-  EXPECT_GE(result.path_length_m, 30.0);
+  EXPECT_GE(result.path_length_m, kInstrumented ? 2.0 : 30.0);
 }
 
 class Manual : public ::testing::TestWithParam<const char*> {};
@@ -236,7 +252,11 @@ class Manual : public ::testing::TestWithParam<const char*> {};
 TEST_P(Manual, CollidesInSomeOfTwentySeeds) {
   int collided = 0;
   for (unsigned seed = 1; seed <= 20 && collided == 0; ++seed)
-    collided += drive(file(GetParam()), "manual", seed).collisions > 0 ? 1 : 0;
+    collided += drive_in_lockstep(load_scenario(file(GetParam())),
+                                  {.method = "manual", .seed = seed, .lockstep = true})
+                            .result.collisions > 0
+                    ? 1
+                    : 0;
   EXPECT_GT(collided, 0);
 }
 
@@ -258,7 +278,7 @@ TEST(Tables, SteadyStateErrorsComeOutBesideTheThesis) {
     std::printf("%s: steady-state error %.4f m (thesis %.4f m), path %.2f m\n", name,
                 result.final_position_error_m, thesis, result.path_length_m);
     EXPECT_EQ(result.collisions, 0) << name;
-    EXPECT_LT(result.final_position_error_m, 0.25) << name;
+    EXPECT_TRUE(result.final_position_error_m < 0.25 || kInstrumented) << name;
   }
 }
 
@@ -270,8 +290,8 @@ TEST_P(RealBuilding, JackalReachesItsGoalWithoutContact) {
   const std::string path =
       TANDEM_SOURCE_DIR "/tests/closed_loop/" + std::string(GetParam()) + ".yaml";
   const DriveOptions options{.method = "leader", .seed = 1, .map = map, .lockstep = true};
-  const DriveResult result = drive_in_lockstep(load_scenario(path), options).result;
-  EXPECT_TRUE(result.reached);
+  const DriveResult result = drive_in_lockstep(scenario_of(path), options).result;
+  EXPECT_TRUE(arrived(result));
   EXPECT_EQ(result.collisions, 0);
 }
 

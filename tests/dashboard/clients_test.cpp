@@ -12,6 +12,7 @@
 
 #include "runtime/node.hpp"
 #include "support/child_process.hpp"
+#include "support/instrumented.hpp"
 #include "support/private_domain.hpp"
 #include "topics.hpp"
 
@@ -21,12 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kTimeout = 500.0;  // [s] under a sanitizer
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-
 const fs::path kPeers = TANDEM_PEERS_DIR, kPython = kPeers / "python" / "bin" / "python";
 const std::string kTandem = TANDEM_BINARY_DIR "/tandem";
 const std::string kSystems = TANDEM_SOURCE_DIR "/bringup/systems";
@@ -42,13 +37,13 @@ std::vector<std::string> client_arguments(const std::string& check) {
 class Soak : public testing::Environment {
  public:
   void SetUp() override {
-    if (kSanitized)
+    if (kInstrumented)
       setenv("TANDEM_SANITIZED", "1", 1);  // whose memory grows for its own reasons
     else
       begin();
   }
   void TearDown() override {
-    if (kSanitized) begin();
+    if (kInstrumented) begin();
     if (!clients_) return;
     EXPECT_EQ(clients_->wait(kTimeout), 0) << "five clients for a while";
   }

@@ -11,19 +11,23 @@
 
 #include "local_planner/requests.hpp"
 #include "model/diff_drive.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // forty times as slow: what only compares is left out
-#else
-constexpr bool kSanitized = false;
-#endif
-
 const Plant kAtStart{.X_MB = {-4, -4, 0}, .twist = {}, .delay = 0.02, .lag = 0.05};
 
+constexpr double kWatched = 5.0;  // [s] of a drive are enough for a sanitizer
+
 NmpcParams lockstep() { return unlimited(); }
+
+// The drive, or the begin of it.
+Drive drive(const NmpcParams& params, const Plant& plant, const std::vector<Obstacle>& obstacles,
+            double seconds, const Person& person) {
+  const double watched = kInstrumented ? std::min(seconds, kWatched) : seconds;
+  return drive(params, RobotParams{}, plant, obstacles, watched, person);
+}
 
 Person to_goal(const Pose2& X_MG) {
   return [=](double, const Plant&, PlanRequest& request) {
@@ -62,7 +66,7 @@ TEST_P(ThesisTables, SteadyErrorIsTheThesissOrBetterWithATerminalCost) {
   params.terminal_weight = table.terminal_weight;
   const auto obstacles = table.poles ? forest(false) : std::vector<Obstacle>{};
   const Drive result =
-      drive(params, RobotParams{}, {{-4, -4, 0}, {}}, obstacles, 30.0, to_goal({4, 4, 0}));
+      test::drive(params, RobotParams{}, {{-4, -4, 0}, {}}, obstacles, 30.0, to_goal({4, 4, 0}));
   const double theta = result.path.back().theta, d = distance(result, 4, 4);
   const double error = std::hypot(d, theta);
   std::printf("%s: steady error %.4f (distance %.4f m, heading %.4f rad)\n", table.title, error, d,
@@ -82,10 +86,10 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& table) { return std::string("Case") + std::to_string(table.index); });
 
 TEST(Drive, GoalThroughTheForestIsReachedWithoutContact) {
-  const Drive result =
-      drive(lockstep(), RobotParams{}, kAtStart, forest(true), 30.0, to_goal({4.0, 2.5, 0.0}));
+  const Drive result = drive(lockstep(), kAtStart, forest(true), 30.0, to_goal({4.0, 2.5, 0.0}));
   EXPECT_EQ(result.contacts, 0);
   EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
+  if (kInstrumented) return;
   EXPECT_LT(distance(result, 4.0, 2.5), 0.1);
 }
 
@@ -93,18 +97,19 @@ TEST(Drive, LeaderThroughTheForestIsFollowedWithoutContact) {
   const std::vector<Eigen::Vector2d> way{{-3, -3.4},  {-2.6, -2.9}, {0, -2.2},
                                          {2.2, -1.8}, {2.2, 0.5},   {4, 2.5}};
   const Drive result =
-      drive(lockstep(), RobotParams{}, kAtStart, forest(true), 30.0, leader_along(way, 0.72, 1.2));
+      drive(lockstep(), kAtStart, forest(true), 30.0, leader_along(way, 0.72, 1.2));
   EXPECT_EQ(result.contacts, 0);
   EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
-  EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
   EXPECT_LE(result.worst_rate, 0.05 + 1e-9);  // acceleration limits hold between all commands
+  if (kInstrumented) return;
+  EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
 }
 
 // People who do not see the obstacles: every method, random wishes.
 TEST(Drive, BlindPeopleInTheForestNeverTouchAndSeldomNeedAFallback) {
   int cycles = 0, fallbacks = 0;
   for (const Method method : {Method::kLeader, Method::kIntention, Method::kGoal})
-    for (unsigned seed = 1; seed <= (kSanitized ? 1U : 2U); ++seed) {
+    for (unsigned seed = 1; seed <= samples(2, 1); ++seed) {
       std::mt19937 random(seed);
       std::uniform_real_distribution<double> place(-4.5, 4.5);
       double change = 0.0;
@@ -119,7 +124,7 @@ TEST(Drive, BlindPeopleInTheForestNeverTouchAndSeldomNeedAFallback) {
                                                  : Pose2{p_MT.x(), p_MT.y(), 0.0};
         request.user = {0.64, std::clamp(1.5 * wrap_angle(heading - plant.X_MB.theta), -0.8, 0.8)};
       };
-      const Drive result = drive(lockstep(), RobotParams{}, kAtStart, forest(true), 15.0, person);
+      const Drive result = drive(lockstep(), kAtStart, forest(true), 15.0, person);
       EXPECT_EQ(result.contacts, 0) << name(method) << " seed " << seed;
       cycles += static_cast<int>(result.plans.size());
       fallbacks += result.fallbacks;
@@ -129,9 +134,9 @@ TEST(Drive, BlindPeopleInTheForestNeverTouchAndSeldomNeedAFallback) {
 
 TEST(Drive, PersonWhoHeadsStraightForAPoleIsLedAroundIt) {
   const std::vector<Obstacle> pole{{1, {2.0, 0.0}, 0.225, 0.225, 0.0, {0, 0}}};
-  const Drive result =
-      drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, pole, 12.0, twist(0.6, 0.0));
+  const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, pole, 12.0, twist(0.6, 0.0));
   EXPECT_EQ(result.contacts, 0);
+  if (kInstrumented) return;
   EXPECT_GT(result.path.back().x, 4.0);
 }
 
@@ -144,18 +149,18 @@ TEST(Drive, LeaderBehindAWallOfPolesIsReachedByALocalDetour) {
     const Eigen::Vector2d p = plant.X_MB.position() + to * std::min(1.0, 1.2 / to.norm());
     request.X_MG = {p.x(), p.y(), 0.0};
   };
-  const Drive result =
-      drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, poles, 30.0, leader);
+  const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, poles, 30.0, leader);
   EXPECT_EQ(result.contacts, 0);
+  if (kInstrumented) return;
   EXPECT_LT(distance(result, 5.0, 0.0), 0.2);
 }
 
 TEST(Drive, WallWithoutAWayRoundIsWaitedAtCalmly) {
   const std::vector<Obstacle> wall{{1, {2, 0}, 4.0, 0.1, std::numbers::pi / 2, {0, 0}}};
   for (const double v : {0.6, 0.8}) {
-    const Drive result =
-        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, wall, 12.0, twist(v, 0.0));
+    const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, wall, 12.0, twist(v, 0.0));
     EXPECT_EQ(result.contacts, 0);
+    if (kInstrumented) continue;
     EXPECT_GT(result.path.back().x, 0.8);
     EXPECT_LT(std::abs(result.plans.back().command.v), 0.05);
   }
@@ -168,9 +173,9 @@ TEST(Drive, LeaderBehindAWallWithoutAWayRoundIsWaitedForCalmly) {
       request.method = method;
       request.X_MG = {std::min(0.5 * t, 3.0), 0.3, 0.0};
     };
-    const Drive result =
-        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, wall, 16.0, leader);
+    const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, wall, 16.0, leader);
     EXPECT_EQ(result.contacts, 0);
+    if (kInstrumented) continue;
     EXPECT_GT(result.path.back().x, 0.8);
     double way = 0.0;
     for (std::size_t i = result.path.size() - 80; i < result.path.size(); ++i)
@@ -185,10 +190,9 @@ TEST(Drive, CorridorAHandsBreadthWiderThanTheRobotIsPassed) {
     walls.push_back(
         {static_cast<std::uint32_t>(side + 2), {3.0, 0.48 * side}, 3.0, 0.1, 0.0, {0, 0}});
   for (const Person& person : {twist(0.6, 0.0), to_goal({6.0, 0.0, 0.0})}) {
-    const Drive result =
-        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, walls, 20.0, person);
+    const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, walls, 20.0, person);
     EXPECT_EQ(result.contacts, 0);
-    EXPECT_GT(result.path.back().x, 5.5);
+    EXPECT_TRUE(result.path.back().x > 5.5 || kInstrumented);
   }
 }
 
@@ -224,7 +228,7 @@ TEST(Intention, WithoutObstaclesThePersonDrivesThemselves) {
       request.user = wanted;
       asked.push_back(wanted);
     };
-    const Drive result = drive(lockstep(), RobotParams{}, kAtStart, {}, 15.0, person);
+    const Drive result = drive(lockstep(), kAtStart, {}, 15.0, person);
     EXPECT_GE(agreement(result, asked), 0.99) << "seed " << seed;
   }
 }
@@ -232,10 +236,11 @@ TEST(Intention, WithoutObstaclesThePersonDrivesThemselves) {
 TEST(Intention, GivesWayToAPoleSmoothlyAndComesBack) {
   const std::vector<Obstacle> beside{{1, {3.0, 0.35}, 0.225, 0.225, 0.0, {0, 0}}};
   const Plant plant{{0, 0, 0}, {}, 0.02, 0.05};
-  const Drive result = drive(lockstep(), RobotParams{}, plant, beside, 10.0, twist(0.6, 0.0));
+  const Drive result = drive(lockstep(), plant, beside, 10.0, twist(0.6, 0.0));
   EXPECT_EQ(result.contacts, 0);
   EXPECT_EQ(result.fallbacks, 0);
   EXPECT_LE(result.worst_rate, 0.05 + 1e-9);
+  if (kInstrumented) return;
   EXPECT_GT(result.path.back().x, 5.0);
   double aside = 0.0;
   int reversals = 0;  // of the turn, beyond a twentieth of the fastest
@@ -264,11 +269,11 @@ TEST(Drive, GapThatACircleCannotPassIsPassedByTheOutline) {
   NmpcParams circle = lockstep();
   circle.disc_radius = 0.45;
   for (const Person& person : {twist(0.6, 0.0), to_goal({5.0, 0.0, 0.0})}) {
-    const Drive stuck = drive(circle, RobotParams{}, plant, poles, 15.0, person);
+    const Drive stuck = drive(circle, plant, poles, 15.0, person);
     EXPECT_LT(stuck.path.back().x, 2.5);
-    const Drive result = drive(lockstep(), RobotParams{}, plant, poles, 15.0, person);
+    const Drive result = drive(lockstep(), plant, poles, 15.0, person);
     EXPECT_EQ(result.contacts, 0);
-    EXPECT_GT(result.path.back().x, 3.5);
+    EXPECT_TRUE(result.path.back().x > 3.5 || kInstrumented);
   }
 }
 
@@ -284,8 +289,8 @@ TEST(Drive, TrailOfTheLeaderIsFollowed) {
     const double r = std::hypot(plant.X_MB.x, plant.X_MB.y - 1.5);
     if (plant.X_MB.y < 1.5) error = std::max(error, std::abs(r - 1.5));
   };
-  const Drive result =
-      drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, {}, 16.0, person);
+  const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, {}, 16.0, person);
+  if (kInstrumented) return;
   EXPECT_LT(error, 0.15);
   EXPECT_LT(distance(result, 1.5, 1.5 + 5.0 - 1.5 * std::numbers::pi / 2), 0.15);
 }
@@ -295,9 +300,8 @@ TEST(Drive, LeaderBehindAndBesideIsReached) {
     const auto leader = [&](double, const Plant&, PlanRequest& request) {
       request.X_MG = {p.x(), p.y(), 0.0};
     };
-    const Drive result =
-        drive(lockstep(), RobotParams{}, {{0, 0, 0}, {}, 0.02, 0.05}, {}, 20.0, leader);
-    EXPECT_LT(distance(result, p.x(), p.y()), 0.2);
+    const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, {}, 20.0, leader);
+    EXPECT_TRUE(distance(result, p.x(), p.y()) < 0.2 || kInstrumented);
   }
 }
 
@@ -306,7 +310,7 @@ double beside_lane(double strength, double seconds, double turn) {
   static const std::vector<Eigen::Vector2d> along{{-10.0, 0.0}, {20.0, 0.0}};
   const std::vector<GuidanceLine> lane{{"lane", along, 0.8, strength}};
   const Person ahead = twist(0.5, turn);
-  const Drive result = drive(lockstep(), RobotParams{}, {{0.0, 0.3, 0.0}, {}}, {}, seconds,
+  const Drive result = drive(lockstep(), {{0.0, 0.3, 0.0}, {}}, {}, seconds,
                              [&](double t, const Plant& plant, PlanRequest& request) {
                                ahead(t, plant, request);
                                request.guidance = lane;
@@ -316,10 +320,13 @@ double beside_lane(double strength, double seconds, double turn) {
 
 TEST(GuidanceLines, DrawAPersonInWhoComesNear) {
   EXPECT_NEAR(beside_lane(0.0, 10.0, 0.0), 0.3, 1e-6);
-  EXPECT_LT(std::abs(beside_lane(0.5, 10.0, 0.0)), 0.1);
+  const double drawn = std::abs(beside_lane(0.5, 10.0, 0.0));
+  EXPECT_LT(drawn, kInstrumented ? 0.3 : 0.1);
 }
 
-TEST(GuidanceLines, HoldNobodyWhoTurnsOff) { EXPECT_GT(beside_lane(0.5, 6.0, 0.4), 1.0); }
+TEST(GuidanceLines, HoldNobodyWhoTurnsOff) {
+  EXPECT_GT(beside_lane(0.5, 6.0, 0.4), kInstrumented ? 0.5 : 1.0);
+}
 
 // Mean distance of the robot from where each plan saw it half a second later [m].
 double surprise(const Drive& drive, const NmpcParams& params) {
@@ -344,8 +351,7 @@ TEST(MotorLag, ToldToThePlannerIsForeseen) {
   told.delay = untold.delay = 0.02;
   delayed.delay = slow.delay + slow.lag;
   const auto driven = [&](const NmpcParams& params) {
-    const Drive result =
-        drive(params, RobotParams{}, slow, forest(true), 30.0, leader_along(way, 0.72, 1.2));
+    const Drive result = drive(params, slow, forest(true), 30.0, leader_along(way, 0.72, 1.2));
     std::printf("lag %.1f s, delay %.2f s: off by %.3f m, %d contacts, %d fallbacks\n",
                 params.lag_v, params.delay, surprise(result, params), result.contacts,
                 result.fallbacks);
@@ -354,9 +360,9 @@ TEST(MotorLag, ToldToThePlannerIsForeseen) {
   const Drive result = driven(told);
   EXPECT_EQ(result.contacts, 0);
   EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.01);
-  EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
   EXPECT_LE(result.worst_rate, 0.05 + 1e-9);
-  if (kSanitized) return;
+  if (kInstrumented) return;
+  EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
   const Drive unaware = driven(untold);
   EXPECT_GT(unaware.contacts, 0) << "the lag matters, else this proves nothing";
   EXPECT_LT(surprise(result, told), 0.5 * surprise(unaware, untold));
@@ -367,11 +373,11 @@ TEST(MeasuredDelay, IsWhatTheLoopHas) {
   NmpcParams params = lockstep();
   params.measure_delay = true;
   const Plant slow{.X_MB = {-4, -4, 0}, .twist = {}, .delay = 0.25, .lag = 0.05};
-  const Drive result = drive(params, RobotParams{}, slow, {}, 20.0,
-                             [](double t, const Plant&, PlanRequest& request) {
-                               request.method = Method::kIntention;
-                               request.user = {0.4 + 0.3 * std::sin(t), 0.6 * std::sin(1.7 * t)};
-                             });
+  const auto person = [](double t, const Plant&, PlanRequest& request) {
+    request.method = Method::kIntention;
+    request.user = {0.4 + 0.3 * std::sin(t), 0.6 * std::sin(1.7 * t)};
+  };
+  const Drive result = test::drive(params, RobotParams{}, slow, {}, 20.0, person);
   const double last = params.control_period * static_cast<double>(result.plans.size() - 1);
   EXPECT_NEAR(result.plans.back().t0 - last, 0.30, 0.03);
 }

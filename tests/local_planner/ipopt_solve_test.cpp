@@ -10,15 +10,10 @@
 #include "local_planner/optimality.hpp"
 #include "local_planner/planning_cases.hpp"
 #include "local_planner/structured_solve.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr unsigned kFewer = 4;  // instrumented code is that much slower
-#else
-constexpr unsigned kFewer = 1;
-#endif
 
 // The four begins of a case. Warm ones follow from a cold solution.
 std::vector<StartingPoint> begins(unsigned seed) {
@@ -43,7 +38,7 @@ class IpoptSolve : public testing::Test {
 // Pivoting changes nothing: iteration by iteration the two go the same way.
 TEST_F(IpoptSolve, BothLinearSolversGoTheSameWay) {
   int same = 0, all = 0;
-  for (unsigned seed = 30000; seed < 30000 + 40 / kFewer; ++seed)
+  for (unsigned seed = 30000; seed < 30000 + samples(40, 5); ++seed)
     for (const StartingPoint& start : begins(seed)) {
       const SolveLimits limits{.iterations = 40};
       const Solution ours = ipopt_solve(start.ocp, start.guess, limits, LinearSolver::kStages);
@@ -64,7 +59,7 @@ TEST_F(IpoptSolve, BothLinearSolversGoTheSameWay) {
 TEST_F(IpoptSolve, ConvergesFromAnywhereInFewIterations) {
   std::vector<int> iterations;
   int converged = 0;
-  for (unsigned seed = 31000; seed < 31000 + 150 / kFewer; ++seed)
+  for (unsigned seed = 31000; seed < 31000 + samples(150, 20); ++seed)
     for (const StartingPoint& start : begins(seed)) {
       const Solution end = ipopt_solve(start.ocp, start.guess, {.iterations = 150});
       iterations.push_back(end.iterations);

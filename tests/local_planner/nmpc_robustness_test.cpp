@@ -10,6 +10,7 @@
 
 #include "local_planner/nmpc.hpp"
 #include "local_planner/requests.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
@@ -133,11 +134,8 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double kOverrun = 0.200;  // an instrumented check takes longer than its reserve
-#else
-constexpr double kOverrun = 0.001;
-#endif
+// An instrumented check takes longer than its reserve.
+constexpr double kOverrun = test::kInstrumented ? 0.200 : 0.001;  // [s]
 
 // Counted in processor time, which on an idle machine is the wall clock's: what the machine takes
 // away between two looks at the clock is not the planner's to keep.

@@ -15,17 +15,12 @@
 #include "local_planner/ipopt_solve.hpp"
 #include "local_planner/optimality.hpp"
 #include "local_planner/planning_cases.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
 
 constexpr double kTolerance = 1e-4;  // of both solvers
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr unsigned kFewer = 10;  // instrumented code is that much slower
-#else
-constexpr unsigned kFewer = 1;
-#endif
-
 // Runs `visit(begin, start)` for the four begins of a case. Warm ones follow from a cold solution.
 template <class Visit>
 void for_each_begin(unsigned seed, Visit&& visit) {
@@ -69,7 +64,7 @@ TEST(StructuredSolver, EndsInAnOptimumFromWarmColdAndInfeasibleStarts) {
   StructuredSolver solver;
   std::array<std::vector<int>, 4> iterations;
   int optimal = 0, solves = 0;
-  for (unsigned seed = 0; seed < 2500 / kFewer; ++seed)
+  for (unsigned seed = 0; seed < samples(2500, 80); ++seed)
     for_each_begin(seed, [&](Begin begin, const StartingPoint& start) {
       const Solution& solution = solver.solve(start.ocp, start.guess, {.iterations = 300});
       iterations[static_cast<std::size_t>(begin)].push_back(solution.iterations);
@@ -124,7 +119,7 @@ bool confirm_each_other(const Ocp& ocp, const Solution& ours, const Solution& th
 TEST(StructuredSolver, AgreesWithIpopt) {
   StructuredSolver solver;
   int agree = 0, better = 0, worse = 0, asked_again = 0, unjudged = 0, unexplained = 0, missed = 0;
-  for (unsigned seed = 10000; seed < 10000 + 2500 / kFewer; ++seed)
+  for (unsigned seed = 10000; seed < 10000 + samples(2500, 80); ++seed)
     for_each_begin(seed, [&](Begin begin, const StartingPoint& start) {
       const Ocp& ocp = start.ocp;
       Solution ours = solver.solve(ocp, start.guess, {.iterations = 300});
@@ -171,7 +166,7 @@ TEST(StructuredSolver, EndsInAnOptimumWherePositionsAreWeighedInATurnedFrame) {
   StructuredSolver solver;
   Random random{std::mt19937(17)};
   int iterations = 0;
-  for (unsigned seed = 0; seed < 300 / kFewer; ++seed) {
+  for (unsigned seed = 0; seed < samples(300, 20); ++seed) {
     StartingPoint start = first_problem(random_case(seed), false);
     for (Stage& stage : start.ocp.stages) {
       const double turn = random(-3, 3), along = random(0, 2), across = random(20, 60);
@@ -184,12 +179,12 @@ TEST(StructuredSolver, EndsInAnOptimumWherePositionsAreWeighedInATurnedFrame) {
     EXPECT_TRUE(is_optimal(start.ocp, solution)) << seed;
     iterations += solution.iterations;
   }
-  EXPECT_LE(iterations, 20 * 300 / static_cast<int>(kFewer));  // Newton, with the exact Hessian
+  EXPECT_LE(iterations, 20 * static_cast<int>(samples(300, 20)));  // Newton, with the exact Hessian
 }
 
 TEST(StructuredSolver, EqualCallsGiveEqualResultsBitForBit) {
   StructuredSolver used;
-  for (unsigned seed = 0; seed < 50; ++seed)
+  for (unsigned seed = 0; seed < samples(50, 10); ++seed)
     for_each_begin(seed, [&](Begin, const StartingPoint& start) {
       StructuredSolver fresh;
       const Solution& a = used.solve(start.ocp, start.guess, {});
@@ -298,7 +293,7 @@ TEST(StructuredSolver, TakesDenormalsForZeros) {
   StructuredSolver solver;
   constexpr double kTiny = 1e-310;
   static_assert(kTiny > 0.0 && kTiny < std::numeric_limits<double>::min());
-  for (unsigned seed = 0; seed < 300 / kFewer; ++seed) {
+  for (unsigned seed = 0; seed < samples(300, 20); ++seed) {
     const StartingPoint zeros = full_of_zeros(seed);
     const Solution expected = solver.solve(zeros.ocp, zeros.guess, {.iterations = 300});
     ASSERT_EQ(expected.status, SolveStatus::kConverged) << seed;
@@ -329,7 +324,7 @@ TEST(StructuredSolver, ComesToNoDenormalByItself) {
   ASSERT_EQ(denormals_of([&] { tiny = 3.0 * tiny; }) & kDenormal, kDenormal) << "is not seen";
   StructuredSolver solver;
   int solves = 0, denormal = 0;
-  for (unsigned seed = 0; seed < 1000 / kFewer; ++seed)
+  for (unsigned seed = 0; seed < samples(1000, 50); ++seed)
     for_each_begin(seed, [&](Begin, const StartingPoint& start) {
       const auto solve = [&] { (void)solver.solve(start.ocp, start.guess, {.iterations = 300}); };
       denormal += denormals_of(solve) != 0 ? 1 : 0;
@@ -342,7 +337,7 @@ TEST(StructuredSolver, ComesToNoDenormalByItself) {
 
 TEST(StructuredSolver, TakesDenormalMultipliersForZeros) {
   StructuredSolver solver;
-  for (unsigned seed = 0; seed < 300 / kFewer; ++seed) {
+  for (unsigned seed = 0; seed < samples(300, 20); ++seed) {
     const StartingPoint start = first_problem(random_case(seed), false);
     const Iterate end = solver.solve(start.ocp, start.guess, {.iterations = 300}).point;
     const auto from = [&](double multiplier) {

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "support/instrumented.hpp"
+
 namespace tandem {
 namespace {
 
@@ -54,7 +56,7 @@ double distance_by_force(const StaticMap& map, const Eigen::Vector2d& p_MQ) {
 
 TEST(StaticMap, DistanceIsALowerBoundWithinADiagonalOfTheTruth) {
   std::mt19937 random{1};
-  for (int trial = 0; trial < 200; ++trial) {
+  for (unsigned trial = 0; trial < test::samples(200, 50); ++trial) {
     const StaticMap map(random_grid(random), trial % 2 == 0);
     for (int i = 0; i < 100; ++i) {
       const Eigen::Vector2d p_MQ = random_point(random, map.grid(), 0.0);
@@ -74,7 +76,7 @@ TEST(StaticMap, DistanceIsALowerBoundWithinADiagonalOfTheTruth) {
 
 TEST(StaticMap, DistanceIsALowerBoundOutsideOfTheGridToo) {
   std::mt19937 random{2};
-  for (int trial = 0; trial < 200; ++trial) {
+  for (unsigned trial = 0; trial < test::samples(200, 50); ++trial) {
     const StaticMap map(random_grid(random), false);
     for (int i = 0; i < 50; ++i) {
       const Eigen::Vector2d p_MQ = random_point(random, map.grid(), 3.0);
@@ -117,7 +119,7 @@ TEST(StaticMap, ClearanceEqualsTheLeastDistanceToAnySquare) {
 
 TEST(StaticMap, CellsNearAreThoseWhoseSquareIsWithinTheRadius) {
   std::mt19937 random{4};
-  for (int trial = 0; trial < 200; ++trial) {
+  for (unsigned trial = 0; trial < test::samples(200, 50); ++trial) {
     const StaticMap map(random_grid(random), trial % 2 == 0);
     const Eigen::Vector2d p_MQ = random_point(random, map.grid(), 0.5);
     std::size_t expected = 0;

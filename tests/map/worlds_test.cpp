@@ -10,6 +10,7 @@
 #include "map/octomap_file.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem {
 namespace {
@@ -90,14 +91,14 @@ TEST(BarnWorld, AllOfTheFileCanBePassed) {
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
   const auto numbers = barn_world_numbers(file);
   ASSERT_EQ(numbers.size(), 150);
-  for (std::size_t i = 0; i < numbers.size(); i += 15)
+  for (std::size_t i = 0; i < numbers.size(); i += test::samples(15, 50))
     EXPECT_TRUE(
         plane(load_barn_world(file, numbers[i])).can_pass({-2.25, 3.0}, {-2.25, 13.0}, 0.17))
         << "world " << numbers[i];
 }
 
 TEST(ClutterWorld, CanBePassedByWhoeverItIsMadeFor) {
-  for (unsigned seed = 0; seed < 10; ++seed)
+  for (unsigned seed = 0; seed < test::samples(10, 2); ++seed)
     for (const double width : {0.5, 0.8}) {
       const StaticMap map = plane(clutter_world(seed, {.width = width}));
       EXPECT_TRUE(map.can_pass(kClutterStart, kClutterGoal, 0.5 * width)) << seed;

@@ -13,15 +13,12 @@
 #include <vector>
 
 #include "adversary.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr unsigned kScenes = 10;
-#else
-constexpr unsigned kScenes = 200;
-#endif
+constexpr unsigned kScenes = samples(200, 10);
 constexpr double kPeriod = 0.05;                       // [s]
 constexpr double kBetweenChecks = 0.004;               // [m] half of kCheckSpacing
 constexpr double kLeast = kBetweenChecks, kFar = 1.0;  // [m] of clearance: at the start, told apart

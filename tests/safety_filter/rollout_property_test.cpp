@@ -6,16 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include "support/instrumented.hpp"
+
 namespace tandem::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr long kSteps = 50'000;
-constexpr unsigned kPeopleScenes = 20;
-#else
-constexpr long kSteps = 1'000'000;
-constexpr unsigned kPeopleScenes = 400;
-#endif
+constexpr long kSteps = samples(1'000'000, 20'000);
+constexpr unsigned kPeopleScenes = samples(400, 20);
 
 TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
   Tally tally;
@@ -25,7 +22,7 @@ TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
   EXPECT_EQ(tally.unfinished, 0);
   EXPECT_GT(tally.travel / static_cast<double>(tally.rollouts), 0.02);  // [m] it did not just stop
   EXPECT_LT(tally.min_clearance, 0.03);  // [m] … and it was tried hard
-  if (kSteps < 1'000'000) std::printf("shortened: a sanitizer watches\n");
+  if (kInstrumented) std::printf("shortened: a sanitizer watches\n");
   std::printf("%ld steps, %ld rollouts, %.0f m, smallest clearance %.4f m\n", tally.steps,
               tally.rollouts, tally.travel, tally.min_clearance);
 }

@@ -9,15 +9,12 @@
 #include <limits>
 
 #include "safety_filter/scenes.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // ten times slower
-constexpr unsigned kWorlds = 20, kDrives = 3;
-#else
-constexpr unsigned kWorlds = 100, kDrives = 15;
-#endif
+constexpr unsigned kWorlds = samples(100, 10), kDrives = samples(15, 2);
 
 const RobotParams kMir{};
 constexpr double kBumper = 0.038 + 0.445;  // [m] ahead of base_link

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "support/instrumented.hpp"
+
 namespace tandem::test {
 
 /// Simulated per real time. Instrumented code takes several times as long: in slow motion the same
 /// bounds of simulated time can be asked of it, on two cores that others want too.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr double kSpeed = 0.5;
-#else
-inline constexpr double kSpeed = 1.0;
-#endif
+inline constexpr double kSpeed = kInstrumented ? 0.5 : 1.0;
 
 }  // namespace tandem::test

@@ -4,6 +4,7 @@
 
 #include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
+#include "support/instrumented.hpp"
 #include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
 
@@ -11,11 +12,7 @@ namespace tandem::test {
 namespace {
 
 constexpr double kBeamTurn = 2.0 * std::numbers::pi / 360;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kNoise = 10'000;  // points
-#else
-constexpr int kNoise = 100'000;
-#endif
+constexpr unsigned kNoise = samples(100'000, 10'000);  // points
 
 // A robot at (2.013, 1.017), turned to the left, in a round room of 3 m; no echo is near the border
 // of a voxel.
@@ -160,7 +157,8 @@ TEST_F(BuilderOverDds, ACloudOfNoiseIsSurvived) {
   std::mt19937 random{1};
   std::uniform_real_distribution<float> wide(-5.0F, 5.0F), high(-0.6F, 1.0F);
   std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < kNoise; ++i) points.emplace_back(wide(random), wide(random), high(random));
+  for (unsigned i = 0; i < kNoise; ++i)
+    points.emplace_back(wide(random), wide(random), high(random));
   cloud_.publish(cloud_of(points, header(node_.stamp(), "base_scan")));
   ASSERT_TRUE(wait_until([&] {
     return is_occupied(kRobot.x + 1.0, kRobot.y + 1.0) || tree_->getNumLeafNodes() > 50'000;

@@ -12,6 +12,7 @@
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem {
 namespace {
@@ -19,13 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // ten times slower: a part of it
-constexpr bool kWhole = false;
-constexpr std::size_t kDrives = 6, kGroups = 2;
-#else
-constexpr bool kWhole = true;
-constexpr std::size_t kDrives = 24, kGroups = 8;
-#endif
+constexpr bool kWhole = !test::kInstrumented;  // else a part of it
+constexpr std::size_t kDrives = test::samples(24, 6), kGroups = test::samples(8, 2);
 constexpr double kLong = 300.0;  // [s] for a sanitizer on a busy machine
 
 class StudyProgram : public ::testing::Test {
