@@ -115,15 +115,8 @@ TEST_F(ScenarioProgram, NamesACommandThatDoesNotExist) {
 }
 
 TEST_F(ScenarioProgram, TunesAndWritesWhatItFound) {
-  const fs::path tuned = folder_ / "tuned.yaml", near = folder_ / "near.yaml";
-  std::ofstream{near} << "scenario: near\nmap: " TANDEM_SOURCE_DIR
-                         "/maps/forest.bt\n"
-                         "robot: " TANDEM_SOURCE_DIR
-                         "/bringup/robots/mir100.yaml\n"
-                         "start: [-4, -4, 0]\ngoal: {region: [-3, -4.5, -2, -3]}\n"
-                         "method: leader\nduration: 20\n"
-                         "parameters: {driver: {route: [-4, -4, -2.5, -3.7]}}\n";
-  const std::string scenario = near.string();
+  const fs::path tuned = folder_ / "tuned.yaml";
+  const std::string scenario = TANDEM_SOURCE_DIR "/tests/system/near.yaml";
   const std::vector<std::string> few{"--seeds",       "1-1", "--check-seeds", "2-2",
                                      "--evaluations", "2",   "--out",         tuned.string()};
   std::vector<std::string> words{"tune", scenario, "--vary", "local_planner.weight_heading"};

@@ -31,7 +31,7 @@ class StudyProgram : public ::testing::Test {
     fs::create_directories(folder());
     if (!kWhole)
       std::ofstream{out("part.yaml")} << "study: quick\nscenarios: [" TANDEM_SOURCE_DIR
-                                         "/bringup/scenarios/forest_task2.yaml]\n"
+                                         "/tests/system/near.yaml]\n"
                                          "methods: [safety_filter, leader]\nseeds: 1-3\n";
     ASSERT_EQ(run({study(), "--out", out("whole")}), 0);
   }
@@ -124,7 +124,9 @@ TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
        {"<h1>Study quick</h1>", "Devalla 2020: direct", kWhole ? "<h2>corridor</h2>" : "<h2>",
         "paths in forest.bt", "data:image/png;base64,"})
     EXPECT_NE(page.find(what), std::string::npos) << what;
-  EXPECT_GT(fs::file_size(out("reported") + "/paths_forest_task2_forest.png"), 10'000u);
+  EXPECT_GT(fs::file_size(out("reported") +
+                          (kWhole ? "/paths_forest_task2_forest.png" : "/paths_near_forest.png")),
+            10'000u);
 }
 
 TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
