@@ -12,7 +12,9 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
   return {a.v + share_of_b * (b.v - a.v), a.w + share_of_b * (b.w - a.w)};
 }
 
-constexpr double kLetsGo = 0.5;  // [s] of silence: no gap in a stream, the stick is let go
+// [s] in which nobody steers: the stick is let go. Neither silence for less nor a lone zero is
+// enough: teleop says zero when its joystick is late.
+constexpr double kLetsGo = 1.0;
 constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
 constexpr double kGone = 0.5;  // [s] of a node's silence: no gap, nobody is there
 
@@ -107,6 +109,7 @@ void Arbiter::set_blend(const BlendParams& blend) {
 
 void Arbiter::on_user(const Twist2& twist, double t) {
   user_.receive(twist, t);
+  if (is_finite(twist) && !is_rest(twist, params_.takeover_threshold)) steered_ = t;
   if (is_finite(twist)) performance_.on_user(twist, t, params_.adaptive);
 }
 void Arbiter::on_shared(const Twist2& twist, double t) { shared_.receive(twist, t); }
@@ -157,7 +160,7 @@ void Arbiter::watch_clock(double now) {
     if (word->t > now) *word = {};
   if (clearance_time_ > now) clearance_heard_ = false;
   ramp_start_ = kNever;
-  set_back_ = now;
+  steered_ = std::min(steered_, now);
 }
 
 bool Arbiter::steers(double now) const {
@@ -166,9 +169,7 @@ bool Arbiter::steers(double now) const {
 }
 
 Decision Arbiter::choose(double now) {
-  const double patience = std::max(kLetsGo, params_.user_timeout);
-  const bool silent = !user_.fresh(now, patience) && now - set_back_ > patience;
-  if (silent || is_rest(user_.twist, params_.takeover_threshold)) must_let_go_ = false;
+  if (now - steered_ > std::max(kLetsGo, params_.user_timeout)) must_let_go_ = false;
   if (must_let_go_) return stop(ArbitrationReason::kLetGoFirst);
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
   if (!user_.fresh(now, params_.user_timeout)) return stop(ArbitrationReason::kUserSilent);

@@ -113,8 +113,8 @@ class Arbiter {
   void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t, true}; }
 
   /// Latches: only release_emergency_stop() frees, and only after the last word was `false`. It
-  /// ends policy kAutonomous (kShared follows), and the person has to let go before they drive on:
-  /// to release a stop is no command to start (ISO 13850, 4.1.4).
+  /// ends policy kAutonomous (kShared follows), and the person has to let go for a second before
+  /// they drive on: to release a stop is no command to start (ISO 13850, 4.1.4).
   void on_emergency_stop(bool pressed);
   /// Whether the stop is released now.
   [[nodiscard]] bool release_emergency_stop();
@@ -176,7 +176,7 @@ class Arbiter {
 
   Decision last_;
   double last_time_ = 0.0;
-  double set_back_ = -1e9;  ///< when the clock was [s]
+  double steered_ = -1e9;  ///< when the person did, last [s]
   Twist2 ramp_from_;
   double ramp_start_ = -1e9;
   double alpha_ = 0.0;

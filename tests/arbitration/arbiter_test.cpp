@@ -66,21 +66,34 @@ TEST(Arbiter, IgnoresACommandThatIsNotFinite) {
 
 TEST(Arbiter, ReleasingAnEmergencyStopStartsNothing) {
   Arbiter it = arbiter("manual");
+  it.on_user({0.5, 0.0}, 0.7);
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
   ASSERT_TRUE(it.release_emergency_stop());
-  for (double t = 1.0; t < 3.0; t += 0.3) {  // gaps in the stream are no letting go
+  for (double t = 1.0; t < 4.0; t += 0.6) {
     it.on_user({0.5, 0.0}, t);
     EXPECT_EQ(it.decide(t).reason, ArbitrationReason::kLetGoFirst);
-    EXPECT_EQ(it.decide(t + 0.2).command, Twist2{});
+    EXPECT_EQ(it.decide(t + 0.2).command, Twist2{});  // a gap in the stream is no letting go
+    it.on_user({}, t + 0.3);  // nor is teleop's zero, for a joystick that is late
+    EXPECT_EQ(it.decide(t + 0.3).reason, ArbitrationReason::kLetGoFirst);
   }
+}
+
+TEST(Arbiter, WhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
+  Arbiter it = arbiter("manual");
+  it.on_user({0.5, 0.0}, 1.0);
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
   Arbiter silent = it;
+  EXPECT_EQ(silent.decide(1.9).reason, ArbitrationReason::kLetGoFirst);
+  EXPECT_EQ(silent.decide(2.1).reason, ArbitrationReason::kUserSilent);
   silent.on_user({0.5, 0.0}, 5.0);
-  EXPECT_EQ(it.decide(4.9).reason, ArbitrationReason::kUserSilent);
-  it.on_user({0.5, 0.0}, 5.0);
-  EXPECT_EQ(it.decide(5.0).command, (Twist2{0.5, 0.0}));
-  silent.on_user({}, 5.1);
-  EXPECT_EQ(silent.decide(5.1).reason, ArbitrationReason::kFollowsSource);
+  EXPECT_EQ(silent.decide(5.0).command, (Twist2{0.5, 0.0}));
+  it.on_user({}, 2.05);  // a stick that says that it is at rest
+  EXPECT_EQ(it.decide(2.05).reason, ArbitrationReason::kFollowsSource);
+  it.on_user({0.5, 0.0}, 2.1);
+  EXPECT_EQ(it.decide(2.1).command, (Twist2{0.5, 0.0}));
 }
 
 TEST(Arbiter, EmergencyStopEndsAutonomy) {
@@ -119,10 +132,10 @@ TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
   it.on_emergency_stop(false);
   EXPECT_EQ(it.decide(1.0).command, Twist2{});  // `false` alone does not free
   EXPECT_TRUE(it.release_emergency_stop());
-  it.on_user({}, 1.05);
-  EXPECT_EQ(it.decide(1.05).source, Source::kUser);
-  it.on_user({0.5, 0.0}, 1.1);
-  EXPECT_EQ(it.decide(1.1).command.v, 0.5);
+  it.on_user({}, 2.05);
+  EXPECT_EQ(it.decide(2.05).source, Source::kUser);
+  it.on_user({0.5, 0.0}, 2.1);
+  EXPECT_EQ(it.decide(2.1).command.v, 0.5);
 }
 
 TEST(Arbiter, AutonomyYieldsToThePersonsStick) {
@@ -230,8 +243,8 @@ TEST(Arbiter, AClockThatIsSetBackIsNoLettingGo) {
   EXPECT_EQ(it.decide(0.0).reason, ArbitrationReason::kLetGoFirst);
   it.on_user({0.5, 0.0}, 0.1);
   EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kLetGoFirst);
-  it.on_user({0.0, 0.0}, 0.2);
-  EXPECT_EQ(it.decide(0.2).reason, ArbitrationReason::kFollowsSource);
+  it.on_user({0.0, 0.0}, 1.2);
+  EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kFollowsSource);
 }
 
 TEST(Arbiter, ARampEndsWhereTheClockIsSetBack) {
