@@ -18,7 +18,6 @@ constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split un
 constexpr double kLeastGain = 0.005;  // of (1): what a rearrangement must save
 constexpr int kRounds = 6;
 constexpr int kLevels = 16;      // of coarseness
-constexpr int kGuards = 3;       // times that it is tried to keep ways open
 constexpr double kNearly = 1.2;  // as few as wanted: before that it is not worth the time
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
@@ -284,13 +283,12 @@ std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<Ce
   if (fine.parts().size() <= params.crowded) return shapes;
   const auto before = obstacles(shapes);
   FreeSpace kept = space;
-  for (int round = 0; round < kGuards; ++round) {
+  for (;;) {
     const auto fewer = coarser({grid, kept, params}, fine, params.crowded);
     const auto closed = ways.closed(before, obstacles(fewer));
     if (closed.empty()) return fewer;
-    kept.keep(ways.window(), closed);
+    if (!kept.keep(ways.window(), closed)) return shapes;  // rather too many than a place cut off
   }
-  return shapes;  // rather too many than a place cut off
 }
 
 }  // namespace tandem

@@ -75,12 +75,16 @@ void FreeSpace::find_passages(const Mask& places) {
     room_[i] = to_narrow[i] <= radius_ ? Room::kNarrow : Room::kOpen;
 }
 
-void FreeSpace::keep(const CellRect& window, const Mask& cells) {
+bool FreeSpace::keep(const CellRect& window, const Mask& cells) {
+  bool more = false;
   for (int iy = std::max(window.y0, window_.y0); iy < std::min(window.y1, window_.y1); ++iy)
     for (int ix = std::max(window.x0, window_.x0); ix < std::min(window.x1, window_.x1); ++ix) {
       Room& room = room_[window_.index(ix, iy)];
-      if (cells[window.index(ix, iy)] != 0 && room == Room::kNarrow) room = Room::kKept;
+      if (cells[window.index(ix, iy)] == 0 || room != Room::kNarrow) continue;
+      room = Room::kKept;
+      more = true;
     }
+  return more;
 }
 
 void FreeSpace::sum_up(const Places& places, const Mask& own) {

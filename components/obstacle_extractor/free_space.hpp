@@ -35,7 +35,8 @@ class FreeSpace {
   [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, const Excess& most) const;
 
   /// Keeps narrow ways open from now on, where they lead through these cells (by CellRect::index).
-  void keep(const CellRect& window, const std::vector<std::uint8_t>& cells);
+  /// False if there are none, or if that was so already.
+  [[nodiscard]] bool keep(const CellRect& window, const std::vector<std::uint8_t>& cells);
 
   /// Area of the region's places that the shape takes [m²]: those where the disc touches it. What
   /// is more than `most` may be told too small, but not as small as that.

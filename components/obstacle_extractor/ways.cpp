@@ -68,18 +68,20 @@ void mark_ways(const Division& division, const Labels& before, const Labels& aft
 
 Ways::Ways(const StaticMap& map, const Places& places, const CellRect& window, int region,
            const std::vector<std::vector<CellIndex>>& clusters)
-    : grid_{map.grid()}, radius_{places.radius()}, window_{window}, is_place_(window.size()) {
-  Mask others(window.size());
+    : grid_{map.grid()},
+      radius_{places.radius()},
+      window_{window},
+      is_place_(window.size()),
+      others_(window.size()) {
   for (int iy = window.y0; iy < window.y1; ++iy)
     for (int ix = window.x0; ix < window.x1; ++ix) {
-      others[window.index(ix, iy)] = places.gap(ix, iy) <= 0.0F ? 1 : 0;
+      others_[window.index(ix, iy)] = places.gap(ix, iy) <= 0.0F ? 1 : 0;
       const int at = places.region(ix, iy);
       is_place_[window.index(ix, iy)] = at != 0 && (region == 0 || at == region) ? 1 : 0;
     }
   for (const auto& cluster : clusters)
     for (const CellIndex& cell : cluster)
-      if (window.contains(cell.ix, cell.iy)) others[window.index(cell.ix, cell.iy)] = 0;
-  to_others_ = distance_transform(others, window.width(), window.height());
+      if (window.contains(cell.ix, cell.iy)) others_[window.index(cell.ix, cell.iy)] = 0;
 }
 
 // The cells whose centres lie in a shape.
@@ -97,14 +99,15 @@ Mask Ways::covered(const std::vector<Obstacle>& shapes) const {
   return mask;
 }
 
-// Where the disc that has so much to spare can be, in connected parts.
-Labels Ways::parts(const std::vector<Obstacle>& shapes, double spare) const {
+// Where the disc that has so much to spare can be, in connected parts. `to_others`: in cells.
+Labels Ways::parts(const std::vector<Obstacle>& shapes, const std::vector<double>& to_others,
+                   double spare) const {
   const auto to_shapes = distance_transform(covered(shapes), window_.width(), window_.height());
   const double least = radius_ + spare / grid_.resolution;
   constexpr int kOpen = -1;  // without a number yet
   Labels labels(window_.size());
   for (std::size_t i = 0; i < labels.size(); ++i)
-    if (is_place_[i] != 0 && std::min(to_shapes[i], to_others_[i]) >= least) labels[i] = kOpen;
+    if (is_place_[i] != 0 && std::min(to_shapes[i], to_others[i]) >= least) labels[i] = kOpen;
   int last = 0;
   std::vector<std::size_t> cells;
   for (std::size_t start = 0; start < labels.size(); ++start) {
@@ -131,7 +134,8 @@ Mask Ways::swept(const Mask& way) const {
 }
 
 Mask Ways::closed(const std::vector<Obstacle>& fine, const std::vector<Obstacle>& coarse) const {
-  const Labels before = parts(fine, kBefore), after = parts(coarse, kAfter);
+  const auto to_others = distance_transform(others_, window_.width(), window_.height());
+  const Labels before = parts(fine, to_others, kBefore), after = parts(coarse, to_others, kAfter);
   const auto divided = divisions(before, after, kRoom / (grid_.resolution * grid_.resolution));
   if (divided.empty()) return {};
   Mask way(window_.size());

@@ -33,7 +33,8 @@ class Ways {
  private:
   using Labels = std::vector<int>;  // of the window's cells: the connected part, from 1; 0: none
 
-  [[nodiscard]] Labels parts(const std::vector<Obstacle>& shapes, double spare) const;
+  [[nodiscard]] Labels parts(const std::vector<Obstacle>& shapes,
+                             const std::vector<double>& to_others, double spare) const;
   [[nodiscard]] std::vector<std::uint8_t> covered(const std::vector<Obstacle>& shapes) const;
   [[nodiscard]] std::vector<std::uint8_t> swept(const std::vector<std::uint8_t>& way) const;
 
@@ -41,7 +42,7 @@ class Ways {
   double radius_;  // of the disc, in cells
   CellRect window_;
   std::vector<std::uint8_t> is_place_;
-  std::vector<double> to_others_;  // to what is not free and no cell of the clusters, in cells
+  std::vector<std::uint8_t> others_;  // what is not free and no cell of the clusters
 };
 
 }  // namespace tandem

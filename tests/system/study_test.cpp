@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
@@ -120,10 +122,10 @@ TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
   ASSERT_EQ(program.wait(kLong), 0);
   std::ifstream in{out("reported") + "/report.html"};
   const std::string page{std::istreambuf_iterator<char>{in}, {}};
-  for (const char* what :
-       {"<h1>Study quick</h1>", kWhole ? "Devalla 2020: direct" : "<h1>",
-        kWhole ? "<h2>corridor</h2>" : "<h2>", "paths in forest.bt", "data:image/png;base64,"})
-    EXPECT_NE(page.find(what), std::string::npos) << what;
+  std::vector<std::string> expected{"<h1>Study quick</h1>", "paths in forest.bt",
+                                    "data:image/png;base64,"};
+  if (kWhole) expected.insert(expected.end(), {"Devalla 2020: direct", "<h2>corridor</h2>"});
+  for (const std::string& what : expected) EXPECT_NE(page.find(what), std::string::npos) << what;
   EXPECT_GT(fs::file_size(out("reported") +
                           (kWhole ? "/paths_forest_task2_forest.png" : "/paths_near_forest.png")),
             10'000u);
