@@ -15,6 +15,7 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
 // [s] in which nobody steers: the stick is let go. Neither silence for less nor a lone zero is
 // enough: teleop says zero when its joystick is late.
 constexpr double kLetsGo = 1.0;
+constexpr double kAtRest = 0.02;  // [m/s, rad/s] more is steering, after an emergency stop
 constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
 constexpr double kGone = 0.5;  // [s] of a node's silence: no gap, nobody is there
 
@@ -70,6 +71,8 @@ const char* name(ArbitrationReason reason) {
       return "emergency stop";
     case ArbitrationReason::kLetGoFirst:
       return "let go of the stick first";
+    case ArbitrationReason::kSteerFirst:
+      return "steer to drive on";
     case ArbitrationReason::kUserSilent:
       return "cmd_vel_user is silent";
     case ArbitrationReason::kSharedSilent:
@@ -109,8 +112,11 @@ void Arbiter::set_blend(const BlendParams& blend) {
 
 void Arbiter::on_user(const Twist2& twist, double t) {
   user_.receive(twist, t);
-  if (is_finite(twist) && !is_rest(twist, params_.takeover_threshold)) steered_ = t;
-  if (is_finite(twist)) performance_.on_user(twist, t, params_.adaptive);
+  if (!is_finite(twist)) return;
+  performance_.on_user(twist, t, params_.adaptive);
+  if (is_rest(twist, kAtRest)) return;
+  steered_ = t;
+  if (restart_ == Restart::kSteer) restart_ = Restart::kFree;
 }
 void Arbiter::on_shared(const Twist2& twist, double t) { shared_.receive(twist, t); }
 void Arbiter::on_nav(const Twist2& twist, double t) { nav_.receive(twist, t); }
@@ -125,7 +131,8 @@ void Arbiter::on_clearance(double clearance, double t) {
 void Arbiter::on_emergency_stop(bool pressed) {
   stop_pressed_ = pressed;
   if (!pressed) return;
-  stop_latched_ = must_let_go_ = true;
+  stop_latched_ = true;
+  restart_ = Restart::kLetGo;
   if (policy_ == Policy::kAutonomous) policy_ = Policy::kShared;
 }
 
@@ -164,15 +171,24 @@ void Arbiter::watch_clock(double now) {
 }
 
 bool Arbiter::steers(double now) const {
-  return user_.fresh(now, params_.user_timeout) &&
-         !is_rest(user_.twist, params_.takeover_threshold);
+  return hears_person(now) && !is_rest(user_.twist, params_.takeover_threshold);
+}
+
+// To let go alone starts nothing: to a person who holds the dead-man with the stick at rest, a
+// planner that has a goal, or a leader ahead, would drive at once.
+void Arbiter::watch_restart(double now) {
+  if (restart_ == Restart::kLetGo && now - steered_ > std::max(kLetsGo, params_.user_timeout))
+    restart_ = Restart::kSteer;
+  // The stop has ended it: so it was chosen anew.
+  if (restart_ == Restart::kSteer && policy_ == Policy::kAutonomous) restart_ = Restart::kFree;
 }
 
 Decision Arbiter::choose(double now) {
-  if (now - steered_ > std::max(kLetsGo, params_.user_timeout)) must_let_go_ = false;
-  if (must_let_go_) return stop(ArbitrationReason::kLetGoFirst);
+  watch_restart(now);
+  if (restart_ == Restart::kLetGo) return stop(ArbitrationReason::kLetGoFirst);
+  if (restart_ == Restart::kSteer && hears_person(now)) return stop(ArbitrationReason::kSteerFirst);
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
-  if (!user_.fresh(now, params_.user_timeout)) return stop(ArbitrationReason::kUserSilent);
+  if (!hears_person(now)) return stop(ArbitrationReason::kUserSilent);
   if (policy_ == Policy::kManual)
     return {user_.twist, Source::kUser, ArbitrationReason::kFollowsSource, 0.0};
   if (!shared_.fresh(now, params_.shared_timeout)) return stop(ArbitrationReason::kSharedSilent);

@@ -27,7 +27,8 @@ enum class ArbitrationReason {
   kHandover,       ///< authority just changed: ramping from the old command to the new
   kUserTakesOver,  ///< autonomous, but the person steers
   kEmergencyStop,
-  kLetGoFirst,  ///< an emergency stop was released while the person still steers
+  kLetGoFirst,  ///< an emergency stop was released, and the person has not let go of the stick yet
+  kSteerFirst,  ///< they have, and hold the stick at rest since
   kUserSilent,
   kSharedSilent,
   kAllSilent,
@@ -113,8 +114,9 @@ class Arbiter {
   void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t, true}; }
 
   /// Latches: only release_emergency_stop() frees, and only after the last word was `false`. It
-  /// ends policy kAutonomous (kShared follows), and the person has to let go for a second before
-  /// they drive on: to release a stop is no command to start (ISO 13850, 4.1.4).
+  /// ends policy kAutonomous (kShared follows). To release it is no command to start (ISO 13850,
+  /// 4.1.4): the robot stands until the person has not steered for 1 s (or `user_timeout`, if that
+  /// is longer; before the release counts too) and then steers, or kAutonomous is chosen.
   void on_emergency_stop(bool pressed);
   /// Whether the stop is released now.
   [[nodiscard]] bool release_emergency_stop();
@@ -156,6 +158,7 @@ class Arbiter {
   };
 
   void watch_clock(double now);
+  void watch_restart(double now);
   [[nodiscard]] std::string trouble_of_filter(double now) const;
   [[nodiscard]] Decision choose(double now);
   [[nodiscard]] bool steers(double now) const;
@@ -172,7 +175,9 @@ class Arbiter {
   bool clearance_heard_ = false;
   Performance performance_;
   bool stop_pressed_ = false, stop_latched_ = false;
-  bool must_let_go_ = false;
+  /// What it takes after an emergency stop until the robot may move.
+  enum class Restart { kFree, kLetGo, kSteer };
+  Restart restart_ = Restart::kFree;
 
   Decision last_;
   double last_time_ = 0.0;

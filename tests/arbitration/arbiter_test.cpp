@@ -73,7 +73,7 @@ TEST(Arbiter, ReleasingAnEmergencyStopStartsNothing) {
   for (double t = 1.0; t < 4.0; t += 0.6) {
     it.on_user({0.5, 0.0}, t);
     EXPECT_EQ(it.decide(t).reason, ArbitrationReason::kLetGoFirst);
-    EXPECT_EQ(it.decide(t + 0.2).command, Twist2{});  // a gap in the stream is no letting go
+    EXPECT_EQ(it.decide(t + 0.2).reason, ArbitrationReason::kLetGoFirst);  // a gap in the stream
     it.on_user({}, t + 0.3);  // nor is teleop's zero, for a joystick that is late
     EXPECT_EQ(it.decide(t + 0.3).reason, ArbitrationReason::kLetGoFirst);
   }
@@ -91,9 +91,78 @@ TEST(Arbiter, WhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
   silent.on_user({0.5, 0.0}, 5.0);
   EXPECT_EQ(silent.decide(5.0).command, (Twist2{0.5, 0.0}));
   it.on_user({}, 2.05);  // a stick that says that it is at rest
-  EXPECT_EQ(it.decide(2.05).reason, ArbitrationReason::kFollowsSource);
+  EXPECT_EQ(it.decide(2.05).reason, ArbitrationReason::kSteerFirst);
   it.on_user({0.5, 0.0}, 2.1);
   EXPECT_EQ(it.decide(2.1).command, (Twist2{0.5, 0.0}));
+}
+
+TEST(Arbiter, WhoHoldsTheStickAtRestIsNotDrivenByThePlannerAfterAnEmergencyStop) {
+  for (const char* policy : {"shared", "blend", "adaptive"}) {
+    SCOPED_TRACE(policy);
+    Arbiter it = arbiter(policy);
+    it.on_user({0.5, 0.0}, 0.0);
+    it.on_emergency_stop(true);
+    it.on_emergency_stop(false);
+    ASSERT_TRUE(it.release_emergency_stop());
+    for (double t = 0.1; t < 5.0; t += 0.1) {  // the planner has a goal
+      it.on_user({}, t);
+      it.on_shared({0.5, 0.0}, t);
+      EXPECT_EQ(it.decide(t).command, Twist2{});
+    }
+    EXPECT_EQ(it.decide(5.0).reason, ArbitrationReason::kSteerFirst);
+    it.on_user({0.1, 0.0}, 5.0);
+    it.on_shared({0.5, 0.0}, 5.0);
+    EXPECT_GT(it.decide(5.0).command.v, 0.0);
+    it.on_user({}, 5.05);  // at rest again, the planner drives on
+    EXPECT_GT(it.decide(5.05).command.v, 0.0);
+  }
+}
+
+// Whatever takes over from autonomy.
+TEST(Arbiter, SlowlyIsSteeringTooAfterAnEmergencyStop) {
+  Arbiter it{{.policy = "manual", .takeover_threshold = 1.0}};
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  for (double t = 1.0; t < 4.0; t += 0.1) {
+    it.on_user({0.0, -0.04}, t);
+    EXPECT_EQ(it.decide(t).reason, ArbitrationReason::kLetGoFirst);
+  }
+}
+
+TEST(Arbiter, WhereSilenceMayLastLongerSoMustLettingGoAfterAnEmergencyStop) {
+  Arbiter it{{.policy = "manual", .user_timeout = 3.0}};
+  it.on_user({0.5, 0.0}, 1.0);
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  EXPECT_EQ(it.decide(3.9).reason, ArbitrationReason::kLetGoFirst);
+  EXPECT_EQ(it.decide(4.1).reason, ArbitrationReason::kUserSilent);
+}
+
+TEST(Arbiter, AStickPushedWhileTheEmergencyStopIsInForceStartsNothing) {
+  Arbiter it = arbiter("manual");
+  it.on_user({0.5, 0.0}, 0.0);
+  it.on_emergency_stop(true);
+  EXPECT_EQ(it.decide(5.0).reason, ArbitrationReason::kEmergencyStop);  // was let go of
+  it.on_user({0.5, 0.0}, 5.1);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  EXPECT_EQ(it.decide(5.1).reason, ArbitrationReason::kLetGoFirst);
+}
+
+TEST(Arbiter, AutonomyChosenAfterAnEmergencyStopDrivesOnceTheStickIsLetGo) {
+  Arbiter it = arbiter("shared");
+  it.on_user({0.5, 0.0}, 1.0);
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  ASSERT_TRUE(it.set_policy(Policy::kAutonomous));
+  it.on_nav({0.4, 0.0}, 1.5);
+  EXPECT_EQ(it.decide(1.5).reason, ArbitrationReason::kLetGoFirst);
+  it.on_nav({0.4, 0.0}, 2.1);
+  it.on_user({}, 2.1);
+  EXPECT_EQ(it.decide(2.1).source, Source::kNav);
 }
 
 TEST(Arbiter, EmergencyStopEndsAutonomy) {
@@ -133,7 +202,7 @@ TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
   EXPECT_EQ(it.decide(1.0).command, Twist2{});  // `false` alone does not free
   EXPECT_TRUE(it.release_emergency_stop());
   it.on_user({}, 2.05);
-  EXPECT_EQ(it.decide(2.05).source, Source::kUser);
+  EXPECT_EQ(it.decide(2.05).reason, ArbitrationReason::kSteerFirst);
   it.on_user({0.5, 0.0}, 2.1);
   EXPECT_EQ(it.decide(2.1).command.v, 0.5);
 }
@@ -244,7 +313,7 @@ TEST(Arbiter, AClockThatIsSetBackIsNoLettingGo) {
   it.on_user({0.5, 0.0}, 0.1);
   EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kLetGoFirst);
   it.on_user({0.0, 0.0}, 1.2);
-  EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kFollowsSource);
+  EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kSteerFirst);
 }
 
 TEST(Arbiter, ARampEndsWhereTheClockIsSetBack) {

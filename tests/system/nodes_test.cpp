@@ -107,8 +107,8 @@ TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
 TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
   const rt::Client<std_srvs::srv::Trigger> client = node_.create_client(
       rt::ServiceName<std_srvs::srv::Trigger>{"/arbitration/release_emergency_stop"});
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   for (const rt::QoS& qos : {rt::kLatched, rt::kDefault, rt::kBestEffort(1)}) {
-    ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
     const auto button = node_.create_publisher(topics::e_stop, qos);
     ASSERT_TRUE(wait_until([&] { return button.matched() > 0; }));
     std_msgs::msg::Bool pressed;
@@ -130,8 +130,9 @@ TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
     EXPECT_TRUE(wait_until([&] { return reason_ == "let go of the stick first"; }));
     EXPECT_EQ(v_, 0.0);
     push_v_ = 0.0;
-    ASSERT_TRUE(wait_until([&] { return reason_ == "follows the source"; }));
+    ASSERT_TRUE(wait_until([&] { return reason_ == "steer to drive on"; }));
     push_v_ = 0.5;
+    ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   }
 }
 
