@@ -7,29 +7,30 @@
 
 namespace tandem {
 
-using Points = std::vector<Eigen::Vector2d>;
+using Points = std::vector<Eigen::Vector2d>;  // in M [m]; a hull: of convex_hull
 
-/// Convex hull, counter-clockwise from its lowest point, without points on its edges.
+/// Convex hull of one point or more, counter-clockwise from its lowest one, without points on its
+/// edges.
 [[nodiscard]] Points convex_hull(Points points);
 
 /// Rectangle around points, turned by `angle` [rad].
 struct TurnedBox {
   double angle = 0.0;
-  Eigen::Vector2d p_MC{0.0, 0.0};
+  Eigen::Vector2d p_MC{0.0, 0.0};  ///< centre [m]
   Eigen::Vector2d half{0.0, 0.0};  ///< [m]
 
   [[nodiscard]] double area() const { return half.x() * half.y(); }
 };
 
-/// The rectangle with a side along `angle`.
+/// The rectangle with a side along `angle` [rad].
 [[nodiscard]] TurnedBox box_along(const Points& hull, double angle);
 
 /// The smallest rectangle; it has a side along an edge of the hull. Its length comes first.
 [[nodiscard]] TurnedBox smallest_box(const Points& hull);
 
 struct Circle {
-  Eigen::Vector2d p_MC;
-  double radius;  ///< [m]
+  Eigen::Vector2d p_MC;  ///< centre [m]
+  double radius;         ///< [m]
 };
 
 /// Smallest circle around the hull (Welzl 1991, point by point), but for rounding.

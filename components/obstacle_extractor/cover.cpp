@@ -18,6 +18,7 @@ constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split un
 constexpr double kLeastGain = 0.005;  // of (1): what a rearrangement must save
 constexpr int kRounds = 6;
 constexpr int kLevels = 16;      // of coarseness
+constexpr int kGuards = 8;       // times that ways are kept open, at most
 constexpr double kNearly = 1.2;  // as few as wanted: before that it is not worth the time
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
@@ -34,7 +35,7 @@ constexpr std::array<Cut, 8> kCuts{{{0.0, 0.5},
                                     {0.0, 0.75},
                                     {2.0 * kQuarter, 0.25},
                                     {2.0 * kQuarter, 0.75}}};
-constexpr double kWaste = 0.04;  // of (1): less is not worth a search
+constexpr double kWaste = 0.04;  // of (1), above two ellipses: less is not worth a search
 // Where two parts together are cut.
 constexpr int kTurns = 6, kFractions = 5;
 
@@ -283,12 +284,13 @@ std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<Ce
   if (fine.parts().size() <= params.crowded) return shapes;
   const auto before = obstacles(shapes);
   FreeSpace kept = space;
-  for (;;) {
+  for (int guard = 0; guard < kGuards; ++guard) {
     const auto fewer = coarser({grid, kept, params}, fine, params.crowded);
     const auto closed = ways.closed(before, obstacles(fewer));
     if (closed.empty()) return fewer;
-    if (!kept.keep(ways.window(), closed)) return shapes;  // rather too many than a place cut off
+    if (!kept.keep(ways.window(), closed)) break;
   }
+  return shapes;  // rather too many than a place cut off
 }
 
 }  // namespace tandem

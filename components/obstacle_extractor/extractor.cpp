@@ -196,7 +196,8 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
   const CellRect window{rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin};
   const FreeSpace space(*map_, places_, window, region_);
   tile.space = space_round(rect);
-  tile.shapes = cover(grid, clusters, space, Ways(*map_, places_, window, region_, clusters),
+  const Ways ways(*map_, places_, window, region_, params_.width, clusters);
+  tile.shapes = cover(grid, clusters, space, ways,
                       {.excess = {params_.max_excess, std::min(kNarrow, params_.max_excess), kKept},
                        .space_per_shape = params_.space_per_shape,
                        .crowded = static_cast<std::size_t>(params_.shapes_per_tile)});

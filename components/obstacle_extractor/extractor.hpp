@@ -22,6 +22,7 @@ struct ExtractorParams {
   double range = 4.0;
   double max_excess = 0.25;
   double smallest_gap = 0.42;
+  double width = 0.58;
   double space_per_shape = 0.06;
   double tile = 4.0;
   int shapes_per_tile = 12;
@@ -34,12 +35,14 @@ struct ExtractorParams {
           "is crowded");
     field("smallest_gap", smallest_gap, Range{0.0, 2.0},
           "[m] gaps narrower than this may be filled; below the robot's width");
+    field("width", width, Range{0.05, 2.0}, "[m] of the robot, whose ways stay open");
     field("space_per_shape", space_per_shape, Range{0.001, 10.0},
           "[m²] free space that one shape less may take; less: more and tighter shapes");
     field("tile", tile, Range{1.0, 20.0}, "[m] side of the squares that the map is fitted in");
     field("shapes_per_tile", shapes_per_tile, Range{1.0, 1000.0},
           "[-] a tile that needs more is crowded: its shapes get coarser until it does not, or "
-          "space_per_shape is nine times as large; no place is cut off by that");
+          "space_per_shape is nine times as large; a way that was 0.15 m wider than the robot "
+          "stays 0.09 m wider");
   }
 };
 

@@ -40,13 +40,13 @@ class PartFitter {
   /// From now on shapes may take more: a level of cover.hpp.
   void coarsen();
 
-  /// The part of these cells. It is found only if it costs at most `most`.
+  /// The part of these cells. It is found only if it costs at most `most` shapes.
   [[nodiscard]] Part fit(Cells cells, double most) const;
   /// The part that two will be together, still without its cells.
   [[nodiscard]] Part fit_both(const Part& p, const Part& q, double most) const;
 
-  /// Sorts the cells into those before and behind a line across `angle`, at this fraction of their
-  /// extent. Both have some if there is more than one cell.
+  /// Sorts the cells into those before and behind a line across `angle` [rad], at this fraction of
+  /// their extent. Both have some if there is more than one cell.
   [[nodiscard]] Cells::iterator cut(Cells& cells, double angle, double fraction) const;
 
   /// Whether they are near enough for one shape.

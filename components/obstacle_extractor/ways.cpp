@@ -13,8 +13,8 @@ namespace {
 
 // What the disc has to spare on either side [m]: less after than before, so that a way that is
 // merely narrower is not closed.
-constexpr double kBefore = 0.08, kAfter = 0.05;
-constexpr double kRoom = 0.1;  // [m²]
+constexpr double kBefore = 0.075, kAfter = 0.045;
+constexpr double kLeastRoom = 0.1;  // [m²]
 
 using Mask = std::vector<std::uint8_t>;
 using Labels = std::vector<int>;
@@ -67,9 +67,9 @@ void mark_ways(const Division& division, const Labels& before, const Labels& aft
 }  // namespace
 
 Ways::Ways(const StaticMap& map, const Places& places, const CellRect& window, int region,
-           const std::vector<std::vector<CellIndex>>& clusters)
+           double width, const std::vector<std::vector<CellIndex>>& clusters)
     : grid_{map.grid()},
-      radius_{places.radius()},
+      radius_{0.5 * width / grid_.resolution},
       window_{window},
       is_place_(window.size()),
       others_(window.size()) {
@@ -136,7 +136,7 @@ Mask Ways::swept(const Mask& way) const {
 Mask Ways::closed(const std::vector<Obstacle>& fine, const std::vector<Obstacle>& coarse) const {
   const auto to_others = distance_transform(others_, window_.width(), window_.height());
   const Labels before = parts(fine, to_others, kBefore), after = parts(coarse, to_others, kAfter);
-  const auto divided = divisions(before, after, kRoom / (grid_.resolution * grid_.resolution));
+  const auto divided = divisions(before, after, kLeastRoom / (grid_.resolution * grid_.resolution));
   if (divided.empty()) return {};
   Mask way(window_.size());
   for (const Division& division : divided)

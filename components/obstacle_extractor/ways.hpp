@@ -13,18 +13,19 @@
 
 namespace tandem {
 
-/// Ways of the disc between the places of a window, past shapes that cover some of its obstacles.
+/// Ways of a disc as wide as the robot between the places of a window, past shapes that cover some
+/// of its obstacles.
 class Ways {
  public:
-  /// `region`: the places the robot can go to; 0: all. `clusters`: the cells that the shapes cover;
-  /// what else is not free is as it is. `map` has to outlive this.
-  Ways(const StaticMap& map, const Places& places, const CellRect& window, int region,
+  /// `region`: the places the robot can go to; 0: all. `width`: of the robot [m]. `clusters`: the
+  /// cells that the shapes cover; what else is not free is as it is. `map` has to outlive this.
+  Ways(const StaticMap& map, const Places& places, const CellRect& window, int region, double width,
        const std::vector<std::vector<CellIndex>>& clusters);
 
   [[nodiscard]] const CellRect& window() const { return window_; }
 
-  /// Where a disc that is 8 cm wider on either side gets through between the `fine` shapes from one
-  /// room to another, and one that is 5 cm wider does not any more between the `coarse` ones:
+  /// Where a disc that is 7.5 cm wider on either side gets through between the `fine` shapes from
+  /// one room to another, and one that is 4.5 cm wider does not any more between the `coarse` ones:
   /// the cells that it passes over, by CellRect::index; empty if there are none. A room is a piece
   /// of places of more than 0.1 m².
   [[nodiscard]] std::vector<std::uint8_t> closed(const std::vector<Obstacle>& fine,

@@ -36,7 +36,7 @@ void expect_covered(const std::shared_ptr<const StaticMap>& map, unsigned poses)
 }
 
 // Of the poses that the outline can be brought to without contact along drives at most 5 % are
-// lost, and nowhere are there more than 32 shapes.
+// lost, and nowhere along them are there more than 32 shapes within 3 m.
 void expect_tight(const LossWorlds& group) {
   const Loss loss = group.measure({});
   std::printf(
@@ -148,12 +148,14 @@ TEST(Extractor, LosesFewPosesInBarnWorlds) {
 
 TEST(Extractor, LosesFewPosesInARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_tight(building_loss_worlds("geb079, Jackal", kJackal, static_cast<int>(samples(12, 1))));
+  expect_tight(building_loss_worlds("geb079, Jackal", kJackal, kJackalWidth,
+                                    static_cast<int>(samples(12, 1))));
 }
 
 TEST(Extractor, LosesFewPosesOfALongerRobotInARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_tight(building_loss_worlds("geb079, MiR", kMir, static_cast<int>(samples(12, 1))));
+  expect_tight(
+      building_loss_worlds("geb079, MiR", kMir, kMirWidth, static_cast<int>(samples(12, 1))));
 }
 
 TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
@@ -168,13 +170,15 @@ TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
   EXPECT_LT(shapes_of(12), shapes_of(1000));
 }
 
-// Poles 0.7 m apart: a robot fits between any two.
+// Poles 0.7 m apart: a Jackal fits between any two, a shape could reach from one to the next.
 TEST(Extractor, RatherFitsTooManyShapesThanCloseAWay) {
   Grid grid{0.05, {0.0, 0.0}, 80, 80, std::vector<Cell>(6400, Cell::kFree)};
   for (int iy = 4; iy < 80; iy += 14)
     for (int ix = 4; ix < 80; ix += 14) grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
   const StaticMap map{std::move(grid)};
-  EXPECT_EQ(extract(map, {2.0, 2.0}, {.range = 10.0, .shapes_per_tile = 1}).size(), 36U);
+  const ExtractorParams params{
+      .range = 10.0, .max_excess = 0.4, .width = kJackalWidth, .shapes_per_tile = 1};
+  EXPECT_EQ(extract(map, {2.0, 2.0}, params).size(), 36U);
 }
 
 // The plane of the shapes alone, as a map of half the cells' size.
@@ -198,7 +202,7 @@ TEST(Extractor, LeavesTheWayThroughTheMostCrowdedWorldsOpen) {
   for (const auto& [number, wide] : {std::pair{115, 0.58}, {181, 0.50}, {206, 0.50}}) {
     SCOPED_TRACE(number);
     const auto map = barn_world(number);
-    const auto shapes = extract(*map, {-2.25, 8.0}, {.range = 20.0});
+    const auto shapes = extract(*map, {-2.25, 8.0}, {.range = 20.0, .width = kJackalWidth});
     const Places places(map_of(shapes, map->grid()), wide);
     EXPECT_NE(places.region_at({-2.25, 3.0}), 0);
     EXPECT_EQ(places.region_at({-2.25, 3.0}), places.region_at({-2.25, 13.0}));

@@ -20,9 +20,11 @@ struct LossWorld {
 struct LossWorlds {
   const char* name;
   Footprint footprint;
+  double width;  // [m] of the robot
   std::vector<LossWorld> worlds;
 
-  [[nodiscard]] Loss measure(const ExtractorParams& params, double disc_overhang = 0.0) const {
+  [[nodiscard]] Loss measure(ExtractorParams params, double disc_overhang = 0.0) const {
+    params.width = width;
     Loss loss;
     for (const LossWorld& world : worlds)
       loss.add(
@@ -31,12 +33,13 @@ struct LossWorlds {
   }
 };
 
-inline const Footprint kMir = rectangle(0.89, 0.58, 0.038);
-inline const Footprint kJackal = rectangle(0.508, 0.43, 0.0);
+inline constexpr double kMirWidth = 0.58, kJackalWidth = 0.43;  // [m]
+inline const Footprint kMir = rectangle(0.89, kMirWidth, 0.038);
+inline const Footprint kJackal = rectangle(0.508, kJackalWidth, 0.0);
 
 /// Every n-th BARN world with a Jackal, from its start to its goal.
 inline LossWorlds barn_loss_worlds(int every) {
-  LossWorlds group{"BARN, Jackal", kJackal, {}};
+  LossWorlds group{"BARN, Jackal", kJackal, kJackalWidth, {}};
   const auto numbers = barn_world_numbers(barn_file());
   for (std::size_t i = 0; i < numbers.size(); i += static_cast<std::size_t>(every)) {
     const auto map = barn_world(numbers[i]);
@@ -47,12 +50,13 @@ inline LossWorlds barn_loss_worlds(int every) {
 }
 
 /// The real building, with drives from its corridor to places anywhere.
-inline LossWorlds building_loss_worlds(const char* name, const Footprint& footprint, int drives) {
+inline LossWorlds building_loss_worlds(const char* name, const Footprint& footprint, double width,
+                                       int drives) {
   const auto map = load_world(building_map());
   LossWorld world{map, ReachablePoses(map, footprint, {-1.0, 0.0}), {}};
   for (int i = 0; i < drives; ++i)
     world.goals.push_back(world.reachable.some_place(static_cast<unsigned>(i)));
-  LossWorlds group{name, footprint, {}};
+  LossWorlds group{name, footprint, width, {}};
   group.worlds.push_back(std::move(world));
   return group;
 }
@@ -60,8 +64,8 @@ inline LossWorlds building_loss_worlds(const char* name, const Footprint& footpr
 inline std::vector<LossWorlds> loss_worlds(int every) {
   std::vector<LossWorlds> all;
   all.push_back(barn_loss_worlds(every));
-  all.push_back(building_loss_worlds("geb079, Jackal", kJackal, 12));
-  all.push_back(building_loss_worlds("geb079, MiR", kMir, 12));
+  all.push_back(building_loss_worlds("geb079, Jackal", kJackal, kJackalWidth, 12));
+  all.push_back(building_loss_worlds("geb079, MiR", kMir, kMirWidth, 12));
   return all;
 }
 
