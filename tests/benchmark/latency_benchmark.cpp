@@ -7,8 +7,9 @@
 #include <cstdlib>
 #include <vector>
 
-#include "metrics/metrics.hpp"
 #include "bringup/system.hpp"
+#include "metrics/metrics.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
@@ -63,7 +64,7 @@ class Stick {
 };
 
 void measure(const char* policy) {
-  System system = load_system(TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml");
+  System system = load_system(test::source_path("bringup/systems/teleop.yaml"));
   for (SystemNode& node : system.nodes) {
     auto& values = node.options.parameters.values;
     if (node.component == "arbitration") values["policy"] = {policy, "latency_benchmark"};
@@ -90,7 +91,7 @@ void measure(const char* policy) {
 }  // namespace tandem
 
 int main() {
-  setenv("TANDEM_COMPONENT_PATH", TANDEM_BINARY_DIR, 0);
+  setenv("TANDEM_COMPONENT_PATH", tandem::test::binary_path().c_str(), 0);
   tandem::measure("manual");
   tandem::measure("shared");
 }

@@ -10,6 +10,7 @@
 #include "bringup/system.hpp"
 #include "convert.hpp"
 #include "metrics/metrics.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
@@ -120,6 +121,6 @@ int measure() {
 }  // namespace tandem
 
 int main() {
-  setenv("TANDEM_COMPONENT_PATH", TANDEM_BINARY_DIR, 0);
+  setenv("TANDEM_COMPONENT_PATH", tandem::test::binary_path().c_str(), 0);
   return tandem::measure();
 }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "runtime/time.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -17,7 +18,7 @@ class Observed : public testing::Test {
  protected:
   explicit Observed(const std::string& scenario = "corridor") {
     const Scenario drive = with_options(
-        load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/" + scenario + ".yaml"), {});
+        load_scenario(test::source_path("bringup/scenarios/" + scenario + ".yaml")), {});
     drive_.emplace(drive, system_of(drive, {}));
   }
 

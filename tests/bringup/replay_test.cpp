@@ -9,6 +9,7 @@
 
 #include "bringup/bag.hpp"
 #include "bringup/lockstep.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -111,7 +112,7 @@ TEST_F(Replay, OfTwoRobotsAsksWhichAndPlaysOneAlone) {
   EXPECT_EQ(recorded_stick(folder_, {}, "/b/joy").linear, (std::vector<double>(3, -1.0)));
   EXPECT_EQ(recorded_stick(folder_, {}, "/b/joy").t, (std::vector<double>{0.0, 0.1, 0.2}));
   EXPECT_THROW((void)recorded_stick(folder_, {}, "/c/joy"), std::runtime_error);
-  Scenario scenario = load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml");
+  Scenario scenario = load_scenario(test::source_path("bringup/scenarios/forest_task2.yaml"));
   const auto drive = with_options(
       scenario, {.driver = "replay", .recording = folder_.string(), .recording_topic = "/a/joy"});
   EXPECT_EQ(drive.recording_topic, "/a/joy");
@@ -120,7 +121,7 @@ TEST_F(Replay, OfTwoRobotsAsksWhichAndPlaysOneAlone) {
 
 TEST_F(Replay, SaysWhatItWantsInsteadOfAFileThatIsNoRecording) {
   try {
-    (void)recorded_stick(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml", {});
+    (void)recorded_stick(test::source_path("bringup/scenarios/forest_task2.yaml"), {});
     FAIL() << "read";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string{error.what()}.find("forest_task2.yaml: is no recording; name a folder"),
@@ -139,7 +140,7 @@ TEST_F(Replay, DrivesWhatWasRecorded) {
   std::vector<std::pair<std::int64_t, Bytes>> messages;
   for (int i = 0; i < 60; ++i) messages.emplace_back(i * 50'000'000LL, joy(0.0F, 1.0F, 1));
   write({"/joy", "sensor_msgs/msg/Joy"}, messages);
-  Scenario scenario = load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml");
+  Scenario scenario = load_scenario(test::source_path("bringup/scenarios/forest_task2.yaml"));
   scenario.duration = 6.0;
   DriveOptions options;
   options.method = "manual";

@@ -13,6 +13,7 @@
 #include "map/octomap_file.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "safety_filter/safety_filter_node.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -43,11 +44,10 @@ class ScenarioFile : public ::testing::Test {
 
   const std::string text_ =
       "scenario: t\n"
-      "map: " TANDEM_SOURCE_DIR
-      "/maps/forest.bt\n"
-      "robot: " TANDEM_SOURCE_DIR
-      "/bringup/robots/mir100.yaml\n"
-      "start: [-4.0, -4.0, 0.0]\n"
+      "map: " +
+      test::source_path("maps/forest.bt") +
+      "\nrobot: " + test::source_path("bringup/robots/mir100.yaml") +
+      "\nstart: [-4.0, -4.0, 0.0]\n"
       "goal: {region: [3.0, 1.5, 5.0, 3.5]}\n"
       "method: leader\n"
       "duration: 60\n"
@@ -127,7 +127,7 @@ TEST_F(ScenarioFile, OfManyWorldsKeepsApartThoseOfTwoFilesOfOneName) {
 
 TEST_F(ScenarioFile, OfManyWorldsHasAWorldForEachSeedOrRefusesIt) {
   write_barn(folder_ / "c.json", 1.0, 2);
-  write(text_, TANDEM_SOURCE_DIR "/maps/forest.bt", "c.json");
+  write(text_, test::source_path("maps/forest.bt"), "c.json");
   const Scenario scenario = load_scenario(file_.string());
   EXPECT_NO_THROW((void)with_options(scenario, {.seed = 2}));
   try {
@@ -217,14 +217,14 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(ScenarioFile, RobotOfNegativeSizeIsRefused) {
   std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    width: -0.5\n";
-  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "robot.yaml");
+  write(text_, test::source_path("bringup/robots/mir100.yaml"), "robot.yaml");
   EXPECT_NE(complaint().find("robot.yaml:3: node /"), std::string::npos) << complaint();
   EXPECT_NE(complaint().find("width = -0.5 outside [0.05, 5]"), std::string::npos);
 }
 
 TEST_F(ScenarioFile, RobotWithAMisspeltKeyIsRefusedWithTheNameThatIsMeant) {
   std::ofstream{folder_ / "misspelt.yaml"} << "/**:\n  ros__parameters:\n    widht: 0.5\n";
-  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "misspelt.yaml");
+  write(text_, test::source_path("bringup/robots/mir100.yaml"), "misspelt.yaml");
   try {
     check_robot(load_scenario(file_.string()));
     FAIL() << "accepted";
@@ -240,13 +240,13 @@ TEST_F(ScenarioFile, RobotMayNameWhatOnlyAnotherMethodOrNodeUses) {
       << "/**:\n  ros__parameters:\n    change_of_mind: 1.0\n    width: 0.5\n"
          "    use_sim_time: true\n    qos_overrides: {/odom: {publisher: {depth: 2}}}\n"
          "camera:\n  ros__parameters: {widht: 640}\n";
-  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "more.yaml");
+  write(text_, test::source_path("bringup/robots/mir100.yaml"), "more.yaml");
   EXPECT_EQ(complaint(), "");
   EXPECT_NO_THROW(check_robot(load_scenario(file_.string())));
 }
 
 TEST(ShippedScenarios, HaveRobotsWithoutAMisspeltKey) {
-  for (const auto& file : fs::directory_iterator{TANDEM_SOURCE_DIR "/bringup/scenarios"})
+  for (const auto& file : fs::directory_iterator{test::source_path("bringup/scenarios")})
     EXPECT_NO_THROW(check_robot(load_scenario(file.path().string()))) << file.path();
 }
 

@@ -15,13 +15,14 @@
 
 #include "bringup/study_folder.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kScenarios = TANDEM_SOURCE_DIR "/bringup/scenarios/";
+const std::string kScenarios = test::source_path("bringup/scenarios/");
 
 class StudyTest : public ::testing::Test {
  protected:
@@ -92,7 +93,7 @@ TEST_F(StudyFile, OverridesReachTheComponentsAndTheNearestWins) {
 TEST_F(StudyFile, ThoseShippedAreSoundAndNeedOnlyTheMaps) {
   for (const char* name : {"quick", "full"}) {
     const Study study =
-        load_study(TANDEM_SOURCE_DIR "/bringup/studies/" + std::string{name} + ".yaml");
+        load_study(test::source_path("bringup/studies/" + std::string{name} + ".yaml"));
     EXPECT_EQ(study.name, name);
     check_study(study);
   }
@@ -104,8 +105,8 @@ void write_replayed(const fs::path& folder, const std::string& robot, const std:
   std::ofstream{folder / "robot.yaml"} << robot;
   std::ofstream{folder / "drive/drive_0.db3"} << played;
   std::ofstream{folder / "s.yaml"} << "scenario: " << folder.filename().string()
-                                   << "\nmap: " TANDEM_SOURCE_DIR
-                                      "/maps/forest.bt\nrobot: robot.yaml\n"
+                                   << "\nmap: " << test::source_path("maps/forest.bt")
+                                   << "\nrobot: robot.yaml\n"
                                       "start: [-4, -4, 0]\ngoal: {roam_time: 5}\nmethod: manual\n"
                                       "driver: replay\nrecording: drive\n";
 }

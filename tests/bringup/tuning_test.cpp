@@ -6,12 +6,13 @@
 #include <cmath>
 
 #include "bringup/scenario.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
 
 System forest() {
-  const Scenario scenario = load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml");
+  const Scenario scenario = load_scenario(test::source_path("bringup/scenarios/forest_task2.yaml"));
   return system_of(scenario, DriveOptions{});
 }
 
@@ -59,7 +60,7 @@ TEST(Knobs, AreOfComponentsThatADrivenMethodUsesAndEachIsOne) {
   const auto complaint = [](const std::vector<std::string>& texts,
                             const std::vector<std::string>& methods) {
     const Scenario scenario =
-        load_scenario(TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml");
+        load_scenario(test::source_path("bringup/scenarios/forest_task2.yaml"));
     std::vector<System> systems;
     for (const auto& method : methods)
       systems.push_back(system_of(with_options(scenario, {.method = method}), {}));

@@ -16,6 +16,7 @@
 #include "map/fixtures.hpp"
 #include "map/static_map.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -36,7 +37,7 @@ const auto kNarrow = one_or_all({"clutter", "ward", "doorway"});
 const auto kMethods = ::testing::Values("leader", "intention", "path", "blend");
 
 std::string file(const std::string& name) {
-  return std::string(TANDEM_SOURCE_DIR "/bringup/scenarios/") + name + ".yaml";
+  return test::source_path("bringup/scenarios/" + name + ".yaml");
 }
 
 // The scenario, or the begin of it.
@@ -179,9 +180,9 @@ TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
 // A few worlds across the file; all 150: `tandem scenario tests/closed_loop/barn.yaml --lockstep
 // --method all --seeds 1-150`.
 TEST(Barn, WorldsArePassedWithoutContact) {
-  const std::string worlds = TANDEM_SHARED_DIR "/barn/worlds.json";
+  const std::string worlds = test::shared_path("barn/worlds.json");
   if (!std::filesystem::exists(worlds)) GTEST_SKIP() << worlds << " is not here";
-  const std::string path = TANDEM_SOURCE_DIR "/tests/closed_loop/barn.yaml";
+  const std::string path = test::source_path("tests/closed_loop/barn.yaml");
   for (const unsigned seed : {20U, 70U, 110U, 150U}) {
     const DriveOptions options{.method = "leader", .seed = seed, .map = worlds, .lockstep = true};
     const DriveResult result = drive_in_lockstep(scenario_of(path), options).result;
@@ -195,7 +196,7 @@ class Forbidden : public ::testing::TestWithParam<const char*> {};
 
 // The region is no obstacle to the simulator: only planner and filter keep the robot out.
 TEST_P(Forbidden, RegionsAreNeverEntered) {
-  const std::string folder = TANDEM_SOURCE_DIR "/tests/closed_loop/";
+  const std::string folder = test::source_path("tests/closed_loop/");
   const Fixtures fixtures = load_fixtures(folder + "forest_mat.yaml");
   const Grid empty{0.02, {-5.0, -5.0}, 500, 500, std::vector<Cell>(250000, Cell::kFree)};
   const StaticMap region{with_forbidden(empty, fixtures)};
@@ -215,7 +216,7 @@ class WithoutAMap : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(WithoutAMap, ReachesItsGoalWithoutContact) {
   const DriveResult result =
-      drive(TANDEM_SOURCE_DIR "/tests/closed_loop/forest_unknown.yaml", GetParam(), 1);
+      drive(test::source_path("tests/closed_loop/forest_unknown.yaml"), GetParam(), 1);
   EXPECT_TRUE(arrived(result));
   EXPECT_EQ(result.collisions, 0);
 }
@@ -285,10 +286,10 @@ TEST(Tables, SteadyStateErrorsComeOutBesideTheThesis) {
 class RealBuilding : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealBuilding, JackalReachesItsGoalWithoutContact) {
-  const std::string map = TANDEM_SHARED_DIR "/maps/geb079.bt";
+  const std::string map = test::shared_path("maps/geb079.bt");
   if (!std::filesystem::exists(map)) GTEST_SKIP() << map << " is not here";
   const std::string path =
-      TANDEM_SOURCE_DIR "/tests/closed_loop/" + std::string(GetParam()) + ".yaml";
+      test::source_path("tests/closed_loop/" + std::string(GetParam()) + ".yaml");
   const DriveOptions options{.method = "leader", .seed = 1, .map = map, .lockstep = true};
   const DriveResult result = drive_in_lockstep(scenario_of(path), options).result;
   EXPECT_TRUE(arrived(result));

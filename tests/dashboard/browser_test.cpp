@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 
 namespace tandem::test {
@@ -17,14 +18,13 @@ namespace fs = std::filesystem;
 constexpr double kTimeout = 250.0;  // [s]
 
 TEST(Browser, DrivesTheRobotAndTakesTheUserTest) {
-  const fs::path modules = TANDEM_PEERS_DIR "/browser", chromium = "/usr/bin/chromium",
+  const fs::path modules = peers_path("browser"), chromium = "/usr/bin/chromium",
                  node = "/usr/bin/node";
   for (const fs::path& needed : {modules / "node_modules", chromium, node})
     if (!fs::exists(needed)) GTEST_SKIP() << "NOT TESTED: there is no " << needed;
-  ChildProcess browser{
-      node,
-      {TANDEM_SOURCE_DIR "/tests/dashboard/browser/browser_test.mjs", modules,
-       TANDEM_BINARY_DIR "/tandem", TANDEM_SOURCE_DIR "/bringup/systems", chromium}};
+  ChildProcess browser{node,
+                       {source_path("tests/dashboard/browser/browser_test.mjs"), modules,
+                        binary_path("tandem"), source_path("bringup/systems"), chromium}};
   EXPECT_EQ(browser.wait(kTimeout), 0);
 }
 

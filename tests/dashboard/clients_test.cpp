@@ -13,6 +13,7 @@
 #include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "topics.hpp"
 
@@ -22,13 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kTimeout = 500.0;  // [s] under a sanitizer
-const fs::path kPeers = TANDEM_PEERS_DIR, kPython = kPeers / "python" / "bin" / "python";
-const std::string kTandem = TANDEM_BINARY_DIR "/tandem";
-const std::string kSystems = TANDEM_SOURCE_DIR "/bringup/systems";
+const fs::path kPeers = peers_path(), kPython = kPeers / "python" / "bin" / "python";
+const std::string kTandem = binary_path("tandem");
+const std::string kSystems = source_path("bringup/systems");
 
 std::vector<std::string> client_arguments(const std::string& check) {
-  return {TANDEM_SOURCE_DIR "/tests/dashboard/client.py", kTandem, kSystems + "/teleop.yaml",
-          check};
+  return {source_path("tests/dashboard/client.py"), kTandem, kSystems + "/teleop.yaml", check};
 }
 
 // Two minutes with five clients at a robot of their own, in a domain of its own, beside the other

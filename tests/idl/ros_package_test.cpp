@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "support/paths.hpp"
+
 namespace tandem {
 namespace {
 
@@ -17,7 +19,7 @@ namespace fs = std::filesystem;
 // By name ("Obstacle", "SetPolicy_Request"): the fields, a line "type name" each.
 using Structures = std::map<std::string, std::string>;
 
-const fs::path kFolder = fs::path{TANDEM_SOURCE_DIR} / "idl";
+const fs::path kFolder = test::source_path("idl");
 
 std::string text_of(const fs::path& path) {
   std::ifstream in{path};

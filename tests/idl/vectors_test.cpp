@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "message_fields.hpp"
+#include "support/paths.hpp"
 #include "type_hashes.hpp"
 #include "wire.hpp"
 
@@ -18,7 +19,8 @@ namespace {
 
 std::string vectors_path() {
   const char* shared = std::getenv("TANDEM_SHARED_DIR");
-  return std::string(shared ? shared : TANDEM_SHARED_DIR) + "/ros2/vectors.json";
+  const std::string file = "ros2/vectors.json";
+  return shared ? std::string{shared} + "/" + file : test::shared_path(file);
 }
 
 // Entries with bytes, by type name; empty if the file is not here.

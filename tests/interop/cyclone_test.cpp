@@ -7,6 +7,7 @@
 
 #include "runtime/component.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 
 namespace tandem {
@@ -15,7 +16,7 @@ namespace {
 TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
   // Policy manual behind the filter: the peer's Twist is the person's command.
   test::ChildProcess robot{"../tandem",
-                           {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--ros-args",
+                           {"run", test::source_path("bringup/systems/teleop.yaml"), "--ros-args",
                             "-p", "arbitration:policy:=manual"}};
   test::ChildProcess peer{"cyclone_peer", {std::getenv("ROS_DOMAIN_ID"), "0.3", "0.0", "60"}};
   EXPECT_EQ(peer.wait(70.0), 0);
@@ -24,7 +25,7 @@ TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
 }
 
 TEST(CyclonePeer, SetsAndGetsAParameterOfOurs) {
-  setenv("TANDEM_COMPONENT_PATH", TANDEM_BINARY_DIR, 1);
+  setenv("TANDEM_COMPONENT_PATH", test::binary_path().c_str(), 1);
   const auto teleop = rt::load_component("teleop", {.name = "teleop", .ns = "/robot"});
   const char* domain = std::getenv("ROS_DOMAIN_ID");
   const auto set = [&](const char* name, const char* value) {

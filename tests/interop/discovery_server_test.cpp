@@ -8,6 +8,7 @@
 
 #include "runtime/node.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 
@@ -26,7 +27,7 @@ TEST(DiscoveryServer, BringsOurProcessesTogether) {
   setenv("ROS_DISCOVERY_SERVER", ("127.0.0.1:" + port).c_str(), 1);
   test::ChildProcess robot{
       "../tandem",
-      {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--only", "diff_drive_sim"}};
+      {"run", test::source_path("bringup/systems/teleop.yaml"), "--only", "diff_drive_sim"}};
   rt::Node node{"tester"};
   int heard = 0;
   const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"/odom"},
@@ -44,7 +45,7 @@ TEST(DiscoveryServer, IsNeededByWhoNamesIt) {
   setenv("ROS_DISCOVERY_SERVER", "127.0.0.1:19999", 1);
   test::ChildProcess robot{
       "../tandem",
-      {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--only", "diff_drive_sim"}};
+      {"run", test::source_path("bringup/systems/teleop.yaml"), "--only", "diff_drive_sim"}};
   rt::Node node{"tester"};
   int heard = 0;
   const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"/odom"},

@@ -9,6 +9,7 @@
 
 #include "bringup/bag.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 
 namespace tandem {
@@ -18,12 +19,12 @@ namespace fs = std::filesystem;
 
 constexpr double kTimeout = 90.0;  // [s]; the peers give up after 60
 
-const fs::path kPeers = TANDEM_PEERS_DIR;
+const fs::path kPeers = test::peers_path();
 
-const std::string kSystem = TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml";
+const std::string kSystem = test::source_path("bringup/systems/teleop.yaml");
 
 const fs::path kPython = kPeers / "python" / "bin" / "python";
-const std::string kScript = TANDEM_SOURCE_DIR "/tests/interop/python_peer/peer.py";
+const std::string kScript = test::source_path("tests/interop/python_peer/peer.py");
 
 // Policy manual behind the filter: the peer's Twist is the person's command.
 void expect_python_does(const std::string& check) {
@@ -64,8 +65,8 @@ const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";
 void expect_rust_does(const std::string& check) {
   if (!fs::exists(kRust)) GTEST_SKIP() << kRust << " was not built";
   constexpr int kNoNamespace = 77;
-  test::ChildProcess both{TANDEM_SOURCE_DIR "/tests/interop/rust_peer/beside_robot",
-                          {TANDEM_BINARY_DIR "/tandem", kSystem, kRust, check}};
+  test::ChildProcess both{test::source_path("tests/interop/rust_peer/beside_robot"),
+                          {test::binary_path("tandem"), kSystem, kRust, check}};
   const auto status = both.wait(kTimeout);
   if (status == kNoNamespace) GTEST_SKIP() << "no network namespace can be made here";
   EXPECT_EQ(status, 0);

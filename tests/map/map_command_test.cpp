@@ -13,13 +13,14 @@
 #include <stdexcept>
 
 #include "bringup/map_picture.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kMaps = fs::path(TANDEM_SOURCE_DIR) / "maps";
+const fs::path kMaps = test::source_path("maps");
 
 std::string bytes_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);

@@ -11,6 +11,7 @@
 #include "map/octomap_file.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -116,16 +117,16 @@ TEST(MapDescription, RefusesWhatMakesNoMap) {
 
 TEST(MapDescription, TheProjectsMapsAreWhatTheirDescriptionsSay) {
   for (const char* name : {"forest", "corridor", "hall", "slalom", "ward", "yard"}) {
-    const auto file = std::filesystem::path(TANDEM_SOURCE_DIR) / "maps" / name;
-    const auto tree = build_octomap(load_map_description(file.string() + ".yaml"));
-    std::ifstream stream(file.string() + ".bt", std::ios::binary);
+    const auto file = test::source_path("maps/" + std::string{name});
+    const auto tree = build_octomap(load_map_description(file + ".yaml"));
+    std::ifstream stream(file + ".bt", std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     EXPECT_EQ(bytes, bt_file_bytes(*tree)) << name << ": run `tandem map build` again";
   }
 }
 
 TEST(MapDescription, TheForestIsTheThesiss) {
-  const auto file = std::filesystem::path(TANDEM_SOURCE_DIR) / "maps/forest.bt";
+  const auto file = test::source_path("maps/forest.bt");
   const StaticMap map(slice(*load_octomap(file), {}));
   const double x[] = {-4, -2, 0.5, 3, -2.5, 0, 2, -4, -1, 3, -2, 1, 4, -1, 1, 3};
   const double y[] = {3.5, 3, 3.5, 4, 1.5, 1.5, 2, 0, 0, 0.5, -2, -1, -1, -4, -3, -3};
@@ -135,7 +136,7 @@ TEST(MapDescription, TheForestIsTheThesiss) {
 }
 
 TEST(MapDescription, TheWardDependsOnTheHeightOfTheRobot) {
-  const auto file = std::filesystem::path(TANDEM_SOURCE_DIR) / "maps/ward.bt";
+  const auto file = test::source_path("maps/ward.bt");
   const auto tree = load_octomap(file);
   const StaticMap low(slice(*tree, {.z_min = 0.1, .z_max = 0.25}));
   const StaticMap seat(slice(*tree, {.z_min = 0.1, .z_max = 0.65}));

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "map/octomap_file.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -138,7 +139,7 @@ TEST(Slice, RefusesABandThatBeginsBelowTheDropOff) {
 }
 
 TEST(Slice, OfTheRealBuildingHasItsCorridorFree) {
-  const std::filesystem::path file = std::filesystem::path(TANDEM_SHARED_DIR) / "maps/geb079.bt";
+  const auto file = test::shared_path("maps/geb079.bt");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const Grid grid = slice(*load_octomap(file), {.z_min = 0.10, .z_max = 1.0});
   EXPECT_NEAR(grid.resolution, 0.08, 1e-9);

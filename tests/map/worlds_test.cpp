@@ -11,6 +11,7 @@
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -87,7 +88,7 @@ TEST(BarnWorld, SaysWhatIsWrong) {
 }
 
 TEST(BarnWorld, AllOfTheFileCanBePassed) {
-  const auto file = fs::path(TANDEM_SHARED_DIR) / "barn/worlds.json";
+  const auto file = test::shared_path("barn/worlds.json");
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
   const auto numbers = barn_world_numbers(file);
   ASSERT_EQ(numbers.size(), 150);

@@ -16,22 +16,19 @@
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
 #include "model/obstacle.hpp"
+#include "support/paths.hpp"
 
 namespace tandem::test {
 
 inline std::filesystem::path project_map(const std::string& name) {
-  return std::filesystem::path(TANDEM_SOURCE_DIR) / "maps" / (name + ".bt");
+  return source_path("maps/" + name + ".bt");
 }
 
 /// The real building; may be missing.
-inline std::filesystem::path building_map() {
-  return std::filesystem::path(TANDEM_SHARED_DIR) / "maps/geb079.bt";
-}
+inline std::filesystem::path building_map() { return shared_path("maps/geb079.bt"); }
 
 /// The BARN worlds; may be missing.
-inline std::filesystem::path barn_file() {
-  return std::filesystem::path(TANDEM_SHARED_DIR) / "barn/worlds.json";
-}
+inline std::filesystem::path barn_file() { return shared_path("barn/worlds.json"); }
 
 inline std::shared_ptr<const StaticMap> barn_world(int number) {
   const auto tree = build_octomap(load_barn_world(barn_file(), number));

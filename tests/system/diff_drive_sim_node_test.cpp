@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "support/captured_log.hpp"
+#include "support/paths.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -40,7 +41,7 @@ class SimOverDds : public OneComponent {
 
   CapturedLog log_;
   rt::RunningComponent sim_ =
-      load("diff_drive_sim", {{"map", TANDEM_SOURCE_DIR "/maps/forest.bt"},
+      load("diff_drive_sim", {{"map", source_path("maps/forest.bt")},
                               {"start", "[" + std::to_string(kStart) + ", -2.0, 0.0]"},
                               {"people", "[0.25, 1.0, 2, -4.0, -4.5, 4.0, -4.5]"},
                               {"command_timeout", "0.4"}});

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "map/octomap_file.hpp"
+#include "support/paths.hpp"
 #include "system/faulty_system.hpp"
 #include "system/not_finite.hpp"
 
@@ -244,7 +245,7 @@ TEST_F(Faults, OfStrangers) {
     for (auto& transform : m.transforms()) transform.transform().translation().y(3.0);
   };
   octomap_msgs::msg::Octomap hall;
-  const auto tree = load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt");
+  const auto tree = load_octomap(source_path("maps/hall.bt"));
   hall.binary(true);
   hall.id("OcTree");
   hall.resolution(tree->getResolution());

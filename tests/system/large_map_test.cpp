@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "map/octomap_file.hpp"
+#include "support/paths.hpp"
 #include "system/system_under_test.hpp"
 
 namespace tandem::test {
@@ -25,7 +26,7 @@ using octomap_msgs::msg::Octomap;
 
 // The forest, and far from it a cloud of voxels that no pruning makes smaller.
 Octomap large_map() {
-  const auto tree = load_octomap(TANDEM_SOURCE_DIR "/maps/forest.bt");
+  const auto tree = load_octomap(source_path("maps/forest.bt"));
   std::mt19937 random{1};
   std::uniform_real_distribution<float> place{20.0F, 40.0F};
   for (int i = 0; i < kLeaves; ++i)

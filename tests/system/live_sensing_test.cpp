@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Robots that know what stands in their way from their sensors alone; a process per component.
+#include "support/paths.hpp"
 #include "support/point_cloud.hpp"
 #include "system/system_under_test.hpp"
 
@@ -35,7 +36,7 @@ class LiveSensingInTheYard : public ::testing::Test {
   }
   [[nodiscard]] double x() const { return system_.truth.X.x; }
 
-  SystemUnderTest system_{TANDEM_SOURCE_DIR "/tests/system/live_sensing_yard.yaml"};
+  SystemUnderTest system_{source_path("tests/system/live_sensing_yard.yaml")};
   rt::Node node_{"person"};
   rt::Publisher<geometry_msgs::msg::Twist> user_ = node_.create_publisher(topics::cmd_vel_user);
   rt::Publisher<sensor_msgs::msg::PointCloud2> cloud_ = node_.create_publisher(topics::cloud_in);
@@ -63,7 +64,7 @@ TEST_F(LiveSensingInTheYard, ARobotWhoseSensorsFallSilentStops) {
 }
 
 TEST(LiveSensing, PolesThatTheMapLacksAreDrivenRound) {
-  SystemUnderTest system{TANDEM_SOURCE_DIR "/tests/system/live_sensing_forest.yaml"};
+  SystemUnderTest system{source_path("tests/system/live_sensing_forest.yaml")};
   system.start_all();
   system.start("octomap_builder");
   rt::Node node{"planner_beside"};

@@ -7,6 +7,7 @@
 #include "map/slice.hpp"
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -14,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kForest = TANDEM_SOURCE_DIR "/maps/forest.bt";
+const std::string kForest = source_path("maps/forest.bt");
 
 class MapServerOverDds : public OneComponent {
  protected:

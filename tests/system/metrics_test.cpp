@@ -17,6 +17,7 @@
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 std::string scenario(const std::string& name) {
-  return TANDEM_SOURCE_DIR "/bringup/scenarios/" + name + ".yaml";
+  return test::source_path("bringup/scenarios/" + name + ".yaml");
 }
 
 const std::string kScenario = scenario("forest_task2");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "map/octomap_file.hpp"
+#include "support/paths.hpp"
 #include "system/not_finite.hpp"
 #include "system/one_component.hpp"
 
@@ -225,14 +226,14 @@ class FilterOverDds : public OneComponent {
 
 TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "no map yet"; }));
-  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
 }
 
 class FilterAmongPeople : public FilterOverDds {
  protected:
   FilterAmongPeople() : FilterOverDds{"true"} {
-    send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+    send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
     people_beat_ = node_.create_wall_timer(0.02, [this] {
       if (list_) people_.publish(to_msg(*list_, header({}, frame_)));
     });
@@ -311,7 +312,7 @@ TEST_F(FilterAmongPeople, NoNumberOfAnyoneMayBeNotFinite) {
 }
 
 TEST_F(FilterOverDds, KeepsTheOldMapWhenTheNewOneIsBroken) {
-  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   send_map(std::vector<std::int8_t>(1000, 0x55));
   v_ = -1.0;
@@ -319,7 +320,7 @@ TEST_F(FilterOverDds, KeepsTheOldMapWhenTheNewOneIsBroken) {
 }
 
 TEST_F(FilterOverDds, StopsForACommandThatIsNotANumberAndForLostOdometry) {
-  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   push_v_ = kNaN;
   ASSERT_TRUE(wait_until([&] { return v_ == 0.0; }));
@@ -331,7 +332,7 @@ TEST_F(FilterOverDds, StopsForACommandThatIsNotANumberAndForLostOdometry) {
 
 // However often it looks between commands: here each command comes after the wrong one of the two.
 TEST_F(FilterOverDds, StandsAsLongAsTwoTellOfDifferentPlaces) {
-  send_map(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/yard.bt")));
+  send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   other_ = Pose2{0.0, 0.5, 0.0};
   ASSERT_TRUE(wait_until([&] { return reason_ == "pose jumped"; }));

@@ -3,6 +3,7 @@
 
 #include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
+#include "support/paths.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -38,7 +39,7 @@ class ExtractorOverDds : public OneComponent {
     return msg;
   }
   static octomap_msgs::msg::Octomap forest() {
-    return octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/forest.bt")));
+    return octomap(encode_octomap(*load_octomap(source_path("maps/forest.bt"))));
   }
   [[nodiscard]] bool covered(const Eigen::Vector2d& p_MQ) const {
     return std::any_of(seen_.begin(), seen_.end(),
@@ -112,7 +113,7 @@ TEST_F(ExtractorOverDds, DrawsWhatItLists) {
 TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
   map_.publish(forest());
   ASSERT_TRUE(wait_for_lists(1));
-  const auto hall = octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt")));
+  const auto hall = octomap(encode_octomap(*load_octomap(source_path("maps/hall.bt"))));
   {
     const auto other = node_.create_publisher(topics::octomap_binary);
     ASSERT_TRUE(wait_until([&] { return other.matched() == 1; }));
@@ -141,7 +142,7 @@ TEST_F(ExtractorOverDds, TakesTheMapOfAMapServerThatBeganAnew) {
   map_ = {};
   const auto next = node_.create_publisher(topics::octomap_binary);
   ASSERT_TRUE(wait_until([&] { return next.matched() == 1; }));
-  next.publish(octomap(encode_octomap(*load_octomap(TANDEM_SOURCE_DIR "/maps/hall.bt"))));
+  next.publish(octomap(encode_octomap(*load_octomap(source_path("maps/hall.bt")))));
   EXPECT_TRUE(wait_until([&] { return !covered(kPole); }));
 }
 

@@ -12,6 +12,7 @@
 #include "convert.hpp"
 #include "runtime/component.hpp"
 #include "runtime/time.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "topics.hpp"
@@ -32,7 +33,7 @@ inline rt::NodeOptions options(const std::string& name, const Values& parameters
 
 class OneComponent : public ::testing::Test {
  protected:
-  OneComponent() { setenv("TANDEM_COMPONENT_PATH", TANDEM_BINARY_DIR, 1); }
+  OneComponent() { setenv("TANDEM_COMPONENT_PATH", binary_path().c_str(), 1); }
 
   [[nodiscard]] static rt::RunningComponent load(const std::string& name, const Values& values) {
     return rt::load_component(name, options(name, values));

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "support/paths.hpp"
 #include "system/faulty_system.hpp"
 
 namespace tandem::test {
@@ -128,7 +129,7 @@ class ClockFaults : public Faults {
   // What is started meanwhile has a system clock that can be set, see system_clock_offset.c.
   void with_own_clock(const std::function<void()>& start) const {
     setenv("TANDEM_CLOCK_OFFSET", offset_.c_str(), 1);
-    setenv("LD_PRELOAD", TANDEM_BINARY_DIR "/tests/libsystem_clock_offset.so", 1);
+    setenv("LD_PRELOAD", binary_path("tests/libsystem_clock_offset.so").c_str(), 1);
     start();
     unsetenv("LD_PRELOAD");
   }

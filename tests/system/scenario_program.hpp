@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 
 namespace tandem::test {
@@ -24,7 +25,7 @@ class ScenarioProgram : public ::testing::Test {
   // Runs `tandem scenario` and returns its exit status.
   int run(const std::string& scenario, std::vector<std::string> options, double timeout = 150.0) {
     std::vector<std::string> arguments{"scenario",
-                                       TANDEM_SOURCE_DIR "/bringup/scenarios/" + scenario + ".yaml",
+                                       source_path("bringup/scenarios/" + scenario + ".yaml"),
                                        "--json", json_file().string()};
     arguments.insert(arguments.end(), options.begin(), options.end());
     ChildProcess program{"../tandem", arguments};

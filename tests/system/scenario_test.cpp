@@ -6,6 +6,7 @@
 
 #include "support/captured_log.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 #include "system/scenario_program.hpp"
 
 namespace tandem::test {
@@ -48,11 +49,9 @@ TEST_F(ScenarioProgram, TheLastPictureFolderNamedIsTheOneThatCounts) {
 
 TEST_F(ScenarioProgram, ExitsWithOneWhenWhatMustHoldDidNot) {
   const fs::path file = folder_ / "impossible.yaml";
-  std::ofstream{file} << "scenario: impossible\nmap: " TANDEM_SOURCE_DIR
-                         "/maps/forest.bt\n"
-                         "robot: " TANDEM_SOURCE_DIR
-                         "/bringup/robots/mir100.yaml\n"
-                         "start: [-4, -4, 0]\ngoal: {region: [3, 1.5, 5, 3.5]}\n"
+  std::ofstream{file} << "scenario: impossible\nmap: " << source_path("maps/forest.bt")
+                      << "\nrobot: " << source_path("bringup/robots/mir100.yaml")
+                      << "\nstart: [-4, -4, 0]\ngoal: {region: [3, 1.5, 5, 3.5]}\n"
                          "method: safety_filter\nduration: 1\n"
                          "parameters: {driver: {route: [4, 2.5]}}\n";
   ChildProcess program{"../tandem", {"scenario", file.string(), "--lockstep"}};
@@ -99,8 +98,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(ScenarioProgram, KnowsBeforeTheDriveThatItsResultCannotBeWritten) {
   const CapturedLog log;
   ChildProcess program{"../tandem",
-                       {"scenario", TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml",
-                        "--json", "/no/such/folder.json"}};
+                       {"scenario", source_path("bringup/scenarios/forest_task2.yaml"), "--json",
+                        "/no/such/folder.json"}};
   EXPECT_EQ(program.wait(20.0), 1);
   EXPECT_EQ(log.lines("--json /no/such/folder.json: cannot be written"), 1) << log.text();
 }
@@ -116,7 +115,7 @@ TEST_F(ScenarioProgram, NamesACommandThatDoesNotExist) {
 
 TEST_F(ScenarioProgram, TunesAndWritesWhatItFound) {
   const fs::path tuned = folder_ / "tuned.yaml";
-  const std::string scenario = TANDEM_SOURCE_DIR "/tests/system/near.yaml";
+  const std::string scenario = source_path("tests/system/near.yaml");
   const std::vector<std::string> few{"--seeds",       "1-1", "--check-seeds", "2-2",
                                      "--evaluations", "2",   "--out",         tuned.string()};
   std::vector<std::string> words{"tune", scenario, "--vary", "local_planner.weight_heading"};
@@ -139,7 +138,7 @@ TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
   if (kind == "empty") std::ofstream{map};
   if (kind == "text") std::ofstream{map} << "not a map\n";
   if (kind == "truncated") {
-    std::ifstream in{TANDEM_SOURCE_DIR "/maps/forest.bt", std::ios::binary};
+    std::ifstream in{source_path("maps/forest.bt"), std::ios::binary};
     std::string bytes{std::istreambuf_iterator<char>{in}, {}};
     std::ofstream{map, std::ios::binary} << bytes.substr(0, bytes.size() / 2);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole loop with TwistStamped at both ends: the person's commands and what the robot is told.
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -11,7 +12,7 @@ constexpr double kWay = 0.3;    // [m]
 
 TEST(StampedCommands, DriveTheRobotAndReachIt) {
   ChildProcess robot{"../tandem",
-                     {"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml", "--ros-args", "-p",
+                     {"run", source_path("bringup/systems/teleop.yaml"), "--ros-args", "-p",
                       "arbitration:policy:=manual", "-p", "safety_filter:stamped:=true"}};
   rt::Node node{"tester"};
   const auto user =

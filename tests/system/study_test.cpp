@@ -15,6 +15,7 @@
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
 #include "support/instrumented.hpp"
+#include "support/paths.hpp"
 
 namespace tandem {
 namespace {
@@ -32,9 +33,9 @@ class StudyProgram : public ::testing::Test {
     folder() = fs::temp_directory_path() / ("tandem_study_" + std::to_string(getpid()));
     fs::create_directories(folder());
     if (!kWhole)
-      std::ofstream{out("part.yaml")} << "study: quick\nscenarios: [" TANDEM_SOURCE_DIR
-                                         "/tests/system/near.yaml]\n"
-                                         "methods: [safety_filter, leader]\nseeds: 1-3\n";
+      std::ofstream{out("part.yaml")} << "study: quick\nscenarios: ["
+                                      << test::source_path("tests/system/near.yaml")
+                                      << "]\nmethods: [safety_filter, leader]\nseeds: 1-3\n";
     ASSERT_EQ(run({study(), "--out", out("whole")}), 0);
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
@@ -46,7 +47,7 @@ class StudyProgram : public ::testing::Test {
   static std::string out(const std::string& name) { return (folder() / name).string(); }
 
   static std::string study() {
-    return kWhole ? TANDEM_SOURCE_DIR "/bringup/studies/quick.yaml" : out("part.yaml");
+    return kWhole ? test::source_path("bringup/studies/quick.yaml") : out("part.yaml");
   }
   // Runs `tandem study` with two processes and returns its exit status.
   static int run(std::vector<std::string> words, double timeout = kLong) {
@@ -133,8 +134,9 @@ TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
 
 TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
   const fs::path other = folder() / "other.yaml";
-  std::ofstream{other} << "study: other\nscenarios: [" TANDEM_SOURCE_DIR
-                          "/bringup/scenarios/forest_task2.yaml]\nseeds: 1\n";
+  std::ofstream{other} << "study: other\nscenarios: ["
+                       << test::source_path("bringup/scenarios/forest_task2.yaml")
+                       << "]\nseeds: 1\n";
   {
     const test::CapturedLog log;
     EXPECT_EQ(run({other.string(), "--out", out("whole")}, 30.0), 1);
@@ -174,8 +176,8 @@ void expect_complaint(const std::vector<std::string>& words, const std::string& 
 TEST_F(StudyProgram, AndAllOthersThatDriveRefuseAMisspeltKeyOfARobot) {
   std::ofstream{folder() / "robot.yaml"} << "/**:\n  ros__parameters:\n    a_brk: 1.5\n";
   const std::string scenario = out("misspelt.yaml"), key = "robot.yaml:3: a_brk is no parameter";
-  std::ofstream{scenario} << "scenario: t\nmap: " TANDEM_SOURCE_DIR
-                             "/maps/forest.bt\nrobot: robot.yaml\nstart: [-4.0, -4.0, 0.0]\n"
+  std::ofstream{scenario} << "scenario: t\nmap: " << test::source_path("maps/forest.bt")
+                          << "\nrobot: robot.yaml\nstart: [-4.0, -4.0, 0.0]\n"
                              "goal: {region: [3.0, 1.5, 5.0, 3.5]}\nmethod: leader\n";
   std::ofstream{out("misspelt_study.yaml")} << "study: t\nscenarios: [misspelt.yaml]\nseeds: 1\n";
   expect_complaint({"scenario", scenario, "--lockstep"}, key);
@@ -186,7 +188,7 @@ TEST_F(StudyProgram, AndAllOthersThatDriveRefuseAMisspeltKeyOfARobot) {
 }
 
 TEST_F(StudyProgram, AndTuneAndScenarioRefuseSeedsThatContradict) {
-  const std::string scenario = TANDEM_SOURCE_DIR "/bringup/scenarios/forest_task2.yaml",
+  const std::string scenario = test::source_path("bringup/scenarios/forest_task2.yaml"),
                     kept = out("kept.yaml");
   std::ofstream{kept} << "as it was";
   const std::vector<std::string> tune{"tune", scenario, "--out", kept, "--evaluations", "1"};

@@ -11,6 +11,7 @@
 
 #include "convert.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/slow_motion.hpp"
 #include "support/spin_until.hpp"
@@ -29,7 +30,7 @@ inline const char* const kComponents[] = {"map_server",         "driver",       
 
 class SystemUnderTest {
  public:
-  explicit SystemUnderTest(std::string system = TANDEM_SOURCE_DIR "/bringup/systems/forest.yaml")
+  explicit SystemUnderTest(std::string system = source_path("bringup/systems/forest.yaml"))
       : system_{std::move(system)} {
     cmd_vel_ = node_.create_subscription(topics::cmd_vel, [this](const auto& msg) {
       const auto twist = from_msg(msg);

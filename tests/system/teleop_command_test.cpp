@@ -2,6 +2,7 @@
 // `tandem teleop` in a terminal that this test plays, beside a system.
 #include <pty.h>
 
+#include "support/paths.hpp"
 #include "system/system_under_test.hpp"
 
 namespace tandem::test {
@@ -13,9 +14,10 @@ constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
 class InTerminal {
  public:
   InTerminal() {
+    const std::string program = binary_path("tandem");
     pid_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
     if (pid_ != 0) return;
-    execl(TANDEM_BINARY_DIR "/tandem", "tandem", "teleop", nullptr);
+    execl(program.c_str(), "tandem", "teleop", nullptr);
     _exit(127);
   }
   ~InTerminal() {
@@ -42,12 +44,11 @@ class InTerminal {
 };
 
 TEST(TeleopCommand, DrivesWhileAKeyRepeatsAndShowsWhatTheRobotDoes) {
-  SystemUnderTest system{TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml"};
+  SystemUnderTest system{source_path("bringup/systems/teleop.yaml")};
   // A robot whose joystick has its stick and its button elsewhere.
   const std::vector<std::string> joystick{"-p", "teleop:axis_linear:=4", "-p",
                                           "teleop:deadman_button:=5"};
-  std::vector<std::string> run{"run", TANDEM_SOURCE_DIR "/bringup/systems/teleop.yaml",
-                               "--ros-args"};
+  std::vector<std::string> run{"run", source_path("bringup/systems/teleop.yaml"), "--ros-args"};
   run.insert(run.end(), joystick.begin(), joystick.end());
   ChildProcess robot{"../tandem", run};
   const InTerminal keyboard;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
@@ -18,8 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
 constexpr double kWay = 0.3;    // [m] that says "it drives"
-
-const std::string kSource = TANDEM_SOURCE_DIR;
 
 // What a tester sees and says of one robot.
 class Robot {
@@ -86,7 +85,7 @@ class TwoRobots : public testing::Test {
 
 std::vector<std::string> run_in(const std::string& ns) {
   return {"run",
-          kSource + "/bringup/systems/teleop.yaml",
+          source_path("bringup/systems/teleop.yaml"),
           "--ros-args",
           "-r",
           "__ns:=" + ns,
@@ -105,7 +104,7 @@ TEST_F(TwoRobots, InTwoProcessesDoNotHearEachOther) {
 
 // The teleoperated system under a namespace, as a system file's components.
 std::string components_in(const std::string& ns) {
-  const std::string map = kSource + "/maps/forest.bt";
+  const std::string map = source_path("maps/forest.bt");
   std::string text;
   const auto add = [&](const std::string& component, const std::string& parameters) {
     text += "  - {component: " + component + ", namespace: " + ns +
@@ -124,8 +123,9 @@ std::string components_in(const std::string& ns) {
 TEST_F(TwoRobots, InOneProcessDoNotHearEachOther) {
   char name[] = "/tmp/tandem_two_robots_XXXXXX";
   const fs::path folder = mkdtemp(name);
-  std::ofstream{folder / "two.yaml"} << "use_sim_time: true\nparameter_files: [" << kSource
-                                     << "/bringup/robots/mir100.yaml]\ncomponents:\n"
+  std::ofstream{folder / "two.yaml"} << "use_sim_time: true\nparameter_files: ["
+                                     << source_path("bringup/robots/mir100.yaml")
+                                     << "]\ncomponents:\n"
                                      << components_in("/a") << components_in("/b");
   {
     ChildProcess both{"../tandem", {"run", folder / "two.yaml"}};

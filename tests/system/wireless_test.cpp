@@ -3,6 +3,7 @@
 // it and the robot loses packets, or is gone for a while.
 #include <optional>
 
+#include "support/paths.hpp"
 #include "support/two_hosts.hpp"
 #include "system/faulty_system.hpp"
 
@@ -35,8 +36,7 @@ class WirelessSystem : public Network, public WatchedSystem {
         start(name);
       else
         person_[name] = std::make_unique<ChildProcess>(
-            "/bin/ip",
-            hosts->on_second({TANDEM_BINARY_DIR "/tandem", "run", system(), "--only", name}));
+            "/bin/ip", hosts->on_second({binary_path("tandem"), "run", system(), "--only", name}));
     }
   }
 
