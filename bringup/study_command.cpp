@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <random>
 #include <stdexcept>
 #include <thread>
@@ -17,14 +14,13 @@
 #include "bringup/progress_bar.hpp"
 #include "bringup/study.hpp"
 #include "bringup/study_folder.hpp"
+#include "bringup/study_report.hpp"
 #include "bringup/study_summary.hpp"
 #include "bringup/study_worlds.hpp"
 #include "runtime/time.hpp"
 
 namespace tandem {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Request {
   std::string study, out, shard;
@@ -94,36 +90,6 @@ void make_drives(const Study& study, StudyFolder& folder, const Request& request
       });
 }
 
-// The first Python that has matplotlib: Debian's package belongs to /usr/bin/python3.
-std::optional<std::string> python() {
-  for (const std::string program : {"python3", "/usr/bin/python3"})
-    if (std::system((program + " -c 'import matplotlib' >/dev/null 2>&1").c_str()) == 0)
-      return program;
-  return std::nullopt;
-}
-
-std::string shell_quoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
-void report(const StudyFolder& folder) {
-  const fs::path script = TANDEM_REPORT;
-  const auto interpreter = python();
-  if (!interpreter || !fs::exists(script)) {
-    std::fprintf(stderr, "no report: %s\n",
-                 interpreter ? (script.string() + " is not there").c_str()
-                             : "it needs matplotlib; apt-get install python3-matplotlib, and run "
-                               "this command again");
-    return;
-  }
-  const std::string command =
-      *interpreter + " " + shell_quoted(script.string()) + " " + shell_quoted(folder.path());
-  if (std::system(command.c_str()) != 0)
-    throw std::runtime_error("the report failed; the results are in " + folder.path());
-}
-
 void write_results(const StudyFolder& folder, const Request& request) {
   const auto drives = folder.results();
   const auto groups = groups_of(drives);
@@ -135,7 +101,7 @@ void write_results(const StudyFolder& folder, const Request& request) {
   write_file(file("summary.json"), summary_of(groups).dump(1) + "\n");
   std::printf("%s\n%s", study_table(groups).c_str(), cost_table(drives).c_str());
   std::fflush(stdout);
-  if (!request.no_report) report(folder);
+  if (!request.no_report) draw_report(folder.path());
   std::printf(
       "%zu drives in %s%s\n", drives.size(), folder.path().c_str(),
       builds.size() > 1 ? fmt::format(", by {} builds of tandem", builds.size()).c_str() : "");
