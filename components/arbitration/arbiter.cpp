@@ -8,8 +8,9 @@
 namespace tandem {
 namespace {
 
+// Finite for all finite twists: a.v + share_of_b * (b.v - a.v) is not.
 Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
-  return {a.v + share_of_b * (b.v - a.v), a.w + share_of_b * (b.w - a.w)};
+  return {std::lerp(a.v, b.v, share_of_b), std::lerp(a.w, b.w, share_of_b)};
 }
 
 // [s] in which nobody steers: the stick is let go. Neither silence for less nor a lone zero is

@@ -94,7 +94,8 @@ struct Decision {
 };
 
 /// Decides whose command goes on. Times are seconds on one monotonic clock; a command counts from
-/// the moment it arrived. Never throws after construction; a non-finite command is as good as none.
+/// the moment it arrived. Never throws after construction. A command that is not finite is ignored;
+/// any finite one gives a finite decision.
 class Arbiter {
  public:
   /// Throws std::invalid_argument on parameters out of range.

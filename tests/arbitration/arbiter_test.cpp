@@ -238,6 +238,24 @@ TEST(Arbiter, ChangeOfAuthorityRampsAndAStopDoesNot) {
   EXPECT_EQ(it.decide(1.11).command, Twist2{});
 }
 
+TEST(Arbiter, MixesCommandsAsLargeAsADoubleToAFiniteOne) {
+  constexpr double kHuge = std::numeric_limits<double>::max();
+  for (const char* policy : {"blend", "adaptive"}) {
+    Arbiter it = arbiter(policy);
+    for (double t = 1.0; t < 3.0; t += 0.05) {
+      it.on_user({kHuge, -kHuge}, t);
+      it.on_shared({-kHuge, kHuge}, t);
+      it.on_clearance(t < 2.0 ? 5.0 : -kHuge, t);
+      const Decision out = it.decide(t);
+      ASSERT_TRUE(is_finite(out.command)) << policy << " at " << t;
+      ASSERT_GE(out.alpha, 0.0);
+      ASSERT_LE(out.alpha, 1.0);
+      ASSERT_GE(out.performance, 0.0);
+      ASSERT_LE(out.performance, 1.0);
+    }
+  }
+}
+
 TEST(Arbiter, BlendGivesThePlannerMoreNearObstacles) {
   Arbiter it = arbiter("blend");
   double far = 0.0, near = 0.0;
