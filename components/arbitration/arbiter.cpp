@@ -102,7 +102,7 @@ void Arbiter::Input::receive(const Twist2& value, double time) {
 }
 
 Arbiter::Arbiter(const ArbiterParams& params)
-    : params_{params}, policy_{policy_from(params.policy)} {
+    : params_{params}, policy_{policy_from(params.policy)}, handover_{params.handover_time} {
   check(params_);
 }
 
@@ -167,7 +167,6 @@ void Arbiter::watch_clock(double now) {
   for (Word* word : {&planner_, &filter_})
     if (word->t > now) *word = {};
   if (clearance_time_ > now) clearance_heard_ = false;
-  ramp_start_ = kNever;
   steered_ = std::min(steered_, now);
 }
 
@@ -229,20 +228,16 @@ Decision Arbiter::blend(double now, double least, double disagreement) {
           ArbitrationReason::kFollowsSource, alpha_};
 }
 
-// A change of the source ramps from the command in force; a stop never waits.
+// A stop never waits, and a robot that stood starts with the command as it is.
 Decision Arbiter::ramp(Decision decision, double now) {
-  if (decision.source == Source::kNone) return decision;
-  if (decision.source != last_.source) {
-    ramp_from_ = last_.command;
-    ramp_start_ = now;
-  }
-  const double age = now - ramp_start_;
-  if (age >= params_.handover_time || last_.source == Source::kNone) {
-    if (last_.source == Source::kNone) ramp_start_ = now - params_.handover_time;
+  if (decision.source == Source::kNone) {
+    handover_.stop();
     return decision;
   }
-  decision.command = mix(ramp_from_, decision.command, age / params_.handover_time);
-  if (decision.reason == ArbitrationReason::kFollowsSource)
+  const bool changed = last_.source != Source::kNone && decision.source != last_.source;
+  const Twist2 chosen = decision.command;
+  decision.command = handover_.follow(chosen, changed, now);
+  if (decision.command != chosen && decision.reason == ArbitrationReason::kFollowsSource)
     decision.reason = ArbitrationReason::kHandover;
   return decision;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "arbitration/handover.hpp"
 #include "arbitration/performance.hpp"
 #include "model/se2.hpp"
 #include "params.hpp"
@@ -24,7 +25,7 @@ enum class Source { kNone, kUser, kShared, kBlend, kNav };
 /// Why the decision is what it is.
 enum class ArbitrationReason {
   kFollowsSource,
-  kHandover,       ///< authority just changed: ramping from the old command to the new
+  kHandover,       ///< authority just changed: ramping up to the new command
   kUserTakesOver,  ///< autonomous, but the person steers
   kEmergencyStop,
   kLetGoFirst,  ///< an emergency stop was released, and the person has not let go of the stick yet
@@ -77,7 +78,8 @@ struct ArbiterParams {
     field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence that stops the person");
     field("shared_timeout", shared_timeout, Range{0.02, 5.0}, "[s] silence that stops the planner");
     field("nav_timeout", nav_timeout, Range{0.02, 5.0}, "[s] silence that frees from autonomy");
-    field("handover_time", handover_time, Range{0.0, 5.0}, "[s] ramp when authority changes");
+    field("handover_time", handover_time, Range{0.0, 5.0},
+          "[s] longest ramp up when authority changes; slowing down never waits");
     field("takeover_threshold", takeover_threshold, Range{0.0, 1.0},
           "[m/s, rad/s] a person's command above it takes over from autonomy");
     blend.visit(field);
@@ -179,12 +181,11 @@ class Arbiter {
   /// What it takes after an emergency stop until the robot may move.
   enum class Restart { kFree, kLetGo, kSteer };
   Restart restart_ = Restart::kFree;
+  Handover handover_;
 
   Decision last_;
   double last_time_ = 0.0;
   double steered_ = -1e9;  ///< when the person did, last [s]
-  Twist2 ramp_from_;
-  double ramp_start_ = -1e9;
   double alpha_ = 0.0;
 };
 

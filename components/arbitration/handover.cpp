@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "arbitration/handover.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+// The value nearest to `value` that is not faster than `target` and not of the other sign.
+double between_rest_and(double target, double value) {
+  return std::clamp(value, std::min(0.0, target), std::max(0.0, target));
+}
+
+}  // namespace
+
+// The two are not scaled together, which would keep the chosen arc: a robot that goes straight
+// would then come to a halt at every handover to a command that turns, because its yaw rate begins
+// at zero. A driver expects the speed to be kept. The arc differs from the chosen one while the
+// ramp lasts.
+Twist2 Handover::follow(const Twist2& chosen, bool changed, double now) {
+  return {v_.follow(chosen.v, changed, now, duration_),
+          w_.follow(chosen.w, changed, now, duration_)};
+}
+
+double Handover::Ramp::follow(double target, bool changed, double now, double duration) {
+  if (now < time) time = end = now;
+  const double reached = between_rest_and(target, value);
+  const double growth = std::abs(target - reached);
+  if (changed) start(growth, now, duration);
+  if (now >= end || growth == 0.0) return finish(target, now);
+  const double dt = now - time;
+  // The second term brings a target that grows meanwhile to its end in time, too.
+  const double step = std::max(pace * (dt / duration), growth * (dt / (end - time)));
+  if (step >= growth) return finish(target, now);
+  time = now;
+  return value = between_rest_and(target, reached + std::copysign(step, target));
+}
+
+void Handover::Ramp::start(double growth, double now, double duration) {
+  const bool running = time < end;
+  pace = running ? std::max(pace, growth) : growth;
+  if (!running) time = now;
+  end = now + duration;
+}
+
+double Handover::Ramp::finish(double target, double now) {
+  time = end = now;
+  return value = target;
+}
+
+}  // namespace tandem
