@@ -67,29 +67,18 @@ void Teleop::set_gains(const StickGains& gains) {
 
 std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                        double t) {
-  const bool was_held = held_;
-  const double dt = was_held ? std::clamp(t - last_, 0.0, params_.joy_timeout) : 0.0;
-  held_ = stick.deadman;
-  last_ = t;
-  if (!held_) {
-    X_ML_.reset();
-    return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
-  }
+  const bool was_held = std::exchange(held_, stick.deadman);
+  const double dt = t - std::exchange(last_, t);  // below zero: the clock was set back
+  const bool goes_on = was_held && 0.0 <= dt && dt <= params_.joy_timeout;
+  if (!held_ || !goes_on) X_ML_.reset();
+  if (!held_) return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
   if (X_MB)
-    drive_leader(stick, *X_MB, dt);
+    drive_leader(stick, *X_MB, goes_on ? dt : 0.0);
   else
     X_ML_.reset();
   return Intent{
       {params_.gains.scale_linear * stick.linear, params_.gains.scale_angular * stick.angular},
       X_ML_};
-}
-
-std::optional<Intent> Teleop::update(double now) {
-  const double silence = now - last_;  // below zero: the clock was set back
-  if (!held_ || (0.0 <= silence && silence <= params_.joy_timeout)) return std::nullopt;
-  held_ = false;
-  X_ML_.reset();
-  return silence > 0.0 ? std::optional<Intent>{Intent{}} : std::nullopt;
 }
 
 // Who throws the stick round wants the robot to turn back now, not when the leader has come all the

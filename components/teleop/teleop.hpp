@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a joystick's axes and buttons, and where the robot is. Out: the person's twist and leader.
+// Turns a joystick's axes and buttons into the person's twist and leader.
 #pragma once
 
 #include <optional>
@@ -49,7 +49,8 @@ struct TeleopParams {
     field("deadman_button", deadman_button, Range{-1, 63}, "held to drive; -1: none");
     field("end_button", end_button, Range{-1, 63}, "ends the drive; -1: none");
     gains.visit(field);
-    field("joy_timeout", joy_timeout, Range{0.02, 5.0}, "[s] silence of joy that is a release");
+    field("joy_timeout", joy_timeout, Range{0.02, 5.0},
+          "[s] silence of joy that ends the leader and lets another stick drive");
   }
 };
 
@@ -90,14 +91,14 @@ class Teleop {
   /// Throws std::invalid_argument, having changed nothing, on gains out of range.
   void set_gains(const StickGains& gains);
 
-  /// `X_MB`: where the robot is, if anyone knows. No intent while the dead-man is released, but for
+  /// `X_MB`: where the robot is, if it is known. No intent while the dead-man is released, but for
   /// one zero at the moment of release; the leader then returns to the robot.
+  ///
+  /// A zero tells that the stick was let go of, so that a robot may start again after an emergency
+  /// stop. A joystick that falls silent may still be held: it gets no zero, and silence stops the
+  /// robot. The leader returns to the robot in this case, too.
   [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                                double t);
-
-  /// A joystick that fell silent is a released one. So is one from before the clock was set back,
-  /// without a zero: nobody has said anything since.
-  [[nodiscard]] std::optional<Intent> update(double now);
 
  private:
   void call_leader_back(double push, const Pose2& X_MB);

@@ -21,9 +21,6 @@ TeleopNode::TeleopNode(rt::Node& node)
       end_sim_{node.create_publisher(topics::end_sim)} {
   joy_ = node.create_subscription(topics::joy, topics::kUserInput,
                                   [this](const auto& msg) { on_joy(msg); });
-  watchdog_ = node.create_timer(params_->teleop.joy_timeout / 4, [this] {
-    if (const auto intent = teleop_.update(node_.now())) publish(*intent);
-  });
 }
 
 void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {

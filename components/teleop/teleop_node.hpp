@@ -24,8 +24,8 @@ struct TeleopNodeParams {
 
 /// joy, odom, tf → cmd_vel_user, leader_pose, leader/markers, end_sim.
 ///
-/// Publishes on every joy while the dead-man is held, and one zero at its release or when the
-/// joystick falls silent.
+/// Publishes on every joy while the dead-man is held, and one zero at its release; nothing while
+/// the joystick is silent.
 class TeleopNode {
  public:
   explicit TeleopNode(rt::Node& node);
@@ -47,7 +47,6 @@ class TeleopNode {
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
   rt::Publisher<std_msgs::msg::Bool> end_sim_;
   rt::Subscription joy_;
-  rt::Timer watchdog_;
 };
 
 }  // namespace tandem

@@ -19,6 +19,7 @@ class TeleopOverDds : public OneComponent {
     teleop_ = std::make_unique<rt::RunningComponent>(load("teleop", all));
     user_ = node_.create_subscription(topics::cmd_vel_user, [this](const auto& msg) {
       twist_ = {msg.linear().x(), msg.angular().z()};
+      zeros_ += twist_ == Twist2{} ? 1 : 0;
       ++commands_;
     });
     leader_ = node_.create_subscription(topics::leader_pose, [this](const auto& msg) {
@@ -39,6 +40,10 @@ class TeleopOverDds : public OneComponent {
     msg.axes(axes_);
     msg.buttons(buttons_);
     if (holds_joystick_) joy_.publish(msg);
+    ++beats_;
+  }
+  [[nodiscard]] bool wait_beats(long count) {
+    return wait_until([&, end = beats_ + count] { return beats_ >= end; });
   }
   [[nodiscard]] bool wait_for(double v, double w) {
     return wait_until([&] { return is_near(twist_.v, v) && is_near(twist_.w, w); });
@@ -55,7 +60,7 @@ class TeleopOverDds : public OneComponent {
   std::vector<float> axes_{-0.5f, 1.0f};  // right, ahead
   std::vector<int> buttons_{1, 0};        // dead-man, end
   Twist2 twist_;
-  long commands_ = 0;
+  long commands_ = 0, zeros_ = 0, beats_ = 0;
   int ends_ = 0;
   std::vector<Pose2> leads_;
   std::string leader_frame_;
@@ -93,11 +98,18 @@ TEST_F(TeleopOverDds, AxesAndButtonsThatAJoystickLacksAreAtRest) {
   EXPECT_TRUE(wait_for(0.0, 0.0));
 }
 
-TEST_F(TeleopOverDds, ASilentJoystickIsAReleasedOne) {
+// A zero would tell that the stick was let go of.
+TEST_F(TeleopOverDds, ASilentJoystickIsFollowedBySilence) {
   axes_ = {0.0f, 1.0f};
   ASSERT_TRUE(wait_for(kScale, 0.0));
   holds_joystick_ = false;
-  EXPECT_TRUE(wait_for(0.0, 0.0));
+  ASSERT_TRUE(wait_beats(15));  // more than queues
+  const long commands = commands_;
+  ASSERT_TRUE(wait_beats(30));  // 0.6 s, twice joy_timeout
+  EXPECT_EQ(commands_, commands);
+  holds_joystick_ = true;
+  EXPECT_TRUE(wait_until([&] { return commands_ > commands; }));
+  EXPECT_EQ(zeros_, 0);
 }
 
 TEST_F(TeleopOverDds, WhatIsLateByItsStampIsNoStick) {
@@ -105,10 +117,16 @@ TEST_F(TeleopOverDds, WhatIsLateByItsStampIsNoStick) {
   stamp_age_ = 0.0;
   ASSERT_TRUE(wait_for(kScale, 0.0));
   for (const double age : {0.7, -0.7}) {
+    const double before = twist_.v;
+    axes_[1] = -axes_[1];
     stamp_age_ = age;
-    EXPECT_TRUE(wait_for(0.0, 0.0)) << age;
+    ASSERT_TRUE(wait_beats(15));  // more than queues
+    const long commands = commands_;
+    ASSERT_TRUE(wait_beats(30));
+    EXPECT_EQ(commands_, commands) << age;
+    EXPECT_EQ(twist_.v, before) << age;
     stamp_age_ = 0.0;
-    EXPECT_TRUE(wait_for(kScale, 0.0)) << age;
+    EXPECT_TRUE(wait_for(-before, 0.0)) << age;
   }
 }
 

@@ -76,22 +76,26 @@ TEST(Teleop, SendsOneZeroAtRelease) {
   EXPECT_FALSE(teleop.on_stick({.linear = 1.0}, kOrigin, 0.1));
 }
 
-TEST(Teleop, TakesASilentJoystickAsReleased) {
+TEST(Teleop, SendsTheZeroOfAReleaseThatASilenceHid) {
   Teleop teleop{{}};
   ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 0.0));
-  EXPECT_FALSE(teleop.update(0.1));
-  const auto release = teleop.update(0.2);
+  const auto release = teleop.on_stick({}, kOrigin, 5.0);
   ASSERT_TRUE(release);
   EXPECT_EQ(release->twist, Twist2{});
-  EXPECT_FALSE(teleop.update(0.3));
+  EXPECT_FALSE(teleop.on_stick({}, kOrigin, 5.05));
 }
 
-TEST(Teleop, SaysNothingOfAStickOfBeforeTheClockWasSetBack) {
-  Teleop teleop{{}};
-  ASSERT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 60.0));
-  EXPECT_FALSE(teleop.update(0.0));
-  EXPECT_FALSE(teleop.update(60.2));
-  EXPECT_TRUE(teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, 60.3));
+TEST(Teleop, LeaderReturnsToTheRobotWhenTheJoystickWasSilentOrTheClockSetBack) {
+  const Stick ahead{.linear = 1.0, .deadman = true};
+  for (const double t : {1.2, 0.5}) {
+    Teleop teleop{{}};
+    std::optional<Intent> intent;
+    for (int i = 0; i <= 10; ++i) intent = teleop.on_stick(ahead, kOrigin, 0.1 * i);
+    ASSERT_GT(intent->X_ML->x, 0.5);
+    intent = teleop.on_stick(ahead, kOrigin, t);
+    EXPECT_EQ(intent->X_ML->x, 0.0) << t;
+    EXPECT_EQ(intent->twist.v, 0.8) << t;
+  }
 }
 
 TEST(Teleop, LeaderStartsAtTheRobotAndIntegratesTheStick) {
@@ -185,6 +189,14 @@ TEST(StickHolder, FollowsTheOneWhoHolds) {
   EXPECT_TRUE(holder.counts("page", false, 0.5));
   EXPECT_TRUE(holder.counts("pad", true, 0.6));
   EXPECT_TRUE(holder.counts("page", true, 1.2)) << "the pad has been silent for too long";
+}
+
+TEST(StickHolder, AStickOnTheTableDoesNotLetGoOfOneThatFellSilent) {
+  StickHolder holder{0.5};
+  EXPECT_TRUE(holder.counts("page", true, 0.0));
+  EXPECT_FALSE(holder.counts("pad", false, 9.0));
+  EXPECT_TRUE(holder.counts("page", false, 9.1));
+  EXPECT_TRUE(holder.counts("pad", false, 9.2));
 }
 
 }  // namespace
