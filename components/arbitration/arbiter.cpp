@@ -13,12 +13,11 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
   return {std::lerp(a.v, b.v, share_of_b), std::lerp(a.w, b.w, share_of_b)};
 }
 
-// [s] in which nobody steers: the stick is let go. Neither silence for less nor a lone zero is
-// enough: teleop says zero when its joystick is late.
+// [s] without steering after which the stick is let go. Less does not count: a stick passes its
+// centre, and a key is released between two presses.
 constexpr double kLetsGo = 1.0;
-constexpr double kAtRest = 0.02;  // [m/s, rad/s] more is steering, after an emergency stop
 constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
-constexpr double kGone = 0.5;  // [s] of a node's silence: no gap, nobody is there
+constexpr double kGone = 0.5;  // [s] of silence after which a node is gone, not late
 
 bool is_rest(const Twist2& twist, double threshold) {
   return std::abs(twist.v) <= threshold && std::abs(twist.w) <= threshold;
@@ -102,7 +101,10 @@ void Arbiter::Input::receive(const Twist2& value, double time) {
 }
 
 Arbiter::Arbiter(const ArbiterParams& params)
-    : params_{params}, policy_{policy_from(params.policy)}, handover_{params.handover_time} {
+    : params_{params},
+      policy_{policy_from(params.policy)},
+      stop_{std::max(kLetsGo, params.user_timeout)},
+      handover_{params.handover_time} {
   check(params_);
 }
 
@@ -115,9 +117,7 @@ void Arbiter::on_user(const Twist2& twist, double t) {
   user_.receive(twist, t);
   if (!is_finite(twist)) return;
   performance_.on_user(twist, t, params_.adaptive);
-  if (is_rest(twist, kAtRest)) return;
-  steered_ = t;
-  if (restart_ == Restart::kSteer) restart_ = Restart::kFree;
+  stop_.on_user(twist, t);
 }
 void Arbiter::on_shared(const Twist2& twist, double t) { shared_.receive(twist, t); }
 void Arbiter::on_nav(const Twist2& twist, double t) { nav_.receive(twist, t); }
@@ -130,36 +130,26 @@ void Arbiter::on_clearance(double clearance, double t) {
 }
 
 void Arbiter::on_emergency_stop(bool pressed) {
-  stop_pressed_ = pressed;
-  if (!pressed) return;
-  stop_latched_ = true;
-  restart_ = Restart::kLetGo;
-  if (policy_ == Policy::kAutonomous) policy_ = Policy::kShared;
-}
-
-bool Arbiter::release_emergency_stop() {
-  if (!stop_pressed_) stop_latched_ = false;
-  return !stop_latched_;
+  stop_.on_signal(pressed);
+  if (pressed && policy_ == Policy::kAutonomous) policy_ = Policy::kShared;
 }
 
 bool Arbiter::set_policy(Policy policy) {
-  if (stop_latched_ && policy == Policy::kAutonomous) return false;
+  if (stop_.latched() && policy == Policy::kAutonomous) return false;
   policy_ = policy;
   return true;
 }
 
 Decision Arbiter::decide(double now) {
   watch_clock(now);
-  Decision decision = stop_latched_ ? stop(ArbitrationReason::kEmergencyStop) : choose(now);
-  decision = ramp(decision, now);
+  Decision decision = ramp(choose(now), now);
   decision.performance = performance_.performance();
   last_ = decision;
   last_time_ = now;
   return decision;
 }
 
-// Where the clock was set back, what was heard before is of no known age, and would be as good as
-// new when the clock comes there again.
+// After the clock was set back, older timestamps lie in the future: discard them.
 void Arbiter::watch_clock(double now) {
   if (now >= last_time_) return;
   for (Input* input : {&user_, &shared_, &nav_})
@@ -167,26 +157,30 @@ void Arbiter::watch_clock(double now) {
   for (Word* word : {&planner_, &filter_})
     if (word->t > now) *word = {};
   if (clearance_time_ > now) clearance_heard_ = false;
-  steered_ = std::min(steered_, now);
+  stop_.set_clock_back(now);
 }
 
 bool Arbiter::steers(double now) const {
   return hears_person(now) && !is_rest(user_.twist, params_.takeover_threshold);
 }
 
-// To let go alone starts nothing: to a person who holds the dead-man with the stick at rest, a
-// planner that has a goal, or a leader ahead, would drive at once.
-void Arbiter::watch_restart(double now) {
-  if (restart_ == Restart::kLetGo && now - steered_ > std::max(kLetsGo, params_.user_timeout))
-    restart_ = Restart::kSteer;
-  // The stop has ended it: so it was chosen anew.
-  if (restart_ == Restart::kSteer && policy_ == Policy::kAutonomous) restart_ = Restart::kFree;
+Decision Arbiter::choose(double now) {
+  // The stop ends autonomy: if it is the policy, it was chosen anew.
+  switch (stop_.awaits(now, policy_ == Policy::kAutonomous)) {
+    case EmergencyStop::Awaits::kRelease:
+      return stop(ArbitrationReason::kEmergencyStop);
+    case EmergencyStop::Awaits::kLettingGo:
+      return stop(user_.heard ? ArbitrationReason::kLetGoFirst : ArbitrationReason::kUserSilent);
+    case EmergencyStop::Awaits::kSteering:
+      return stop(hears_person(now) ? ArbitrationReason::kSteerFirst
+                                    : ArbitrationReason::kUserSilent);
+    case EmergencyStop::Awaits::kNothing:
+      return choose_by_policy(now);
+  }
+  return stop(ArbitrationReason::kEmergencyStop);
 }
 
-Decision Arbiter::choose(double now) {
-  watch_restart(now);
-  if (restart_ == Restart::kLetGo) return stop(ArbitrationReason::kLetGoFirst);
-  if (restart_ == Restart::kSteer && hears_person(now)) return stop(ArbitrationReason::kSteerFirst);
+Decision Arbiter::choose_by_policy(double now) {
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
   if (!hears_person(now)) return stop(ArbitrationReason::kUserSilent);
   if (policy_ == Policy::kManual)

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the person's, the planner's and an outside autonomy's commands with the time each arrived,
-// and what planner and safety filter have to complain of. Out: one command, and why.
+// Selects the command in force among those of the person, the planner and an outside autonomy, and
+// says why the robot moves or stands.
 #pragma once
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "arbitration/emergency_stop.hpp"
 #include "arbitration/handover.hpp"
 #include "arbitration/performance.hpp"
 #include "model/se2.hpp"
@@ -28,12 +29,12 @@ enum class ArbitrationReason {
   kHandover,       ///< authority just changed: ramping up to the new command
   kUserTakesOver,  ///< autonomous, but the person steers
   kEmergencyStop,
-  kLetGoFirst,  ///< an emergency stop was released, and the person has not let go of the stick yet
-  kSteerFirst,  ///< they have, and hold the stick at rest since
+  kLetGoFirst,  ///< an emergency stop was released, and the person was not seen to let go yet
+  kSteerFirst,  ///< they let go, and hold the stick at rest since
   kUserSilent,
   kSharedSilent,
   kAllSilent,
-  kClockSilent,  ///< nobody knows what is old
+  kClockSilent,  ///< the age of a command cannot be told
 };
 
 [[nodiscard]] const char* name(Policy policy);
@@ -116,14 +117,14 @@ class Arbiter {
   /// Why the safety filter lets nothing pass; empty: something passes.
   void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t, true}; }
 
-  /// Latches: only release_emergency_stop() frees, and only after the last word was `false`. It
-  /// ends policy kAutonomous (kShared follows). To release it is no command to start (ISO 13850,
-  /// 4.1.4): the robot stands until the person has not steered for 1 s (or `user_timeout`, if that
-  /// is longer; before the release counts too) and then steers, or kAutonomous is chosen.
+  /// Latches: only release_emergency_stop() frees, and only after the last signal was `false`. It
+  /// ends policy kAutonomous (kShared follows). After the release the robot stands until the person
+  /// has let go of the stick for 1 s (or `user_timeout`, if that is longer) and then steers, or
+  /// kAutonomous is chosen. A stick that falls silent is not let go of: see EmergencyStop.
   void on_emergency_stop(bool pressed);
   /// Whether the stop is released now.
-  [[nodiscard]] bool release_emergency_stop();
-  [[nodiscard]] bool emergency_stopped() const { return stop_latched_; }
+  [[nodiscard]] bool release_emergency_stop() { return stop_.release(); }
+  [[nodiscard]] bool emergency_stopped() const { return stop_.latched(); }
 
   /// False, having changed nothing, for kAutonomous while the emergency stop is not released: it
   /// would start the robot with the release.
@@ -131,9 +132,13 @@ class Arbiter {
   [[nodiscard]] Policy policy() const { return policy_; }
 
   [[nodiscard]] Decision decide(double now);
-  /// Why the robot does what it does after `decision`. The first of: why it is stopped here, unless
-  /// only nobody steers; why the filter would stop it, whoever steered; that nobody steers; what
-  /// hinders the planner whose command goes on; the decision's own reason.
+  /// Why the robot moves or stands after `decision`: the first that holds of
+  ///
+  /// * why it is stopped here, unless it is because nobody steers,
+  /// * why the safety filter would stop any command,
+  /// * that nobody steers,
+  /// * what hinders the planner, if its command is in force,
+  /// * the decision's own reason.
   [[nodiscard]] std::string why(const Decision& decision, double now) const;
   /// Whether somebody is at the stick: their command is new.
   [[nodiscard]] bool hears_person(double now) const {
@@ -161,9 +166,9 @@ class Arbiter {
   };
 
   void watch_clock(double now);
-  void watch_restart(double now);
   [[nodiscard]] std::string trouble_of_filter(double now) const;
   [[nodiscard]] Decision choose(double now);
+  [[nodiscard]] Decision choose_by_policy(double now);
   [[nodiscard]] bool steers(double now) const;
   [[nodiscard]] Decision choose_autonomous(double now) const;
   [[nodiscard]] Decision blend(double now, double least, double disagreement);
@@ -177,15 +182,11 @@ class Arbiter {
   double clearance_ = 0.0, clearance_time_ = 0.0;
   bool clearance_heard_ = false;
   Performance performance_;
-  bool stop_pressed_ = false, stop_latched_ = false;
-  /// What it takes after an emergency stop until the robot may move.
-  enum class Restart { kFree, kLetGo, kSteer };
-  Restart restart_ = Restart::kFree;
+  EmergencyStop stop_;
   Handover handover_;
 
   Decision last_;
   double last_time_ = 0.0;
-  double steered_ = -1e9;  ///< when the person did, last [s]
   double alpha_ = 0.0;
 };
 

@@ -77,7 +77,7 @@ TEST(Arbiter, ReleasingAnEmergencyStopStartsNothing) {
     it.on_user({0.5, 0.0}, t);
     EXPECT_EQ(it.decide(t).reason, ArbitrationReason::kLetGoFirst);
     EXPECT_EQ(it.decide(t + 0.2).reason, ArbitrationReason::kLetGoFirst);  // a gap in the stream
-    it.on_user({}, t + 0.3);  // nor is teleop's zero, for a joystick that is late
+    it.on_user({}, t + 0.3);  // nor is a stick that passes its centre
     EXPECT_EQ(it.decide(t + 0.3).reason, ArbitrationReason::kLetGoFirst);
   }
 }
@@ -88,15 +88,41 @@ TEST(Arbiter, WhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
   ASSERT_TRUE(it.release_emergency_stop());
-  Arbiter silent = it;
-  EXPECT_EQ(silent.decide(1.9).reason, ArbitrationReason::kLetGoFirst);
-  EXPECT_EQ(silent.decide(2.1).reason, ArbitrationReason::kUserSilent);
-  silent.on_user({0.5, 0.0}, 5.0);
-  EXPECT_EQ(silent.decide(5.0).command, (Twist2{0.5, 0.0}));
-  it.on_user({}, 2.05);  // a stick that says that it is at rest
-  EXPECT_EQ(it.decide(2.05).reason, ArbitrationReason::kSteerFirst);
-  it.on_user({0.5, 0.0}, 2.1);
-  EXPECT_EQ(it.decide(2.1).command, (Twist2{0.5, 0.0}));
+  EXPECT_EQ(it.decide(9.0).reason, ArbitrationReason::kLetGoFirst);  // silence is not letting go
+  it.on_user({}, 10.0);
+  Arbiter silent = it;  // as teleop is once the dead-man button is released
+  EXPECT_EQ(silent.decide(10.9).reason, ArbitrationReason::kLetGoFirst);
+  EXPECT_EQ(silent.decide(11.1).reason, ArbitrationReason::kUserSilent);
+  silent.on_user({0.5, 0.0}, 15.0);
+  EXPECT_EQ(silent.decide(15.0).command, (Twist2{0.5, 0.0}));
+  it.on_user({}, 11.05);  // a stick that says that it is at rest
+  EXPECT_EQ(it.decide(11.05).reason, ArbitrationReason::kSteerFirst);
+  it.on_user({0.5, 0.0}, 11.1);
+  EXPECT_EQ(it.decide(11.1).command, (Twist2{0.5, 0.0}));
+}
+
+TEST(Arbiter, AStickHeldThroughALostLinkStartsNothingAfterAnEmergencyStop) {
+  for (const double silence : {0.2, 1.1, 30.0}) {
+    SCOPED_TRACE(silence);
+    Arbiter it = arbiter("manual");
+    it.on_user({0.5, 0.0}, 1.0);
+    it.on_emergency_stop(true);
+    it.on_emergency_stop(false);
+    ASSERT_TRUE(it.release_emergency_stop());
+    EXPECT_EQ(it.decide(1.0 + silence).command, Twist2{});
+    it.on_user({0.5, 0.0}, 1.0 + silence);
+    EXPECT_EQ(it.decide(1.0 + silence).reason, ArbitrationReason::kLetGoFirst);
+  }
+}
+
+TEST(Arbiter, SaysThatNobodySteersWhereNobodyEverDidAfterAnEmergencyStop) {
+  Arbiter it = arbiter("manual");
+  it.on_emergency_stop(true);
+  it.on_emergency_stop(false);
+  ASSERT_TRUE(it.release_emergency_stop());
+  EXPECT_EQ(it.decide(1.0).reason, ArbitrationReason::kUserSilent);
+  it.on_user({0.5, 0.0}, 2.0);
+  EXPECT_EQ(it.decide(2.0).reason, ArbitrationReason::kLetGoFirst);
 }
 
 TEST(Arbiter, WhoHoldsTheStickAtRestIsNotDrivenByThePlannerAfterAnEmergencyStop) {
@@ -139,14 +165,17 @@ TEST(Arbiter, WhereSilenceMayLastLongerSoMustLettingGoAfterAnEmergencyStop) {
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
   ASSERT_TRUE(it.release_emergency_stop());
+  it.on_user({}, 1.1);
   EXPECT_EQ(it.decide(3.9).reason, ArbitrationReason::kLetGoFirst);
-  EXPECT_EQ(it.decide(4.1).reason, ArbitrationReason::kUserSilent);
+  it.on_user({}, 4.2);
+  EXPECT_EQ(it.decide(4.2).reason, ArbitrationReason::kSteerFirst);
 }
 
 TEST(Arbiter, AStickPushedWhileTheEmergencyStopIsInForceStartsNothing) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 0.0);
   it.on_emergency_stop(true);
+  it.on_user({}, 0.1);
   EXPECT_EQ(it.decide(5.0).reason, ArbitrationReason::kEmergencyStop);  // was let go of
   it.on_user({0.5, 0.0}, 5.1);
   it.on_emergency_stop(false);
@@ -163,9 +192,11 @@ TEST(Arbiter, AutonomyChosenAfterAnEmergencyStopDrivesOnceTheStickIsLetGo) {
   ASSERT_TRUE(it.set_policy(Policy::kAutonomous));
   it.on_nav({0.4, 0.0}, 1.5);
   EXPECT_EQ(it.decide(1.5).reason, ArbitrationReason::kLetGoFirst);
+  it.on_user({}, 1.5);
   it.on_nav({0.4, 0.0}, 2.1);
-  it.on_user({}, 2.1);
-  EXPECT_EQ(it.decide(2.1).source, Source::kNav);
+  EXPECT_EQ(it.decide(2.1).reason, ArbitrationReason::kLetGoFirst);
+  it.on_nav({0.4, 0.0}, 2.6);
+  EXPECT_EQ(it.decide(2.6).source, Source::kNav);
 }
 
 TEST(Arbiter, EmergencyStopEndsAutonomy) {
@@ -204,6 +235,7 @@ TEST(Arbiter, EmergencyStopLatchesUntilItIsReleased) {
   it.on_emergency_stop(false);
   EXPECT_EQ(it.decide(1.0).command, Twist2{});  // `false` alone does not free
   EXPECT_TRUE(it.release_emergency_stop());
+  it.on_user({}, 1.02);
   it.on_user({}, 2.05);
   EXPECT_EQ(it.decide(2.05).reason, ArbitrationReason::kSteerFirst);
   it.on_user({0.5, 0.0}, 2.1);
@@ -422,7 +454,9 @@ TEST(Arbiter, AClockThatIsSetBackIsNoLettingGo) {
   it.on_user({0.5, 0.0}, 0.1);
   EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kLetGoFirst);
   it.on_user({0.0, 0.0}, 1.2);
-  EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kSteerFirst);
+  EXPECT_EQ(it.decide(1.2).reason, ArbitrationReason::kLetGoFirst);
+  it.on_user({0.0, 0.0}, 2.3);
+  EXPECT_EQ(it.decide(2.3).reason, ArbitrationReason::kSteerFirst);
 }
 
 TEST(Arbiter, ARampEndsWhereTheClockIsSetBack) {
