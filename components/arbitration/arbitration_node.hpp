@@ -23,9 +23,10 @@ struct ArbitrationNodeParams {
 /// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop, planner/status, safety_filter/status →
 /// cmd_vel_arbitrated, arbitration/status, /diagnostics.
 ///
-/// Passes a command on when it arrives; in between it repeats the command in force, and says zero
-/// as soon as the source in charge is silent. Why the robot stands, whoever of the three stopped
-/// it, is in status and diagnostics at once. Services: ~/set_policy, ~/release_emergency_stop.
+/// Passes a command on when it arrives; in between it repeats the command in force, and publishes
+/// zero as soon as the source in charge is silent. Status and diagnostics say at once why the robot
+/// stands, also if planner or safety filter stopped it. Services: ~/set_policy,
+/// ~/release_emergency_stop.
 class ArbitrationNode {
  public:
   static constexpr double kWatchdog = 0.0125;    // [s]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the person's and the planner's commands in time. Out: how well the person drives, and the
-// planner's authority that follows from it.
+// Measures from the person's and the planner's commands how well the person drives, and derives the
+// planner's authority from it.
 #pragma once
 
 #include "model/se2.hpp"
@@ -33,12 +33,13 @@ struct AdaptiveParams {
 
 /// Performance P of the person, 0 … 1, and the planner's share K:
 ///
-///   p = (1 − min(1, |u_user − u_planner| / disagreement)) (1 − min(1, |u̇_user| / unsteady)) (1) P
-///   = p averaged over `time`, while the person steers                                         (2)
-///   K = base + range (1 − P), at most 1, moved only by more than `hysteresis` (3)
+///   p = (1 − min(1, |u_user − u_planner| / disagreement))
+///       (1 − min(1, |u̇_user| / unsteady))                               (1)
+///   P = p averaged over `time`, while the person steers                  (2)
+///   K = base + range (1 − P), at most 1, moved only by more than `hysteresis`   (3)
 ///
-/// (3) is the wheelchair's rule K = K0 + Kr (1 − performance); (1) is our measure: whom the planner
-/// need not correct, and whose hand is steady, drives well.
+/// (3) is the wheelchair's rule K = K0 + Kr (1 − performance); (1) is our measure: a person drives
+/// well if the planner need not correct them and their hand is steady.
 class Performance {
  public:
   /// A person's command at time t [s].
