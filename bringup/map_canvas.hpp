@@ -155,12 +155,17 @@ struct MapPicture::Canvas {
     cairo_stroke(cairo.get());
   }
 
-  void draw_polyline(const std::vector<Eigen::Vector2d>& points, bool closed, const Pen& pen) {
+  // Adds to the current path.
+  void add_polyline(const std::vector<Eigen::Vector2d>& points, bool closed) {
+    cairo_new_sub_path(cairo.get());
     for (const auto& p : points) {
       const Eigen::Vector2d pixel = to_pixel(p);
       cairo_line_to(cairo.get(), pixel.x(), pixel.y());
     }
     if (closed) cairo_close_path(cairo.get());
+  }
+  void draw_polyline(const std::vector<Eigen::Vector2d>& points, bool closed, const Pen& pen) {
+    add_polyline(points, closed);
     finish(pen);
   }
 

@@ -57,9 +57,12 @@ void MapPicture::draw_path(std::span<const Pose2> X_MB, const Pen& pen) {
 }
 
 void MapPicture::draw_footprint(const Footprint& footprint, const Pose2& X_MB, const Pen& pen) {
-  std::vector<Eigen::Vector2d> points;
-  for (const auto& p_BV : footprint.p_BV) points.push_back(transform(X_MB, p_BV));
-  canvas_->draw_polyline(points, true, pen);
+  for (const auto& part : footprint.parts) {
+    std::vector<Eigen::Vector2d> points;
+    for (const auto& p_BV : part) points.push_back(transform(X_MB, p_BV));
+    canvas_->add_polyline(points, true);
+  }
+  canvas_->finish(pen);  // all parts at once: what overlaps is not filled twice
 }
 
 void MapPicture::draw_circle(const Eigen::Vector2d& p_MC, double radius, const Pen& pen) {

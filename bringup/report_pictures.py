@@ -173,8 +173,15 @@ def draw_scene(axes, scene, world):
     left, bottom = min(p[0] for p in world["cells"]), min(p[1] for p in world["cells"])
     axes.plot([left, left + 1.0], [bottom - 0.25] * 2, color="black", linewidth=1.2)
     axes.text(left + 1.1, bottom - 0.25, "1 m", fontsize=6, va="center")
-    axes.add_patch(Polygon([(x + c * u - s * v, y + s * u + c * v) for u, v in scene["outline"]],
-                           facecolor="none", edgecolor="black", linewidth=0.9))
+    for part in outline_parts(scene):
+        axes.add_patch(Polygon([(x + c * u - s * v, y + s * u + c * v) for u, v in part],
+                               facecolor="none", edgecolor="black", linewidth=0.9))
+
+
+def outline_parts(scene):
+    """The outline's convex parts; older folders hold the vertices of a single one."""
+    outline = scene["outline"]
+    return outline if isinstance(outline[0][0], list) else [outline]
 
 
 def limits(scene, world, tracks):

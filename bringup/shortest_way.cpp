@@ -18,15 +18,21 @@ constexpr double kStep = 0.01;     // [m] along the way
 
 using Points = std::vector<Eigen::Vector2d>;
 
-// Radius of the largest disc about B's origin inside the outline: the origin never comes nearer to
-// an obstacle.
-double inner_radius(const Footprint& footprint) {
+// Radius of the largest disc about B's origin inside the part, negative if the origin is outside.
+double inner_radius(const ConvexPolygon& part) {
   double radius = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < footprint.p_BV.size(); ++i) {
-    const Eigen::Vector2d& a = footprint.p_BV[i];
-    const Eigen::Vector2d edge = footprint.p_BV[(i + 1) % footprint.p_BV.size()] - a;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const Eigen::Vector2d& a = part[i];
+    const Eigen::Vector2d edge = part[(i + 1) % part.size()] - a;
     radius = std::min(radius, (edge.y() * a.x() - edge.x() * a.y()) / edge.norm());
   }
+  return radius;
+}
+
+// … inside one of the parts: the origin never comes nearer to an obstacle.
+double inner_radius(const Footprint& footprint) {
+  double radius = 0.0;
+  for (const auto& part : footprint.parts) radius = std::max(radius, inner_radius(part));
   return radius;
 }
 

@@ -10,9 +10,10 @@
 
 namespace tandem {
 
-/// Length [m] of the shortest way of the outline's narrowest disc from the start to where the goal
-/// is reached: the shortest way along the grid, pulled taut. Empty if the goal is no place or there
-/// is no way.
+/// Length [m] of the shortest way of the largest disc about base_link's origin inside one part of
+/// the outline, from the start to where the goal is reached: the shortest way along the grid,
+/// pulled taut. Empty if the goal is no place or there is no way, or if the origin lies on the edge
+/// of every part that contains it.
 [[nodiscard]] std::optional<double> shortest_way(const StaticMap& map, const Footprint& footprint,
                                                  const Pose2& start, const Goal& goal);
 

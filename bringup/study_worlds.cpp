@@ -45,11 +45,19 @@ json goal_of(const Scenario& scenario) {
   return json::object();
 }
 
+json outline_of(const RobotParams& robot) {
+  json parts = json::array();
+  for (const auto& part : footprint_of(robot).parts) {
+    json points = json::array();
+    for (const auto& p_BV : part) points.push_back({p_BV.x(), p_BV.y()});
+    parts.push_back(points);
+  }
+  return parts;
+}
+
 json scene_of(const Scenario& scenario, const DiffDriveSimNodeParams& sim) {
-  json outline = json::array();
-  for (const auto& p_BV : footprint_of(sim.robot).p_BV) outline.push_back({p_BV.x(), p_BV.y()});
   return {{"start", {scenario.start.x, scenario.start.y, scenario.start.theta}},
-          {"outline", outline},
+          {"outline", outline_of(sim.robot)},
           {"goal", goal_of(scenario)},
           {"worlds", json::object()}};
 }

@@ -39,10 +39,11 @@ Hindsight::Hindsight(const HindsightParams& params, const RobotParams& robot)
     throw std::invalid_argument("v_max: a robot that cannot drive forward comes to no goal");
   const Footprint outline = footprint_of(robot_);
   double low = 0.0, high = 0.0;
-  for (const auto& p_BV : outline.p_BV) {
-    low = std::min(low, p_BV.y());
-    high = std::max(high, p_BV.y());
-  }
+  for (const auto& part : outline.parts)
+    for (const auto& p_BV : part) {
+      low = std::min(low, p_BV.y());
+      high = std::max(high, p_BV.y());
+    }
   radius_ = std::max(0.0, std::min(-low, high) - kCellSlack);
   belief_.assign(goals_.size(), 1.0 / static_cast<double>(goals_.size()));
 }

@@ -77,8 +77,7 @@ std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& bod
   std::vector<Eigen::Vector2d> points;
   const auto blocker = first_blocker(wish, body, obstacles, limits);
   if (!blocker) return points;
-  double radius = 0.0;
-  for (const Disc& disc : body.discs) radius = std::max(radius, disc.radius);
+  const double radius = largest_radius(body);
   const Eigen::Vector2d way = blocker->p_MO - wish.X_MB.front().position();
   const Eigen::Vector2d ahead = way.norm() > 0.2 ? way.normalized() : blocker->heading;
   const Eigen::Vector2d left{-ahead.y(), ahead.x()};

@@ -35,6 +35,12 @@ double untouched_scale(const Body& body, const Pose2& X_MB, const Obstacle& obst
 
 }  // namespace
 
+double largest_radius(const Body& body) {
+  double radius = 0.0;
+  for (const Disc& disc : body.discs) radius = std::max(radius, disc.radius);
+  return radius;
+}
+
 Obstacle predicted(const Obstacle& obstacle, double t) {
   Obstacle out = obstacle;
   out.p_MO += t * obstacle.v_MO;

@@ -19,6 +19,9 @@ struct Body {
   bool round = false;  ///< the robot is its first disc, as in Devalla's scripts; no outline
 };
 
+/// Radius of the body's largest disc [m]: what the widest part needs. Discs of one part are equal.
+[[nodiscard]] double largest_radius(const Body& body);
+
 /// Twists commanded for dt each, from X_MB on, starting `start` seconds after the obstacles' time.
 struct Motion {
   Pose2 X_MB;

@@ -43,9 +43,7 @@ std::vector<Eigen::Vector2d> Trail::free_points(const Body& body,
                                                 std::span<const Obstacle> obstacles,
                                                 const PairLimits& limits,
                                                 std::span<const Eigen::Vector2d> onward) const {
-  double radius = body.discs.front().radius;
-  for (const Disc& disc : body.discs) radius = std::min(radius, disc.radius);
-  const Body disc{{}, {{{0.0, 0.0}, radius}}, true};
+  const Body disc{{}, {{{0.0, 0.0}, largest_radius(body)}}, true};
   PairLimits now = limits;
   now.dt = 0.0;
   std::vector<Eigen::Vector2d> all = points_, free;

@@ -71,12 +71,12 @@ void from_middle(const Span& span, Visit visit) {
   }
 }
 
-// The outline at a pose, ready to be asked for many squares.
-class PlacedOutline {
+// A part of the outline at a pose, ready to be asked for many squares.
+class PlacedPart {
  public:
-  PlacedOutline(const Footprint& footprint, const Pose2& X_MB)
-      : footprint_{footprint}, X_MB_{X_MB}, c_{std::cos(X_MB.theta)}, s_{std::sin(X_MB.theta)} {
-    for (const auto& p_BV : footprint.p_BV) {
+  PlacedPart(const ConvexPolygon& part, const Pose2& X_MB)
+      : part_{part}, X_MB_{X_MB}, c_{std::cos(X_MB.theta)}, s_{std::sin(X_MB.theta)} {
+    for (const auto& p_BV : part) {
       in_body_.add(p_BV);
       in_map_.add(to_map(p_BV));
     }
@@ -112,7 +112,7 @@ class PlacedOutline {
   }
 
   [[nodiscard]] double distance(const Eigen::Vector2d& p_MC, double side) const {
-    return distance_to_square(footprint_, X_MB_, p_MC, side);
+    return distance_to_square(part_, X_MB_, p_MC, side);
   }
 
  private:
@@ -120,7 +120,7 @@ class PlacedOutline {
     return {X_MB_.x + c_ * p.x() - s_ * p.y(), X_MB_.y + s_ * p.x() + c_ * p.y()};
   }
 
-  const Footprint& footprint_;
+  const ConvexPolygon& part_;
   Pose2 X_MB_;
   double c_, s_;
   Box in_body_, in_map_;
@@ -179,10 +179,19 @@ double StaticMap::distance(const Eigen::Vector2d& p_MQ) const {
 
 double StaticMap::clearance(const Footprint& footprint, const Pose2& X_MB, double cap) const {
   if (!is_finite(X_MB)) return 0.0;
-  const PlacedOutline outline(footprint, X_MB);
+  double least = cap;
+  for (const auto& part : footprint.parts) {
+    least = part_clearance(part, X_MB, least);
+    if (least <= 0.0) break;
+  }
+  return least;
+}
+
+double StaticMap::part_clearance(const ConvexPolygon& part, const Pose2& X_MB, double cap) const {
+  const PlacedPart outline(part, X_MB);
   if (outline.bound(*this) >= cap) return cap;
 
-  // The outline's box in cells.
+  // The part's box in cells.
   const Eigen::Vector2d low = (outline.box().low - grid_.origin) * cells_per_metre_;
   const Eigen::Vector2d high = (outline.box().high - grid_.origin) * cells_per_metre_;
   double best = cap;

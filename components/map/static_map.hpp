@@ -47,6 +47,10 @@ class StaticMap {
 
  private:
   [[nodiscard]] float field(int ix, int iy) const;
+  // One part's clearance [m], at most `cap`; `cap` too if most_clearance() of the pose is less:
+  // then the part that contains B's origin is nearer to an obstacle.
+  [[nodiscard]] double part_clearance(const ConvexPolygon& part, const Pose2& X_MB,
+                                      double cap) const;
   // No outline that contains the point has more clearance [m].
   [[nodiscard]] double most_clearance(const Eigen::Vector2d& p_MB) const;
 

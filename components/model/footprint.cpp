@@ -3,12 +3,26 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace tandem {
 namespace {
 
-using Polygon = std::vector<Eigen::Vector2d>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Box {
+  explicit Box(const ConvexPolygon& polygon) : low{polygon.front()}, high{polygon.front()} {
+    for (const auto& p : polygon) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  Eigen::Vector2d low, high;
+};
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -23,7 +37,7 @@ double squared_distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector
   return (ap - along / length2 * ab).squaredNorm();
 }
 
-bool contains(const Polygon& polygon, const Eigen::Vector2d& p) {
+bool contains(const ConvexPolygon& polygon, const Eigen::Vector2d& p) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const auto& a = polygon[i];
     const auto& b = polygon[(i + 1) % polygon.size()];
@@ -34,8 +48,8 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& p) {
 
 // From a convex polygon to a point, 0 inside. Only the edges that the point lies outside of are
 // measured: one of them is the nearest.
-double squared_distance_to_point(const Polygon& polygon, const Eigen::Vector2d& p) {
-  double d2 = std::numeric_limits<double>::infinity();
+double squared_distance_to_point(const ConvexPolygon& polygon, const Eigen::Vector2d& p) {
+  double d2 = kInfinity;
   bool inside = true;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const auto& a = polygon[i];
@@ -72,6 +86,85 @@ bool crosses_square(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double h
   return t0 <= t1;
 }
 
+[[noreturn]] void refuse(const std::string& where, const std::string& why) {
+  throw std::invalid_argument("footprint: " + where + ": " + why);
+}
+
+// `part` and `vertex` count from 0 here and from 1 in the text.
+std::string place(std::size_t part, std::size_t vertex, const Eigen::Vector2d& p_BV) {
+  std::ostringstream text;
+  text << "part " << part + 1 << ", vertex " << vertex + 1 << " at (" << p_BV.x() << ", "
+       << p_BV.y() << ")";
+  return text.str();
+}
+
+// What is wrong with the corner b between its neighbours a and c; empty if nothing is.
+std::string fault(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+  const double turn = cross(b - a, c - b);
+  if (a == b) return "repeats the vertex before it; give each vertex once, the first not again";
+  if (turn < 0.0)
+    return "the outline turns right; list the vertices counter-clockwise, and cut an outline with "
+           "a dent into convex parts (footprint_parts)";
+  if (!(turn > 0.0) && b != c) return "lies on one line with its neighbours; remove it";
+  return "";
+}
+
+// Left turns alone do not make a polygon convex: those of a pentagram add up to two circles.
+void check_part(const ConvexPolygon& part, std::size_t index) {
+  const std::size_t size = part.size();
+  if (size < 3)
+    refuse("part " + std::to_string(index + 1),
+           "has " + std::to_string(size) + " vertices; a polygon needs at least 3");
+  for (std::size_t i = 0; i < size; ++i)
+    if (!part[i].allFinite()) refuse(place(index, i, part[i]), "is not a pair of finite numbers");
+  double turned = 0.0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto &a = part[(i + size - 1) % size], &b = part[i], &c = part[(i + 1) % size];
+    const std::string why = fault(a, b, c);
+    if (!why.empty()) refuse(place(index, i, b), why);
+    turned += std::atan2(cross(b - a, c - b), (b - a).dot(c - b));
+    if (!(turned < 2.0 * std::numbers::pi + 1e-6))
+      refuse(place(index, i, b),
+             "up to here the outline turns by more than one circle, so it crosses itself; list the "
+             "vertices once around");
+  }
+}
+
+void check_origin(const std::vector<ConvexPolygon>& parts) {
+  const auto has_origin = [](const ConvexPolygon& part) {
+    return contains(part, Eigen::Vector2d::Zero());
+  };
+  if (std::any_of(parts.begin(), parts.end(), has_origin)) return;
+  const auto nearest =
+      std::min_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+        return distance(a, {0.0, 0.0}) < distance(b, {0.0, 0.0});
+      });
+  std::ostringstream text;
+  text << "footprint: no part contains (0, 0), the origin of base_link; the nearest, part "
+       << nearest - parts.begin() + 1 << ", is " << distance(*nearest, {0.0, 0.0})
+       << " m away. Give the vertices in the frame base_link; one part must contain its origin";
+  throw std::invalid_argument(text.str());
+}
+
+// The slices of one part's bounding box along `axis` (0: x, 1: y).
+std::vector<Disc> cover_part(const ConvexPolygon& part, Eigen::Index axis, double overhang) {
+  const Box box(part);
+  const Eigen::Index across = 1 - axis;
+  const double half_length = 0.5 * (box.high[axis] - box.low[axis]);
+  const double half_width = 0.5 * (box.high[across] - box.low[across]);
+  const double longest = std::sqrt(overhang * (overhang + 2.0 * half_width));  // half a slice
+  const int count = std::max(1, static_cast<int>(std::ceil(half_length / longest - 1e-9)));
+  const double half_slice = half_length / count;
+  std::vector<Disc> discs;
+  for (int i = 0; i < count; ++i) {
+    Eigen::Vector2d p_BC;
+    p_BC[axis] = box.low[axis] + (2 * i + 1) * half_slice;
+    p_BC[across] = 0.5 * (box.low[across] + box.high[across]);
+    discs.push_back({p_BC, std::hypot(half_slice, half_width)});
+  }
+  return discs;
+}
+
 }  // namespace
 
 Footprint rectangle(double length, double width, double center_x) {
@@ -79,42 +172,56 @@ Footprint rectangle(double length, double width, double center_x) {
   return polygon({{center_x - l, -w}, {center_x + l, -w}, {center_x + l, w}, {center_x - l, w}});
 }
 
-Footprint polygon(std::vector<Eigen::Vector2d> p_BV) {
-  if (p_BV.size() < 3) throw std::invalid_argument("footprint: fewer than 3 vertices");
-  for (std::size_t i = 0; i < p_BV.size(); ++i) {
-    const auto& a = p_BV[i];
-    const auto& b = p_BV[(i + 1) % p_BV.size()];
-    const auto& c = p_BV[(i + 2) % p_BV.size()];
-    if (!a.allFinite() || !(cross(b - a, c - b) > 0.0))
-      throw std::invalid_argument(
-          "footprint: vertices must be finite, convex and counter-clockwise, without repeats");
+Footprint polygons(std::vector<ConvexPolygon> parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) check_part(parts[i], i);
+  if (parts.empty()) throw std::invalid_argument("footprint: has no part");
+  check_origin(parts);
+  return {std::move(parts)};
+}
+
+Footprint polygon(ConvexPolygon p_BV) { return polygons({std::move(p_BV)}); }
+
+Footprint shrunk(const Footprint& footprint, double scale) {
+  Footprint result = footprint;
+  for (auto& part : result.parts) {
+    Eigen::Vector2d fixed = Eigen::Vector2d::Zero();
+    if (!contains(part, fixed)) {
+      for (const auto& p_BV : part) fixed += p_BV;
+      fixed /= static_cast<double>(part.size());
+    }
+    for (auto& p_BV : part) p_BV = fixed + scale * (p_BV - fixed);
   }
-  if (!contains(p_BV, Eigen::Vector2d::Zero()))
-    throw std::invalid_argument("footprint: must contain the origin of base_link");
-  return {std::move(p_BV)};
+  return result;
 }
 
 double circumradius(const Footprint& footprint) {
   double radius = 0.0;
-  for (const auto& p : footprint.p_BV) radius = std::max(radius, p.norm());
+  for (const auto& part : footprint.parts)
+    for (const auto& p : part) radius = std::max(radius, p.norm());
   return radius;
 }
 
-double distance(const Footprint& footprint, const Eigen::Vector2d& p_BQ) {
-  return std::sqrt(squared_distance_to_point(footprint.p_BV, p_BQ));
+double distance(const ConvexPolygon& part, const Eigen::Vector2d& p_BQ) {
+  return std::sqrt(squared_distance_to_point(part, p_BQ));
 }
 
-double distance_to_square(const Footprint& footprint, const Pose2& X_MB,
-                          const Eigen::Vector2d& p_MC, double side) {
+double distance(const Footprint& footprint, const Eigen::Vector2d& p_BQ) {
+  double d = kInfinity;
+  for (const auto& part : footprint.parts) d = std::min(d, distance(part, p_BQ));
+  return d;
+}
+
+double distance_to_square(const ConvexPolygon& part, const Pose2& X_MB, const Eigen::Vector2d& p_MC,
+                          double side) {
   const double half = 0.5 * side;
   const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
   const Eigen::Vector2d p_CB{X_MB.x - p_MC.x(), X_MB.y - p_MC.y()};
   const auto in_square_axes = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
     return {p_CB.x() + c * p.x() - s * p.y(), p_CB.y() + s * p.x() + c * p.y()};
   };
-  double d2 = std::numeric_limits<double>::infinity();
-  Eigen::Vector2d a = in_square_axes(footprint.p_BV.back());
-  for (const auto& p_BV : footprint.p_BV) {
+  double d2 = kInfinity;
+  Eigen::Vector2d a = in_square_axes(part.back());
+  for (const auto& p_BV : part) {
     const Eigen::Vector2d b = in_square_axes(p_BV);
     if (crosses_square(a, b, half)) return 0.0;
     d2 = std::min(d2, squared_distance_to_square(b, half));
@@ -124,36 +231,43 @@ double distance_to_square(const Footprint& footprint, const Pose2& X_MB,
   for (const double x : {-half, half})
     for (const double y : {-half, half}) {
       const Eigen::Vector2d q{x - p_CB.x(), y - p_CB.y()};
-      d2 = std::min(d2, squared_distance_to_point(footprint.p_BV,
-                                                  {c * q.x() + s * q.y(), -s * q.x() + c * q.y()}));
+      d2 = std::min(
+          d2, squared_distance_to_point(part, {c * q.x() + s * q.y(), -s * q.x() + c * q.y()}));
     }
   return std::sqrt(d2);
 }
 
+double distance_to_square(const Footprint& footprint, const Pose2& X_MB,
+                          const Eigen::Vector2d& p_MC, double side) {
+  double d = kInfinity;
+  for (const auto& part : footprint.parts)
+    d = std::min(d, distance_to_square(part, X_MB, p_MC, side));
+  return d;
+}
+
 bool overlaps(const Footprint& footprint, const Pose2& X_MB, const Obstacle& obstacle) {
-  Polygon outline;
-  outline.reserve(footprint.p_BV.size());
-  for (const auto& p_BV : footprint.p_BV) {
-    const Eigen::Vector2d q = in_axes(obstacle, transform(X_MB, p_BV));
-    outline.emplace_back(q.x() / obstacle.a, q.y() / obstacle.b);
-  }
-  return squared_distance_to_point(outline, Eigen::Vector2d::Zero()) < 1.0;
+  ConvexPolygon image;
+  const auto touches = [&](const ConvexPolygon& part) {
+    image.clear();
+    image.reserve(part.size());
+    for (const auto& p_BV : part) {
+      const Eigen::Vector2d q = in_axes(obstacle, transform(X_MB, p_BV));
+      image.emplace_back(q.x() / obstacle.a, q.y() / obstacle.b);
+    }
+    return squared_distance_to_point(image, Eigen::Vector2d::Zero()) < 1.0;
+  };
+  return std::any_of(footprint.parts.begin(), footprint.parts.end(), touches);
 }
 
 std::vector<Disc> cover_by_discs(const Footprint& footprint, double overhang) {
-  Eigen::Vector2d low = footprint.p_BV.front(), high = low;
-  for (const auto& p : footprint.p_BV) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double half_length = 0.5 * (high.x() - low.x()), half_width = 0.5 * (high.y() - low.y());
-  const double longest = std::sqrt(overhang * (overhang + 2.0 * half_width));  // half a slice
-  const int count = std::max(1, static_cast<int>(std::ceil(half_length / longest - 1e-9)));
-  const double half_slice = half_length / count;
   std::vector<Disc> discs;
-  for (int i = 0; i < count; ++i)
-    discs.push_back({{low.x() + (2 * i + 1) * half_slice, 0.5 * (low.y() + high.y())},
-                     std::hypot(half_slice, half_width)});
+  for (const auto& part : footprint.parts) {
+    const Box box(part);
+    const Eigen::Vector2d size = box.high - box.low;
+    const bool is_wide = footprint.parts.size() > 1 && size.y() > size.x();
+    const auto cover = cover_part(part, is_wide ? 1 : 0, overhang);
+    discs.insert(discs.end(), cover.begin(), cover.end());
+  }
   return discs;
 }
 

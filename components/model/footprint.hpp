@@ -10,9 +10,13 @@
 
 namespace tandem {
 
-/// Convex outline of the robot in body frame B, counter-clockwise vertices [m].
+/// Vertices p_BV of a convex polygon, counter-clockwise [m].
+using ConvexPolygon = std::vector<Eigen::Vector2d>;
+
+/// The robot's outline in body frame B: the union of convex parts, which may overlap or lie apart.
+/// Made by the three functions below.
 struct Footprint {
-  std::vector<Eigen::Vector2d> p_BV;
+  std::vector<ConvexPolygon> parts;
 };
 
 /// Disc that covers a part of the footprint: centre on B's x axis or anywhere in B [m].
@@ -24,29 +28,42 @@ struct Disc {
 /// Rectangle `length` × `width` whose centre lies at (center_x, 0) in B.
 [[nodiscard]] Footprint rectangle(double length, double width, double center_x);
 
-/// Checks that the vertices form a convex, counter-clockwise polygon that contains B's origin.
-/// Throws std::invalid_argument otherwise.
-[[nodiscard]] Footprint polygon(std::vector<Eigen::Vector2d> p_BV);
+/// Checks that each part is a convex, counter-clockwise polygon that does not cross itself, and
+/// that at least one part contains B's origin. Throws std::invalid_argument otherwise; the message
+/// names part and vertex, both counted from 1.
+[[nodiscard]] Footprint polygons(std::vector<ConvexPolygon> parts);
+
+/// The same for a single part.
+[[nodiscard]] Footprint polygon(ConvexPolygon p_BV);
+
+/// The footprint made smaller without leaving itself: a part that contains B's origin is scaled
+/// about the origin, any other part about the mean of its vertices. `scale` in (0, 1].
+[[nodiscard]] Footprint shrunk(const Footprint& footprint, double scale);
 
 /// Radius of the smallest disc about B's origin that contains the footprint [m].
 [[nodiscard]] double circumradius(const Footprint& footprint);
 
-/// Distance from the footprint to a point in B [m], 0 inside.
+/// Distance from the footprint, or from one part, to a point in B [m], 0 inside.
 [[nodiscard]] double distance(const Footprint& footprint, const Eigen::Vector2d& p_BQ);
+[[nodiscard]] double distance(const ConvexPolygon& part, const Eigen::Vector2d& p_BQ);
 
-/// Distance from the footprint at X_MB to the axis-parallel square of side `side` around
-/// `p_MC` [m], 0 if they touch. Exact.
+/// Distance from the footprint, or from one part, at X_MB to the axis-parallel square of side
+/// `side` around `p_MC` [m], 0 if they touch. Exact.
 [[nodiscard]] double distance_to_square(const Footprint& footprint, const Pose2& X_MB,
+                                        const Eigen::Vector2d& p_MC, double side);
+[[nodiscard]] double distance_to_square(const ConvexPolygon& part, const Pose2& X_MB,
                                         const Eigen::Vector2d& p_MC, double side);
 
 /// Whether the footprint at X_MB overlaps the ellipse grown by nothing. Exact: the affine map that
-/// makes the ellipse a unit disc keeps the outline a polygon.
+/// makes the ellipse a unit disc keeps each part a convex polygon.
 [[nodiscard]] bool overlaps(const Footprint& footprint, const Pose2& X_MB,
                             const Obstacle& obstacle);
 
-/// The fewest equal slices along x whose discs, each the smallest about its slice's centre, reach
-/// at most `overhang` > 0 [m] beyond the bounding box's sides; their union contains the footprint.
-/// Beyond the ends they reach as far as a disc as wide as the robot does.
+/// The fewest equal slices of the bounding box along x whose discs, each the smallest about its
+/// slice's centre, reach at most `overhang` > 0 [m] beyond the box's sides; their union contains
+/// the footprint. Beyond the ends they reach as far as a disc as wide as the robot does. Of several
+/// parts each is covered by itself, sliced along the longer side of its box: across a wide part one
+/// disc would fill the space between the forks that the part joins.
 [[nodiscard]] std::vector<Disc> cover_by_discs(const Footprint& footprint, double overhang);
 
 }  // namespace tandem

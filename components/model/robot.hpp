@@ -16,6 +16,7 @@ struct RobotParams {
   double width = 0.58;
   double center_x = 0.038;
   std::vector<double> footprint;
+  std::vector<double> footprint_parts;
   double wheel_separation = 0.445;
   double v_max = 0.8;
   double v_min = -0.4;
@@ -34,8 +35,13 @@ struct RobotParams {
     field("length", length, Range{0.05, 5.0}, "[m] of the rectangle, unless footprint is given");
     field("width", width, Range{0.05, 5.0}, "[m] of the rectangle, unless footprint is given");
     field("center_x", center_x, Range{-2.0, 2.0}, "[m] rectangle's centre ahead of base_link");
-    field("footprint", footprint, Range{-5.0, 5.0},
-          "[m] x1, y1, x2, y2, … of a convex outline, counter-clockwise; empty: the rectangle");
+    field(
+        "footprint", footprint, Range{-5.0, 5.0},
+        "[m] x1, y1, x2, y2, … of a convex outline, counter-clockwise, or of several convex parts, "
+        "one after the other; empty: the rectangle");
+    field("footprint_parts", footprint_parts, Range{3.0, 100.0},
+          "[1] how many vertices of footprint each part has, in their order; empty: all are one "
+          "part");
     field("wheel_separation", wheel_separation, Range{0.05, 3.0}, "[m] between the wheels");
     field("v_max", v_max, Range{0.0, 5.0}, "[m/s] fastest forward");
     field("v_min", v_min, Range{-5.0, 0.0}, "[m/s] fastest backward (negative)");
@@ -55,15 +61,8 @@ struct RobotParams {
   }
 };
 
-/// The outline that the parameters describe. Throws std::invalid_argument if it is not convex.
-[[nodiscard]] inline Footprint footprint_of(const RobotParams& robot) {
-  if (robot.footprint.empty()) return rectangle(robot.length, robot.width, robot.center_x);
-  if (robot.footprint.size() % 2 != 0)
-    throw std::invalid_argument("footprint: an odd number of coordinates");
-  std::vector<Eigen::Vector2d> p_BV;
-  for (std::size_t i = 0; i < robot.footprint.size(); i += 2)
-    p_BV.emplace_back(robot.footprint[i], robot.footprint[i + 1]);
-  return polygon(std::move(p_BV));
-}
+/// The outline that the parameters describe. Throws std::invalid_argument, naming parameter, part
+/// and vertex, if they contradict each other or describe what polygons() refuses.
+[[nodiscard]] Footprint footprint_of(const RobotParams& robot);
 
 }  // namespace tandem

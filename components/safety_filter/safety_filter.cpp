@@ -31,12 +31,6 @@ bool moves(const Twist2& twist) {
 // Into how many parts a range of speeds is cut.
 int shares(double parts) { return std::clamp(static_cast<int>(std::ceil(parts)), 1, kMostShares); }
 
-Footprint scaled(const Footprint& footprint, double scale) {
-  Footprint result = footprint;
-  for (auto& p_BV : result.p_BV) p_BV *= scale;
-  return result;
-}
-
 double hard_margin_of(const SafetyFilterParams& params, double radius) {
   return params.position_error + radius * params.heading_error + params.reserve +
          0.5 * kCheckSpacing;
@@ -215,7 +209,7 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   // On contact the outline says nothing about the way out; a smaller one does.
   for (const double scale : {0.95, 0.85, 0.7, 0.5, 0.2}) {
     if (scene.required.level > 0.0) break;
-    scene.body.footprint = scaled(body_.footprint, scale);
+    scene.body.footprint = shrunk(body_.footprint, scale);
     scene.required.level = map.clearance(scene.body.footprint, state.X_MB, kClearanceCap);
   }
   scene.required.per_rim = params_.slip * (0.5 + body_.radius / robot_.wheel_separation);  // (2)

@@ -56,7 +56,7 @@ struct DwaChoice {
 ///
 /// t_free: time along the arc until contact; c: least clearance on the way to rest. Admissible is
 /// only what, acting for one control period and then braked along its arc, keeps the margin (or,
-/// inside of it, the present clearance). The outline is the exact polygon, the world the map's
+/// inside of it, the present clearance). The outline is exact, the world the map's
 /// cells.
 class SharedDwa {
  public:

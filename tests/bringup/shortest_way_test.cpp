@@ -36,6 +36,15 @@ TEST(ShortestWay, GoesTautRoundTheEndOfAWall) {
   EXPECT_LT(length, exact + 0.35);
 }
 
+// A fork does not contain base_link, so the disc is that of the body.
+TEST(ShortestWay, OfARobotOfSeveralPartsIsThatOfThePartAroundItsOrigin) {
+  const Footprint forks = polygons({{{0.3, -0.2}, {1.2, -0.2}, {1.2, -0.1}, {0.3, -0.1}},
+                                    {{0.3, 0.1}, {1.2, 0.1}, {1.2, 0.2}, {0.3, 0.2}},
+                                    {{-0.4, -0.2}, {0.4, -0.2}, {0.4, 0.2}, {-0.4, 0.2}}});
+  EXPECT_EQ(shortest_way(room(3.0), forks, {1.0, 1.0, 0.0}, kGoal),
+            shortest_way(room(3.0), kRobot, {1.0, 1.0, 0.0}, kGoal));
+}
+
 TEST(ShortestWay, IsNoneWithoutAPlaceOrAWay) {
   EXPECT_FALSE(shortest_way(room(0.0), kRobot, {1.0, 1.0, 0.0}, RoamGoal{}).has_value());
   EXPECT_FALSE(shortest_way(room(6.0), kRobot, {1.0, 1.0, 0.0}, kGoal).has_value());

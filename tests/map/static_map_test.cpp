@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -96,12 +97,13 @@ TEST(StaticMap, OutsideIsAnObstacleIfTheUnknownIs) {
   EXPECT_EQ(StaticMap(grid, false).clearance(robot, {0.05, 0.55, 0.0}, 1.0), 1.0);
 }
 
-TEST(StaticMap, ClearanceEqualsTheLeastDistanceToAnySquare) {
-  std::mt19937 random{3};
+// Compares with every square of the map.
+void expect_exact_clearance(std::mt19937& random,
+                            const std::function<Footprint(std::mt19937&)>& random_robot) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int trial = 0; trial < 300; ++trial) {
     const StaticMap map(random_grid(random), false);
-    const Footprint robot = rectangle(0.1 + unit(random), 0.1 + unit(random), 0.04 * unit(random));
+    const Footprint robot = random_robot(random);
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector2d p = random_point(random, map.grid(), 0.5);
       const Pose2 X_MB{p.x(), p.y(), 7.0 * unit(random)};
@@ -115,6 +117,34 @@ TEST(StaticMap, ClearanceEqualsTheLeastDistanceToAnySquare) {
       ASSERT_DOUBLE_EQ(map.clearance(robot, X_MB, cap), truth);
     }
   }
+}
+
+TEST(StaticMap, ClearanceEqualsTheLeastDistanceToAnySquare) {
+  std::mt19937 random{3};
+  expect_exact_clearance(random, [](std::mt19937& draw) {
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    return rectangle(0.1 + unit(draw), 0.1 + unit(draw), 0.04 * unit(draw));
+  });
+}
+
+// Forks before or behind a body, in any order of the parts.
+TEST(StaticMap, ClearanceOfSeveralPartsEqualsTheLeastDistanceToAnySquare) {
+  std::mt19937 random{8};
+  expect_exact_clearance(random, [](std::mt19937& draw) {
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    const double width = 0.1 + 0.3 * unit(draw), fork = 0.02 + 0.1 * unit(draw);
+    const double side = unit(draw) < 0.5 ? -1.0 : 1.0, root = 0.2 * unit(draw);
+    const auto box = [](double x1, double y1, double x2, double y2) {
+      const auto [left, right] = std::minmax(x1, x2);
+      return ConvexPolygon{{left, y1}, {right, y1}, {right, y2}, {left, y2}};
+    };
+    std::vector<ConvexPolygon> parts{
+        box(-0.2, -width, 0.2, width),
+        box(side * root, width - fork, side * (root + 0.8 * unit(draw) + 0.01), width),
+        box(side * root, -width, side * (root + 0.8 * unit(draw) + 0.01), fork - width)};
+    std::shuffle(parts.begin(), parts.end(), draw);
+    return polygons(std::move(parts));
+  });
 }
 
 TEST(StaticMap, CellsNearAreThoseWhoseSquareIsWithinTheRadius) {

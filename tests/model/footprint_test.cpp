@@ -32,7 +32,7 @@ Footprint random_footprint(Random& random) {
 
 double half_width(const Footprint& footprint) {
   double low = 0.0, high = 0.0;
-  for (const auto& p : footprint.p_BV) {
+  for (const auto& p : footprint.parts.front()) {
     low = std::min(low, p.y());
     high = std::max(high, p.y());
   }
@@ -43,10 +43,12 @@ Pose2 random_pose(Random& random, double size) {
   return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -4.0, 4.0)};
 }
 
+// Of a footprint of one part.
 bool inside(const Footprint& footprint, const Eigen::Vector2d& p) {
-  for (std::size_t i = 0; i < footprint.p_BV.size(); ++i) {
-    const Eigen::Vector2d a = footprint.p_BV[i];
-    const Eigen::Vector2d b = footprint.p_BV[(i + 1) % footprint.p_BV.size()];
+  const ConvexPolygon& p_BV = footprint.parts.front();
+  for (std::size_t i = 0; i < p_BV.size(); ++i) {
+    const Eigen::Vector2d a = p_BV[i];
+    const Eigen::Vector2d b = p_BV[(i + 1) % p_BV.size()];
     if ((b - a).x() * (p - a).y() - (b - a).y() * (p - a).x() < 0.0) return false;
   }
   return true;
@@ -56,11 +58,11 @@ bool inside(const Footprint& footprint, const Eigen::Vector2d& p) {
 double sampled_distance(const Footprint& footprint, const Pose2& X_MB, const Eigen::Vector2d& p_MC,
                         double side, int per_edge) {
   double d = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < footprint.p_BV.size(); ++i)
+  const ConvexPolygon& p_BV = footprint.parts.front();
+  for (std::size_t i = 0; i < p_BV.size(); ++i)
     for (int k = 0; k < per_edge; ++k) {
       const double s = static_cast<double>(k) / per_edge;
-      const Eigen::Vector2d p_BQ =
-          (1.0 - s) * footprint.p_BV[i] + s * footprint.p_BV[(i + 1) % footprint.p_BV.size()];
+      const Eigen::Vector2d p_BQ = (1.0 - s) * p_BV[i] + s * p_BV[(i + 1) % p_BV.size()];
       const Eigen::Vector2d q = transform(X_MB, p_BQ) - p_MC;
       const double dx = std::max(0.0, std::abs(q.x()) - 0.5 * side);
       const double dy = std::max(0.0, std::abs(q.y()) - 0.5 * side);
@@ -138,11 +140,11 @@ TEST(Footprint, OverlapWithAnEllipseMatchesBruteForce) {
     double least = inside(footprint, transform(inverse(X_MB), obstacle.p_MO))
                        ? 0.0
                        : std::numeric_limits<double>::infinity();
-    for (std::size_t v = 0; v < footprint.p_BV.size(); ++v)
+    const ConvexPolygon& p_BV = footprint.parts.front();
+    for (std::size_t v = 0; v < p_BV.size(); ++v)
       for (int k = 0; k < 300; ++k) {
         const double s = k / 300.0;
-        const Eigen::Vector2d p =
-            (1.0 - s) * footprint.p_BV[v] + s * footprint.p_BV[(v + 1) % footprint.p_BV.size()];
+        const Eigen::Vector2d p = (1.0 - s) * p_BV[v] + s * p_BV[(v + 1) % p_BV.size()];
         least = std::min(least, level(obstacle, transform(X_MB, p)));
       }
     if (least < 1.0) {

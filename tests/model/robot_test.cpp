@@ -38,11 +38,61 @@ TEST(DiffDrive, ApproachNeverOvershoots) {
 
 TEST(RobotParams, DescribesARectangleOrAPolygon) {
   RobotParams robot;
-  EXPECT_EQ(footprint_of(robot).p_BV.size(), 4u);
+  EXPECT_EQ(footprint_of(robot).parts.front().size(), 4u);
   robot.footprint = {-0.3, -0.3, 0.5, 0.0, -0.3, 0.3};
-  EXPECT_EQ(footprint_of(robot).p_BV.size(), 3u);
+  EXPECT_EQ(footprint_of(robot).parts.front().size(), 3u);
   robot.footprint.push_back(1.0);
   EXPECT_THROW((void)footprint_of(robot), std::invalid_argument);
+}
+
+// A body and a foot plate in front of it.
+RobotParams two_parts() {
+  RobotParams robot;
+  robot.footprint = {-0.5, -0.3, 0.4, -0.3, 0.4, 0.3, -0.5, 0.3, 0.3, -0.2, 0.7, 0.0, 0.3, 0.2};
+  robot.footprint_parts = {4, 3};
+  return robot;
+}
+
+TEST(RobotParams, DescribesAnOutlineOfSeveralParts) {
+  const RobotParams robot = two_parts();
+  EXPECT_NO_THROW(check(robot));
+  const Footprint footprint = footprint_of(robot);
+  ASSERT_EQ(footprint.parts.size(), 2u);
+  EXPECT_EQ(footprint.parts[0].size(), 4u);
+  ASSERT_EQ(footprint.parts[1].size(), 3u);
+  EXPECT_EQ(footprint.parts[1][1], Eigen::Vector2d(0.7, 0.0));
+}
+
+std::string complaint(const RobotParams& robot) {
+  try {
+    check(robot);
+    (void)footprint_of(robot);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RobotParams, RefusesCountsThatDoNotFitTheVertices) {
+  const auto complaint_about = [](std::vector<double> counts) {
+    RobotParams robot = two_parts();
+    robot.footprint_parts = std::move(counts);
+    return complaint(robot);
+  };
+  EXPECT_EQ(complaint_about({4, 4}),
+            "footprint_parts: the parts have 8 vertices in all, but footprint gives 7");
+  EXPECT_NE(complaint_about({5, 2}).find("footprint_parts = 2 outside [3, 100]"),
+            std::string::npos);
+  EXPECT_EQ(complaint_about({3.5, 3.5}),
+            "footprint_parts: number 1 must be a whole number of vertices, at least 3");
+  EXPECT_NE(complaint_about({7}).find("part 1, vertex 4"), std::string::npos);
+}
+
+TEST(RobotParams, RefusesPartsWithoutVertices) {
+  RobotParams robot;
+  robot.footprint_parts = {4};
+  EXPECT_EQ(complaint(robot),
+            "footprint_parts: the parts have 4 vertices in all, but footprint gives 0");
 }
 
 TEST(RobotParams, RejectsANumberThatIsNotOne) {

@@ -86,8 +86,11 @@ class Adversary {
       p_BC = q;
     }
     if (nearest > 0.8) return held_;
-    Eigen::Vector2d low = footprint.p_BV[0], high = low;
-    for (const auto& p : footprint.p_BV) {
+    const ConvexPolygon& part = *std::min_element(
+        footprint.parts.begin(), footprint.parts.end(),
+        [&](const auto& a, const auto& b) { return distance(a, p_BC) < distance(b, p_BC); });
+    Eigen::Vector2d low = part.front(), high = low;
+    for (const auto& p : part) {
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     }
