@@ -3,7 +3,7 @@ import { Connection, type Message } from "./connection";
 import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick, USUAL } from "./driver";
 import { Goal } from "./goal";
 import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
-import { rectangle, Robot } from "./robot";
+import { polygons, rectangle, Robot } from "./robot";
 import { UserTest } from "./user_test";
 import { drawPlot, View, type ViewMode } from "./view";
 
@@ -67,14 +67,12 @@ function findRobot(): void {
 }
 
 async function readOutline(): Promise<void> {
-  const names = ["length", "width", "center_x", "footprint"];
+  const names = ["length", "width", "center_x", "footprint", "footprint_parts"];
   const { values } = await connection.call(`${namespace}/safety_filter/get_parameters`, { names });
-  const [length, width, centre, footprint] = values;
-  const points = [...footprint.double_array_value] as number[];
-  robot.outline =
-    points.length >= 6
-      ? points.flatMap((x, i) => (i % 2 === 0 ? [[x, points[i + 1]!] as [number, number]] : []))
-      : rectangle(length.double_value, width.double_value, centre.double_value);
+  const [length, width, centre, footprint, counts] = values;
+  robot.outline = [...footprint.double_array_value].length
+    ? polygons([...footprint.double_array_value], [...counts.double_array_value])
+    : [rectangle(length.double_value, width.double_value, centre.double_value)];
   view.change();
 }
 

@@ -48,7 +48,7 @@ export class Robot {
 
   seat: { driver: "you" | "other" | "nobody"; clients: number } = { driver: "nobody", clients: 0 };
   grid?: Grid;
-  outline: [number, number][] = rectangle(0.89, 0.58, 0.038);
+  outline: [number, number][][] = [rectangle(0.89, 0.58, 0.038)]; // its convex parts
   planner: Sample[] = [];
   overruns = 0;
   collisions = 0;
@@ -156,6 +156,13 @@ export class Robot {
 export function rectangle(length: number, width: number, centre: number): [number, number][] {
   const front = centre + length / 2, back = centre - length / 2, side = width / 2;
   return [[front, -side], [front, side], [back, side], [back, -side]];
+}
+
+/** The parts of an outline from the parameters footprint and footprint_parts. */
+export function polygons(coordinates: number[], counts: number[]): [number, number][][] {
+  const vertices: [number, number][] = [];
+  for (let i = 0; i + 1 < coordinates.length; i += 2) vertices.push([coordinates[i]!, coordinates[i + 1]!]);
+  return counts.length === 0 ? [vertices] : counts.map((count) => vertices.splice(0, count));
 }
 
 export function compose(a: Pose, b: Pose): Pose {

@@ -292,8 +292,10 @@ export class View {
     context.translate(pose.x, pose.y);
     context.rotate(pose.heading);
     context.beginPath();
-    robot.outline.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
-    context.closePath();
+    for (const part of robot.outline) {
+      part.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+      context.closePath();
+    }
     context.fillStyle = (robot.inContact ? COLOR.contact : COLOR.robot) + "40";
     context.strokeStyle = robot.inContact ? COLOR.contact : COLOR.robot;
     context.lineWidth = this.px(2);
