@@ -81,12 +81,13 @@ inline RobotParams real_robot(RobotParams robot, const Beyond& beyond) {
 }
 
 /// kRolloutsPerScene rollouts in the world, and with the robot, of that seed.
-[[nodiscard]] inline Tally run_scene(unsigned seed, const Beyond& beyond = {}) {
+[[nodiscard]] inline Tally run_scene(unsigned seed, const Beyond& beyond = {},
+                                     RobotParams (*draw_robot)(Random&) = random_robot) {
   Tally tally;
   Random random(seed);
   SafetyFilterParams params;
   params.survive_silence = pick(random, 2) == 0;
-  const RobotParams robot = random_robot(random);
+  const RobotParams robot = draw_robot(random);
   const auto map = random_map(random, pick(random, 2) ? 0.05 : 0.1);
   DiffDriveSimParams base = random_base(random, params);
   base.drive.slip *= beyond.slip;
