@@ -222,6 +222,34 @@ TEST_F(ScenarioFile, RobotOfNegativeSizeIsRefused) {
   EXPECT_NE(complaint().find("width = -0.5 outside [0.05, 5]"), std::string::npos);
 }
 
+TEST_F(ScenarioFile, RobotMayHaveAnOutlineOfSeveralParts) {
+  write(text_, "mir100.yaml", "fork_truck.yaml");
+  EXPECT_EQ(complaint(), "");
+  const Scenario scenario = load_scenario(file_.string());
+  EXPECT_NO_THROW(check_robot(scenario));
+  const auto sim = parameters_of<DiffDriveSimNodeParams>(system_of(scenario, {}), "diff_drive_sim");
+  EXPECT_EQ(footprint_of(sim.robot).parts.size(), 3U);
+}
+
+TEST_F(ScenarioFile, RobotWithADentedOutlineIsRefusedWithPartAndVertex) {
+  std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    footprint: [-1, -1, 1, "
+                                           "-1, 1, 1, -1, 1, 0, 0, 2, 0, 1, 0.2, 1, "
+                                           "1]\n    footprint_parts: [4, 4]\n";
+  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "robot.yaml");
+  EXPECT_NE(complaint().find("footprint: part 2, vertex 3 at (1, 0.2): the outline turns right"),
+            std::string::npos)
+      << complaint();
+}
+
+TEST_F(ScenarioFile, RobotWithADifferentNumberOfVerticesThanItsPartsIsRefused) {
+  std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    footprint: [-1, -1, 1, "
+                                           "-1, 0, 1]\n    footprint_parts: [3, 3]\n";
+  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "robot.yaml");
+  EXPECT_NE(complaint().find("the parts have 6 vertices in all, but footprint gives 3"),
+            std::string::npos)
+      << complaint();
+}
+
 TEST_F(ScenarioFile, RobotWithAMisspeltKeyIsRefusedWithTheNameThatIsMeant) {
   std::ofstream{folder_ / "misspelt.yaml"} << "/**:\n  ros__parameters:\n    widht: 0.5\n";
   write(text_, test::source_path("bringup/robots/mir100.yaml"), "misspelt.yaml");
