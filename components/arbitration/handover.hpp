@@ -10,8 +10,7 @@ namespace tandem {
 /// rate are limited separately, and for both holds:
 ///
 /// * The output has the sign of the chosen command and is never faster. A slower command is in
-/// force
-///   at once, and one of the other direction stops the old motion at once.
+///   force at once, and one of the other direction stops the old motion at once.
 /// * A faster command is reached within `duration`, linearly if it is constant; exactly so once the
 ///   same source has been in charge for that long.
 /// * A ramp that a further change finds running continues at its pace or faster: sources that

@@ -10,14 +10,14 @@
 namespace tandem {
 namespace {
 
-constexpr double kPeriod = 0.04;
+constexpr double kStickPeriod = 0.04;
 constexpr Stick kHeld{.linear = 1.0, .deadman = true}, kReleased{};
 
 // An emergency stop that was pressed and released while the stick was held.
 class Restart : public ::testing::Test {
  protected:
   Restart() {
-    send("page", kHeld, kPeriod);
+    send("page", kHeld, kStickPeriod);
     arbiter_.on_emergency_stop(true);
     arbiter_.on_emergency_stop(false);
     EXPECT_TRUE(arbiter_.release_emergency_stop());
@@ -28,7 +28,7 @@ class Restart : public ::testing::Test {
   // As teleop's node does on each joy, for `duration` [s].
   void send(const char* sender, const Stick& stick, double duration) {
     for (const double end = t_ + duration; t_ < end;) {
-      t_ += kPeriod;
+      t_ += kStickPeriod;
       if (holder_.counts(sender, stick.deadman, t_))
         if (const auto intent = teleop_.on_stick(stick, std::nullopt, t_); intent && linked_)
           arbiter_.on_user(intent->twist, t_);
@@ -36,7 +36,7 @@ class Restart : public ::testing::Test {
     }
   }
   void pass(double duration) {
-    for (const double end = t_ + duration; t_ < end; t_ += kPeriod) decide();
+    for (const double end = t_ + duration; t_ < end; t_ += kStickPeriod) decide();
   }
 
   bool linked_ = true;  // teleop and arbitration
@@ -58,10 +58,10 @@ class Restart : public ::testing::Test {
 
 TEST_F(Restart, AStickReleasedForASecondDrivesOn) {
   moved_ = false;
-  send("page", kReleased, kPeriod);
+  send("page", kReleased, kStickPeriod);
   pass(1.1);
   EXPECT_FALSE(moved_);
-  send("page", kHeld, kPeriod);
+  send("page", kHeld, kStickPeriod);
   EXPECT_TRUE(moved_);
 }
 

@@ -235,7 +235,7 @@ TEST_F(ScenarioFile, RobotWithADentedOutlineIsRefusedWithPartAndVertex) {
   std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    footprint: [-1, -1, 1, "
                                            "-1, 1, 1, -1, 1, 0, 0, 2, 0, 1, 0.2, 1, "
                                            "1]\n    footprint_parts: [4, 4]\n";
-  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "robot.yaml");
+  write(text_, test::source_path("bringup/robots/mir100.yaml"), "robot.yaml");
   EXPECT_NE(complaint().find("footprint: part 2, vertex 3 at (1, 0.2): the outline turns right"),
             std::string::npos)
       << complaint();
@@ -244,7 +244,7 @@ TEST_F(ScenarioFile, RobotWithADentedOutlineIsRefusedWithPartAndVertex) {
 TEST_F(ScenarioFile, RobotWithADifferentNumberOfVerticesThanItsPartsIsRefused) {
   std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    footprint: [-1, -1, 1, "
                                            "-1, 0, 1]\n    footprint_parts: [3, 3]\n";
-  write(text_, TANDEM_SOURCE_DIR "/bringup/robots/mir100.yaml", "robot.yaml");
+  write(text_, test::source_path("bringup/robots/mir100.yaml"), "robot.yaml");
   EXPECT_NE(complaint().find("the parts have 6 vertices in all, but footprint gives 3"),
             std::string::npos)
       << complaint();
