@@ -222,6 +222,14 @@ double StaticMap::part_clearance(const ConvexPolygon& part, const Pose2& X_MB, d
   return best;
 }
 
+double StaticMap::clearance_bound(const Footprint& footprint, const Pose2& X_MB) const {
+  if (!is_finite(X_MB)) return 0.0;
+  double bound = kInfinity;
+  for (const auto& part : footprint.parts)
+    bound = std::min(bound, PlacedPart(part, X_MB).bound(*this));
+  return std::max(0.0, bound);
+}
+
 double StaticMap::most_clearance(const Eigen::Vector2d& p_MB) const {
   const Eigen::Vector2d c = (p_MB - grid_.origin) * cells_per_metre_;
   const bool inside = c.x() >= 0.0 && c.y() >= 0.0 && c.x() < grid_.width && c.y() < grid_.height;
@@ -230,15 +238,27 @@ double StaticMap::most_clearance(const Eigen::Vector2d& p_MB) const {
 
 std::vector<Eigen::Vector2d> StaticMap::cells_near(const Eigen::Vector2d& p_MQ,
                                                    double radius) const {
+  return cells_near(p_MQ, radius, 0);
+}
+
+std::vector<Eigen::Vector2d> StaticMap::squares_near(const Eigen::Vector2d& p_MQ,
+                                                     double radius) const {
+  return cells_near(p_MQ, radius, unknown_is_obstacle_ ? 1 : 0);
+}
+
+std::vector<Eigen::Vector2d> StaticMap::cells_near(const Eigen::Vector2d& p_MQ, double radius,
+                                                   int ring) const {
   std::vector<Eigen::Vector2d> centers;
   if (!p_MQ.allFinite() || !(radius >= 0.0)) return centers;
   const Eigen::Vector2d middle = (p_MQ - grid_.origin) * cells_per_metre_;
   const double reach = radius * cells_per_metre_ + 1.0;
-  const Span columns = cells_between(middle.x() - reach, middle.x() + reach, grid_.width);
-  const Span rows = cells_between(middle.y() - reach, middle.y() + reach, grid_.height);
+  const Span columns =
+      cells_between(middle.x() - reach + ring, middle.x() + reach + ring, grid_.width + 2 * ring);
+  const Span rows =
+      cells_between(middle.y() - reach + ring, middle.y() + reach + ring, grid_.height + 2 * ring);
   const double half = 0.5 * grid_.resolution;
-  for (int iy = rows.begin; iy < rows.end; ++iy)
-    for (int ix = columns.begin; ix < columns.end; ++ix) {
+  for (int iy = rows.begin - ring; iy < rows.end - ring; ++iy)
+    for (int ix = columns.begin - ring; ix < columns.end - ring; ++ix) {
       if (!is_obstacle(ix, iy)) continue;
       const Eigen::Vector2d p_MC = grid_.center(ix, iy);
       const Box square{p_MC.array() - half, p_MC.array() + half};

@@ -32,9 +32,17 @@ class StaticMap {
   /// contact, at most `cap`. Cost grows with the cells within `cap` of the footprint.
   [[nodiscard]] double clearance(const Footprint& footprint, const Pose2& X_MB, double cap) const;
 
+  /// Lower bound on clearance() [m], by three look-ups: less by about a third of the footprint's
+  /// narrower side or less.
+  [[nodiscard]] double clearance_bound(const Footprint& footprint, const Pose2& X_MB) const;
+
   /// Centres of the obstacle cells of the grid whose square comes within `radius` of the point.
   [[nodiscard]] std::vector<Eigen::Vector2d> cells_near(const Eigen::Vector2d& p_MQ,
                                                         double radius) const;
+  /// The same, and if unknown_is_obstacle also of the row of cells around the grid: no obstacle is
+  /// nearer than the nearest of them.
+  [[nodiscard]] std::vector<Eigen::Vector2d> squares_near(const Eigen::Vector2d& p_MQ,
+                                                          double radius) const;
 
   /// First obstacle along the ray from p_MQ at `heading` in M: distance [m], at most `max_range`.
   [[nodiscard]] double cast_ray(const Eigen::Vector2d& p_MQ, double heading,
@@ -47,6 +55,9 @@ class StaticMap {
 
  private:
   [[nodiscard]] float field(int ix, int iy) const;
+  // With the rows and columns beyond each side of the grid, `ring` of them.
+  [[nodiscard]] std::vector<Eigen::Vector2d> cells_near(const Eigen::Vector2d& p_MQ, double radius,
+                                                        int ring) const;
   // One part's clearance [m], at most `cap`; `cap` too if most_clearance() of the pose is less:
   // then the part that contains B's origin is nearer to an obstacle.
   [[nodiscard]] double part_clearance(const ConvexPolygon& part, const Pose2& X_MB,

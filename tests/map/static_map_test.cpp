@@ -162,6 +162,20 @@ TEST(StaticMap, CellsNearAreThoseWhoseSquareIsWithinTheRadius) {
   }
 }
 
+TEST(StaticMap, SquaresNearHoldTheNearestObstacleOutsideOfTheGridToo) {
+  std::mt19937 random{5};
+  for (unsigned trial = 0; trial < test::samples(200, 50); ++trial) {
+    const StaticMap map(random_grid(random), trial % 2 == 0);
+    const Eigen::Vector2d p_MQ = random_point(random, map.grid(), 0.0);
+    const Footprint dot = rectangle(1e-6, 1e-6, 0.0);
+    double nearest = 0.7;
+    for (const auto& p_MC : map.squares_near(p_MQ, 0.7))
+      nearest = std::min(
+          nearest, distance_to_square(dot, {p_MQ.x(), p_MQ.y(), 0.0}, p_MC, map.grid().resolution));
+    EXPECT_NEAR(nearest, map.clearance(dot, {p_MQ.x(), p_MQ.y(), 0.0}, 0.7), 1e-5);
+  }
+}
+
 // Ends on an obstacle (not too early) and no later than the first sample inside one (not too late).
 TEST(StaticMap, RaysEndOnTheFirstObstacle) {
   std::mt19937 random{5};
