@@ -61,6 +61,21 @@ double squared_distance_to_point(const ConvexPolygon& polygon, const Eigen::Vect
   return inside ? 0.0 : d2;
 }
 
+// What of the polygon lies at least `depth` to the left of the line through a along the unit
+// vector.
+ConvexPolygon clip(const ConvexPolygon& polygon, const Eigen::Vector2d& a,
+                   const Eigen::Vector2d& along, double depth) {
+  ConvexPolygon left;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& p = polygon[i];
+    const Eigen::Vector2d& q = polygon[(i + 1) % polygon.size()];
+    const double p_in = cross(along, p - a) - depth, q_in = cross(along, q - a) - depth;
+    if (p_in >= 0.0) left.push_back(p);
+    if (p_in * q_in < 0.0) left.emplace_back(p + p_in / (p_in - q_in) * (q - p));
+  }
+  return left;
+}
+
 double squared_distance_to_square(const Eigen::Vector2d& p, double half) {
   const double dx = std::max(0.0, std::abs(p.x()) - half);
   const double dy = std::max(0.0, std::abs(p.y()) - half);
@@ -181,19 +196,6 @@ Footprint polygons(std::vector<ConvexPolygon> parts) {
 
 Footprint polygon(ConvexPolygon p_BV) { return polygons({std::move(p_BV)}); }
 
-Footprint shrunk(const Footprint& footprint, double scale) {
-  Footprint result = footprint;
-  for (auto& part : result.parts) {
-    Eigen::Vector2d fixed = Eigen::Vector2d::Zero();
-    if (!contains(part, fixed)) {
-      for (const auto& p_BV : part) fixed += p_BV;
-      fixed /= static_cast<double>(part.size());
-    }
-    for (auto& p_BV : part) p_BV = fixed + scale * (p_BV - fixed);
-  }
-  return result;
-}
-
 double circumradius(const Footprint& footprint) {
   double radius = 0.0;
   for (const auto& part : footprint.parts)
@@ -243,6 +245,19 @@ double distance_to_square(const Footprint& footprint, const Pose2& X_MB,
   for (const auto& part : footprint.parts)
     d = std::min(d, distance_to_square(part, X_MB, p_MC, side));
   return d;
+}
+
+Footprint inset(const Footprint& footprint, double depth) {
+  Footprint result;
+  for (const auto& part : footprint.parts) {
+    ConvexPolygon left = part;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const Eigen::Vector2d edge = part[(i + 1) % part.size()] - part[i];
+      left = clip(left, part[i], edge.normalized(), depth);
+    }
+    if (!left.empty()) result.parts.push_back(std::move(left));
+  }
+  return result;
 }
 
 bool overlaps(const Footprint& footprint, const Pose2& X_MB, const Obstacle& obstacle) {

@@ -36,10 +36,6 @@ struct Disc {
 /// The same for a single part.
 [[nodiscard]] Footprint polygon(ConvexPolygon p_BV);
 
-/// The footprint made smaller without leaving itself: a part that contains B's origin is scaled
-/// about the origin, any other part about the mean of its vertices. `scale` in (0, 1].
-[[nodiscard]] Footprint shrunk(const Footprint& footprint, double scale);
-
 /// Radius of the smallest disc about B's origin that contains the footprint [m].
 [[nodiscard]] double circumradius(const Footprint& footprint);
 
@@ -53,6 +49,10 @@ struct Disc {
                                         const Eigen::Vector2d& p_MC, double side);
 [[nodiscard]] double distance_to_square(const ConvexPolygon& part, const Pose2& X_MB,
                                         const Eigen::Vector2d& p_MC, double side);
+
+/// The footprint with every edge of every part moved inwards by `depth` ≥ 0 [m]. Parts of which
+/// nothing is left are dropped, and B's origin may be outside of what is left.
+[[nodiscard]] Footprint inset(const Footprint& footprint, double depth);
 
 /// Whether the footprint at X_MB overlaps the ellipse grown by nothing. Exact: the affine map that
 /// makes the ellipse a unit disc keeps each part a convex polygon.

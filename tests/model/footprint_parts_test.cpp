@@ -156,13 +156,13 @@ TEST_P(PartsAgainstSamples, CircumradiusAndDiscsHoldTheWholeShape) {
   }
 }
 
-TEST_P(PartsAgainstSamples, ShrunkStaysWithinItself) {
-  for (const double scale : {0.95, 0.7, 0.2})
-    for (const auto& part : shrunk(shape_.footprint, scale).parts)
+TEST_P(PartsAgainstSamples, InsetStaysWithinItself) {
+  for (const double depth : {0.005, 0.03, 0.2})
+    for (const auto& part : inset(shape_.footprint, depth).parts)
       for (std::size_t i = 0; i < part.size(); ++i)
         for (double s = 0.0; s < 1.0; s += 0.02) {
           const Eigen::Vector2d p = (1.0 - s) * part[i] + s * part[(i + 1) % part.size()];
-          EXPECT_TRUE(inside(shape_.outline, p)) << scale << ": " << p.transpose();
+          EXPECT_TRUE(inside(shape_.outline, p)) << depth << ": " << p.transpose();
         }
 }
 
@@ -188,10 +188,13 @@ TEST(FootprintParts, DiscsLeaveTheSpaceBetweenTheForksFree) {
     EXPECT_GT((disc.p_BC - Eigen::Vector2d(0.55, 0.0)).norm(), disc.radius + 0.15);
 }
 
-TEST(FootprintParts, ShrunkScalesASinglePartAboutTheOrigin) {
-  const Footprint half = shrunk(rectangle(0.8, 0.4, 0.1), 0.5);
-  ASSERT_EQ(half.parts.size(), 1u);
-  EXPECT_EQ(half.parts.front()[2], Eigen::Vector2d(0.25, 0.1));
+TEST(FootprintParts, InsetMovesEveryEdgeInwards) {
+  const Footprint smaller = inset(rectangle(0.8, 0.4, 0.1), 0.05);
+  ASSERT_EQ(smaller.parts.size(), 1u);
+  EXPECT_NEAR(distance(smaller, {0.1, 0.2}), 0.05, 1e-12);
+  EXPECT_NEAR(distance(smaller, {0.5, 0.0}), 0.05, 1e-12);
+  EXPECT_NEAR(distance(smaller, {-0.3, 0.0}), 0.05, 1e-12);
+  EXPECT_TRUE(inset(rectangle(0.8, 0.4, 0.1), 0.21).parts.empty());
 }
 
 // --- what is refused, and where the message says the fault is
