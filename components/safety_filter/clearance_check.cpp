@@ -4,40 +4,130 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/diff_drive.hpp"
-
 namespace tandem {
 namespace {
 
 constexpr double kLookAhead = 0.08;  // [m] measured beyond what is required, to skip checks later
+constexpr double kEnough = 0.02;     // [m] so much in hand needs no exact measurement
+constexpr double kShortLookAhead = 0.02;  // [m] … where that is done cell by cell
+constexpr double kDifference = 1e-6;      // [m] of the central difference for a direction
+constexpr double kRounding = 1e-6;        // [m] of g · u_i against gap_i at the start
+constexpr double kInset = 0.005;          // [m] step by which an outline is made smaller
+constexpr double kNone = -1e9;            // [m] no slack
+
+// Direction from the outline to a square `gap` away: moved that way, the outline comes nearer by
+// all of the way.
+Eigen::Vector2d direction_to(const Eigen::Vector2d& p_MC, double side, const Pose2& X_MB,
+                             const Footprint& footprint) {
+  const auto gap = [&](double dx, double dy) {
+    return distance_to_square(footprint, {X_MB.x + dx, X_MB.y + dy, X_MB.theta}, p_MC, side);
+  };
+  const Eigen::Vector2d slope{gap(-kDifference, 0.0) - gap(kDifference, 0.0),
+                              gap(0.0, -kDifference) - gap(0.0, kDifference)};
+  return slope.normalized();
+}
+
+// By how much the square around p_MC is further than (1) asks for; the near cell counts that allows
+// most.
+double slack_behind(const std::vector<NearCell>& near, const Footprint& footprint,
+                    const Eigen::Vector2d& p_MC, const Pose2& X_MB, const StaticMap& map,
+                    double deviation) {
+  const double side = map.grid().resolution;
+  const double gap = distance_to_square(footprint, X_MB, p_MC, side);
+  if (gap <= kDifference) return kNone;
+  const Eigen::Vector2d g_M = gap * direction_to(p_MC, side, X_MB, footprint);
+  double slack = kNone;
+  for (const NearCell& cell : near)
+    slack = std::max(slack, g_M.dot(cell.u_M) - cell.gap - deviation + kRounding);
+  return slack;
+}
+
+// The outline moved inwards until it overlaps none of the squares. Without parts if it always does.
+Footprint inset_until_clear(const Footprint& footprint, const Pose2& X_MB,
+                            const std::vector<Eigen::Vector2d>& squares, double side) {
+  for (int i = 1;; ++i) {
+    Footprint result = inset(footprint, i * kInset);
+    const bool clear = std::all_of(squares.begin(), squares.end(), [&](const auto& p_MC) {
+      return distance_to_square(result, X_MB, p_MC, side) > kDifference;
+    });
+    if (clear || result.parts.empty()) return result;
+  }
+}
+
+// Clearance in hand at a pose, cell by cell, for a motion that starts inside of the level.
+double in_hand_near(const Pose2& X_MB, const Body& body, const StaticMap& map,
+                    const RequiredClearance& required, double deviation) {
+  const double need = required.level + deviation, side = map.grid().resolution;
+  double in_hand = kShortLookAhead;
+  for (const auto& p_MC : map.squares_near(X_MB.position(), body.radius + need + kShortLookAhead)) {
+    double slack = distance_to_square(body.footprint, X_MB, p_MC, side) - need;
+    if (slack < 0.0)
+      slack =
+          std::max(slack, slack_behind(required.near, body.footprint, p_MC, X_MB, map, deviation));
+    if (slack < 0.0 && !required.overlapped.empty())
+      slack = std::max(
+          slack, slack_behind(required.overlapped, required.inset, p_MC, X_MB, map, deviation));
+    in_hand = std::min(in_hand, slack);
+    if (in_hand < 0.0) break;
+  }
+  return in_hand;
+}
+
+double in_hand_at(const Pose2& X_MB, const Body& body, const StaticMap& map,
+                  const RequiredClearance& required, double deviation) {
+  const double need = required.level + deviation;
+  const double at_least = map.clearance_bound(body.footprint, X_MB) - need;
+  if (at_least >= kEnough) return at_least;
+  const double in_hand = map.clearance(body.footprint, X_MB, need + kLookAhead) - need;
+  if (in_hand >= 0.0 || (required.near.empty() && required.overlapped.empty())) return in_hand;
+  return in_hand_near(X_MB, body, map, required, deviation);
+}
 
 }  // namespace
 
-bool stays_clear(const Motion& motion, const Pose2& X_MB, const Body& body, const StaticMap& map,
-                 const RequiredClearance& required) {
+RequiredClearance required_clearance(double level, const Pose2& X_MB, const Body& body,
+                                     const StaticMap& map, const DriftBounds& drift) {
+  RequiredClearance required{level, {}, {}, {}, drift};
+  const double side = map.grid().resolution;
+  const auto see = [&](const Eigen::Vector2d& p_MC, const Footprint& footprint) {
+    return NearCell{direction_to(p_MC, side, X_MB, footprint),
+                    distance_to_square(footprint, X_MB, p_MC, side)};
+  };
+  std::vector<Eigen::Vector2d> overlapped;
+  for (const auto& p_MC : map.squares_near(X_MB.position(), body.radius + level)) {
+    const double gap = distance_to_square(body.footprint, X_MB, p_MC, side);
+    if (gap <= kDifference)
+      overlapped.push_back(p_MC);
+    else if (gap < level)
+      required.near.push_back(see(p_MC, body.footprint));
+  }
+  if (overlapped.empty()) return required;
+  required.inset = inset_until_clear(body.footprint, X_MB, overlapped, side);
+  if (required.inset.parts.empty()) return required;
+  for (const auto& p_MC : overlapped) required.overlapped.push_back(see(p_MC, required.inset));
+  return required;
+}
+
+bool stays_clear(const StoppingEnvelope& envelope, const ShareCell& cell, const Pose2& X_MB,
+                 const Body& body, const StaticMap& map, const RequiredClearance& required) {
   Pose2 X = X_MB;
-  double need = required.level;  // (1)
-  double budget = 0.0;           // travel that needs no check
-  for (const auto& [twist, dt] : motion) {
-    const WheelSpeeds rims = to_wheels(twist, body.wheel_separation);
+  Deviation deviation{required.drift};
+  double budget = 0.0;  // travel that needs no check
+  for (const auto& range : envelope) {
+    const Twist2 twist = center_twist(range, cell), tolerance = half_width(range, cell);
     const double speed = std::abs(twist.v) + body.radius * std::abs(twist.w);
-    const double growth = required.per_rim * (std::abs(rims.left) + std::abs(rims.right)) +
-                          required.per_path * std::abs(twist.v);
-    const double rate = speed + growth;  // how fast clearance in hand is used up
-    for (double rest = dt; rest > 0.0;) {
-      if (rate * rest <= budget) {
-        X = integrate(X, twist, rest);
-        need += growth * rest;
-        budget -= rate * rest;
-        break;
-      }
-      const double step = std::min(rest, std::max(budget, kCheckSpacing) / rate);
+    for (double rest = range.dt; rest > 0.0;) {
+      // How fast clearance in hand is used up, at most.
+      const double rate = speed + deviation.rate(twist, tolerance, rest);
+      const bool enough = rate * rest <= budget;
+      const double step = enough ? rest : std::min(rest, std::max(budget, kCheckSpacing) / rate);
       X = integrate(X, twist, step);
-      need += growth * step;
+      deviation.advance(twist, tolerance, step);
       rest -= step;
-      const double in_hand = map.clearance(body.footprint, X, need + kLookAhead) - need;
-      if (in_hand < 0.0) return false;
-      budget = in_hand;
+      budget -= rate * step;
+      if (enough) break;
+      budget = in_hand_at(X, body, map, required, deviation.outline());
+      if (budget < 0.0) return false;
     }
   }
   return true;

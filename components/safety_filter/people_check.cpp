@@ -13,10 +13,11 @@ constexpr double kStep = 0.005;     // [s] between two checks where it gets narr
 constexpr double kFarEnough = 0.5;  // [m] from here on a lower bound of the gap will do
 constexpr double kNoNearer = 1e-6;  // [m] rounding
 
-// A first-order motor brakes by a until its speed is a τ, and then decays. Time [s] by which it may
-// reach the speed c later than the ramp that counts its lag as delay has ended.
-double lateness(double a, double lag, double c) {
-  return lag > 0.0 ? lag * std::max(0.0, std::log(a * lag / c) - 2.0) : 0.0;
+// For a creep_speed below kTailSpeed: time by which the exponential tail of a motor reaches the
+// speed c later than the motion ends, which takes the way of the tail below kTailSpeed in one lag
+// [s].
+double lateness(double lag, double c) {
+  return lag * std::max(0.0, std::log(kTailSpeed / c) - 1.0);
 }
 
 }  // namespace
@@ -29,23 +30,34 @@ struct PeopleCheck::Discs {
   Disc goes_on, runs;  // (1)
 };
 
-PeopleCheck::PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body,
-                         double brake_spread)
+// What keeps_away() is asked of every person.
+struct PeopleCheck::Look {
+  const StoppingEnvelope& envelope;
+  const ShareCell& cell;
+  const Pose2& X_MB;
+  double tau;  // [s] from the list of people to the motion's start
+  double level;
+  const DriftBounds& drift;
+};
+
+PeopleCheck::PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body)
     : params_{params}, body_{body} {
   check(params);
-  const double half = 0.5 * std::max(1e-3, params.creep_speed);  // forward and turn share it
-  tail_ = std::max(lateness(brake_spread * robot.a_brake, robot.motor_lag, half),
-                   lateness(brake_spread * robot.alpha_brake * body.radius, robot.motor_lag, half));
+  // Forward speed and turn share the speed that counts as standing.
+  const double half = 0.5 * std::max(1e-3, params.creep_speed);
+  tail_ = lateness(robot.motor_lag, half / std::max(1.0, body.radius));
 }
 
 double PeopleCheck::fastest_point(const Twist2& twist) const {
   return std::abs(twist.v) + body_.radius * std::abs(twist.w);
 }
 
-bool PeopleCheck::creeps(const Motion& motion, const Twist2& measured) const {
+bool PeopleCheck::creeps(const Look& look, const Twist2& measured) const {
   return fastest_point(measured) <= params_.creep_speed &&
-         std::all_of(motion.begin(), motion.end(), [&](const Segment& segment) {
-           return fastest_point(segment.twist) <= params_.creep_speed;
+         std::all_of(look.envelope.begin(), look.envelope.end(), [&](const TwistRange& range) {
+           return fastest_point(center_twist(range, look.cell)) +
+                      fastest_point(half_width(range, look.cell)) <=
+                  params_.creep_speed;
          });
 }
 
@@ -88,61 +100,79 @@ bool PeopleCheck::is_far(const PeopleSeen& people, const Pose2& X_MB, double way
   });
 }
 
-bool PeopleCheck::keeps_away(const Motion& motion, const Twist2& measured, const Pose2& X_MB,
-                             double t_start, const PeopleSeen& people,
-                             const RequiredClearance& required) const {
-  const double tau = t_start - people.t;
-  const bool creeping = creeps(motion, measured);
+bool PeopleCheck::keeps_away(const StoppingEnvelope& envelope, const ShareCell& cell,
+                             const Twist2& measured, const Pose2& X_MB, double t_start,
+                             const PeopleSeen& people, double level,
+                             const DriftBounds& drift) const {
+  const Look look{envelope, cell, X_MB, t_start - people.t, level, drift};
+  const bool creeping = creeps(look, measured);
   return std::all_of(people.all.begin(), people.all.end(), [&](const Obstacle& person) {
-    return creeping ? does_not_near(motion, X_MB, tau, person, required.level)
-                    : keeps_away(motion, X_MB, tau, person, required);
+    return creeping ? does_not_near(look, person) : keeps_away(look, person);
   });
 }
 
-bool PeopleCheck::keeps_away(const Motion& motion, const Pose2& X_MB, double tau,
-                             const Obstacle& person, const RequiredClearance& required) const {
-  double duration = tail_;
-  for (const auto& segment : motion) duration += segment.dt;
-  const double edge = spreading(person, std::max(0.0, tau + duration));
-  Pose2 X = X_MB;
-  double need = required.level;
+// The speeds of an envelope only fall toward its end, so that no speed in a range is above the mean
+// of the range before it.
+std::span<const TwistRange> PeopleCheck::until_standing(const StoppingEnvelope& envelope) const {
+  std::size_t count = envelope.size();
+  const auto stands = [&](const TwistRange& range) {
+    return std::max(std::abs(range.low.v), std::abs(range.high.v)) +
+               body_.radius * std::max(std::abs(range.low.w), std::abs(range.high.w)) <=
+           params_.creep_speed;
+  };
+  while (count > 1 && stands(envelope[count - 1]) && stands(envelope[count - 2])) --count;
+  return {envelope.data(), count};
+}
+
+bool PeopleCheck::keeps_away(const Look& look, const Obstacle& person) const {
+  const auto moving = until_standing(look.envelope);
+  const double tail = moving.size() == look.envelope.size() ? tail_ : 0.0;
+  double duration = tail;
+  for (const auto& range : moving) duration += range.dt;
+  const double edge = spreading(person, std::max(0.0, look.tau + duration));
+  Pose2 X = look.X_MB;
+  double tau = look.tau;
+  Deviation deviation{look.drift};
+  const auto in_hand = [&] {
+    return gap(X, discs(person, std::max(0.0, tau))) - look.level - deviation.outline();
+  };
   // Conservative advancement in time; between two checks the gap may dip by half a step's worth.
-  double free = 0.0;  // [s] that needs no check
-  const auto advance = [&](const Twist2& twist, double dt) {
-    const WheelSpeeds rims = to_wheels(twist, body_.wheel_separation);
-    const double growth = required.per_rim * (std::abs(rims.left) + std::abs(rims.right)) +
-                          required.per_path * std::abs(twist.v);
-    const double rate = fastest_point(twist) + growth + edge;  // how fast the gap is used up
+  double free = 0.0;  // [m] of the gap that needs no check
+  const auto advance = [&](const Twist2& twist, const Twist2& tolerance, double dt) {
     for (double rest = dt; rest > 0.0;) {
+      // How fast the gap is used up.
+      const double rate = fastest_point(twist) + deviation.rate(twist, tolerance, rest) + edge;
       const double step = std::min(rest, std::max(free / rate, kStep));
       X = integrate(X, twist, step);
-      need += growth * step;
+      deviation.advance(twist, tolerance, step);
       tau += step;
       rest -= step;
       free -= rate * step;
       if (free > 0.0) continue;
-      free = gap(X, discs(person, std::max(0.0, tau))) - need - 0.5 * rate * kStep;
+      free = in_hand() - 0.5 * rate * kStep;
       if (free < 0.0) return false;
     }
     return true;
   };
-  for (const auto& [twist, dt] : motion)
-    if (!advance(twist, dt)) return false;
-  return advance({}, tail_) && gap(X, discs(person, std::max(0.0, tau))) >= need;
+  for (const auto& range : moving)
+    if (!advance(center_twist(range, look.cell), half_width(range, look.cell), range.dt))
+      return false;
+  return advance({}, {}, tail) && in_hand() >= 0.0;
 }
 
-bool PeopleCheck::does_not_near(const Motion& motion, const Pose2& X_MB, double tau,
-                                const Obstacle& person, double level) const {
-  const Eigen::Vector2d p_MP = person.p_MO + std::max(0.0, tau) * person.v_MO;
+bool PeopleCheck::does_not_near(const Look& look, const Obstacle& person) const {
+  const Eigen::Vector2d p_MP = person.p_MO + std::max(0.0, look.tau) * person.v_MO;
   const double radius = person.a + params_.person_error;
   const auto gap_at = [&](const Pose2& X) {
     return distance(body_.footprint, transform(inverse(X), p_MP)) - radius;
   };
-  const double least = std::min(gap_at(X_MB), level) - kNoNearer;
-  Pose2 X = X_MB;
-  return std::all_of(motion.begin(), motion.end(), [&](const Segment& segment) {
-    X = integrate(X, segment.twist, segment.dt);
-    return gap_at(X) >= least;
+  const double least = std::min(gap_at(look.X_MB), look.level) - kNoNearer;
+  Pose2 X = look.X_MB;
+  double strays = 0.0;  // the cell's other motions, from its centre [m]
+  return std::all_of(look.envelope.begin(), look.envelope.end(), [&](const TwistRange& range) {
+    X = integrate(X, center_twist(range, look.cell), range.dt);
+    strays += fastest_point(half_width(range, look.cell)) * range.dt;
+    return gap_at(X) - strays >= least;
   });
 }
 

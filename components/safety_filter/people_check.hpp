@@ -62,34 +62,35 @@ struct PeopleSeen {
 /// start to end may go on beside a person, but not nearer to where they are now.
 class PeopleCheck {
  public:
-  PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body,
-              double brake_spread);
+  PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body);
 
   /// Whether so far from everybody that no such motion needs a look: `way` is the longest of them,
   /// `duration` the longest time until the robot stands.
   [[nodiscard]] bool is_far(const PeopleSeen& people, const Pose2& X_MB, double way, double t_start,
                             double duration) const;
 
-  /// Whether the motion, which starts at X_MB at time t_start with the measured twist, keeps the
-  /// required clearance from all people until the robot stands.
-  [[nodiscard]] bool keeps_away(const Motion& motion, const Twist2& measured, const Pose2& X_MB,
-                                double t_start, const PeopleSeen& people,
-                                const RequiredClearance& required) const;
+  /// Whether all motions of the cell, which start at X_MB at time t_start with the measured twist,
+  /// keep `level` [m] and their deviation away from all people until the robot stands.
+  [[nodiscard]] bool keeps_away(const StoppingEnvelope& envelope, const ShareCell& cell,
+                                const Twist2& measured, const Pose2& X_MB, double t_start,
+                                const PeopleSeen& people, double level,
+                                const DriftBounds& drift) const;
 
   /// How long after its motion's end the robot may still be faster than creep_speed [s].
   [[nodiscard]] double tail() const { return tail_; }
 
  private:
   struct Discs;
+  struct Look;
   [[nodiscard]] double fastest_point(const Twist2& twist) const;
-  [[nodiscard]] bool creeps(const Motion& motion, const Twist2& measured) const;
+  [[nodiscard]] bool creeps(const Look& look, const Twist2& measured) const;
   [[nodiscard]] Discs discs(const Obstacle& person, double tau) const;
   [[nodiscard]] double gap(const Pose2& X_MB, const Discs& discs) const;
+  // The part of the envelope in which some point may be faster than creep_speed.
+  [[nodiscard]] std::span<const TwistRange> until_standing(const StoppingEnvelope& envelope) const;
   [[nodiscard]] double spreading(const Obstacle& person, double tau) const;
-  [[nodiscard]] bool keeps_away(const Motion& motion, const Pose2& X_MB, double tau,
-                                const Obstacle& person, const RequiredClearance& required) const;
-  [[nodiscard]] bool does_not_near(const Motion& motion, const Pose2& X_MB, double tau,
-                                   const Obstacle& person, double level) const;
+  [[nodiscard]] bool keeps_away(const Look& look, const Obstacle& person) const;
+  [[nodiscard]] bool does_not_near(const Look& look, const Obstacle& person) const;
 
   PeopleParams params_;
   Body body_;

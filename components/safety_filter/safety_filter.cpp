@@ -2,13 +2,13 @@
 #include "safety_filter/safety_filter.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "model/diff_drive.hpp"
+#include "safety_filter/share_cover.hpp"
 
 namespace tandem {
 namespace {
@@ -16,9 +16,7 @@ namespace {
 constexpr double kClearanceCap = 1.0;  // [m] reported clearance ends here
 constexpr double kBlocked = 0.05;      // an arc of which less than this passes counts as blocked
 constexpr int kBisections = 6;
-constexpr double kPathGap = 0.3;   // [m] between the ends of two motions that are looked at …
-constexpr double kTurnGap = 0.10;  // [m] … and across their way
-constexpr int kMostShares = 8;
+constexpr int kMaxAgeSteps = 16;
 
 constexpr double kMoves = 0.005;  // [m/s, rad/s] a command from here on moves the robot
 
@@ -27,9 +25,6 @@ constexpr Twist2 kRest{};
 bool moves(const Twist2& twist) {
   return std::abs(twist.v) >= kMoves || std::abs(twist.w) >= kMoves;
 }
-
-// Into how many parts a range of speeds is cut.
-int shares(double parts) { return std::clamp(static_cast<int>(std::ceil(parts)), 1, kMostShares); }
 
 double hard_margin_of(const SafetyFilterParams& params, double radius) {
   return params.position_error + radius * params.heading_error + params.reserve +
@@ -69,10 +64,10 @@ const char* name(FilterReason reason) {
 }
 
 struct SafetyFilter::Scene {
-  Pose2 X_MB;  // measured at start.t_measured
+  Pose2 X_MB;          // measured …
+  double measured_by;  // … at this time at the latest, and sensor_delay before at the earliest [s]
   MotionStart start;
   const StaticMap* map;
-  Body body;
   RequiredClearance required;
   double clearance = 0.0;  // [m] of the whole body
 };
@@ -86,13 +81,14 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
         "survive_silence needs a base that stops by itself (command_timeout above 0); with "
         "survive_silence: false the loss of this filter is not survived");
   const Footprint footprint = footprint_of(robot);
-  body_ = {footprint, circumradius(footprint), robot.wheel_separation};
+  body_ = {footprint, circumradius(footprint)};
   hard_margin_ = hard_margin_of(params, body_.radius);
   hold_ = params.survive_silence ? std::max(params.control_period, robot.command_timeout)
                                  : params.control_period;
-  bounds_ = {robot.command_delay + robot.motor_lag, robot.a_brake, robot.alpha_brake,
+  bounds_ = {robot.command_delay, robot.motor_lag, robot.a_brake, robot.alpha_brake,
              params.brake_spread};
-  people_check_.emplace(params.people, robot, body_, params.brake_spread);
+  drift_ = {params.slip, params.heading_error, robot.wheel_separation, body_.radius};
+  people_check_.emplace(params.people, robot, body_);
   jumped_until_ = updated_ = -std::numeric_limits<double>::infinity();
 }
 
@@ -135,7 +131,7 @@ void SafetyFilter::on_state(const RobotState& state, double now) {
   const double dt = state.t - last->t;
   const Twist2 mean{0.5 * (last->twist.v + state.twist.v), 0.5 * (last->twist.w + state.twist.w)};
   const Pose2 expected = integrate(last->X_MB, mean, dt);
-  const double late = std::max(0.5 * params_.state_timeout, dt);
+  const double late = std::max(0.5 * params_.state_timeout, dt) + robot_.sensor_delay;
   const double off = (state.X_MB.position() - expected.position()).norm();
   const double turned = std::abs(wrap_angle(state.X_MB.theta - expected.theta));
   if (off > params_.jump_distance + late * std::abs(mean.v) ||
@@ -193,70 +189,76 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
                                           const Twist2& wanted, double now) const {
   Scene scene;
   scene.X_MB = state.X_MB;
+  scene.measured_by = std::min(state.t, now);
   scene.start.measured = state.twist;
-  scene.start.t_measured = std::min(state.t, now) - robot_.sensor_delay;
   scene.start.now = now;
   scene.start.sent = sent_;
   scene.map = &map;
-  scene.body = body_;
   scene.clearance = map.clearance(body_.footprint, state.X_MB, kClearanceCap);
-
-  const double full = hard_margin_ + params_.band;
-  const bool manoeuvres =
-      std::abs(wanted.v) + body_.radius * std::abs(wanted.w) <= params_.manoeuvre_speed;
-  scene.required.level =
-      scene.clearance >= full && !manoeuvres ? full : std::min(scene.clearance, hard_margin_);
-  // On contact the outline says nothing about the way out; a smaller one does.
-  for (const double scale : {0.95, 0.85, 0.7, 0.5, 0.2}) {
-    if (scene.required.level > 0.0) break;
-    scene.body.footprint = shrunk(body_.footprint, scale);
-    scene.required.level = map.clearance(scene.body.footprint, state.X_MB, kClearanceCap);
-  }
-  scene.required.per_rim = params_.slip * (0.5 + body_.radius / robot_.wheel_separation);  // (2)
-  scene.required.per_path = params_.heading_error;
+  const double level = required_level(wanted, scene.clearance);
+  scene.required = {level, {}, {}, {}, drift_};
+  if (scene.clearance < level)
+    scene.required = required_clearance(level, state.X_MB, body_, map, drift_);
   return scene;
 }
 
-// Whether all possible motions are clear.
-template <class Clear>
-bool SafetyFilter::are_clear(const MotionStart& start, const Reach& way, const Clear& clear) const {
-  const Motion low = possible_motion(start, bounds_, 0.0, 0.0);
-  const Motion high = possible_motion(start, bounds_, 1.0, 1.0);
-  if (!clear(low) || !clear(high)) return false;
-  // The ends alone would miss what stands between them.
-  const Spread apart = spread(low, high);
-  const int n_v = shares(apart.path / kPathGap);
-  const int n_w = shares(apart.turn * (way.path + body_.radius) / kTurnGap);
-  for (int i = 0; i <= n_v; ++i)
-    for (int j = 0; j <= n_w; ++j) {
-      if ((i == 0 && j == 0) || (i == n_v && j == n_w)) continue;
-      const double v = static_cast<double>(i) / n_v, w = static_cast<double>(j) / n_w;
-      if (!clear(possible_motion(start, bounds_, v, w))) return false;
-    }
-  return true;
+double SafetyFilter::required_level(const Twist2& wanted, double clearance) const {
+  const double full = hard_margin_ + params_.band;
+  const bool manoeuvres =
+      std::abs(wanted.v) + body_.radius * std::abs(wanted.w) <= params_.manoeuvre_speed;
+  return clearance >= full && !manoeuvres ? full : hard_margin_;
 }
 
+// Odometry may be of any age up to its bound. The ages that are looked at are so many that the
+// robot moves from one to the next by no more than motions that are neighbours may be apart.
 bool SafetyFilter::is_safe(const Twist2& command, double hold, const Scene& scene) const {
   MotionStart start = scene.start;
   start.command = command;
   start.hold = hold;
-  const Reach way = reach(start, bounds_);
-  const auto& required = scene.required;
-  const double rims = 2.0 * way.path + robot_.wheel_separation * way.turn;
+  start.t_measured = scene.measured_by - robot_.sensor_delay;
+  const Farthest farthest = farthest_motion(start, bounds_);
+  const bool walls_far = are_walls_far(farthest.path, farthest.turn, scene);
+  if (walls_far && !params_.people.watched) return true;
+  const int steps = age_steps(farthest);
+  if (steps > kMaxAgeSteps) return false;
+  for (int i = 0; i <= steps; ++i) {
+    start.t_measured = scene.measured_by - robot_.sensor_delay * (steps - i) / std::max(1, steps);
+    if (!is_safe_from(start, scene)) return false;
+  }
+  return true;
+}
+
+int SafetyFilter::age_steps(const Farthest& farthest) const {
+  if (robot_.sensor_delay == 0.0) return 0;
+  const double lever = farthest.path + body_.radius;
+  const double gaps = robot_.sensor_delay *
+                      std::max(farthest.speed / kPathGap, farthest.turn_rate * lever / kTurnGap);
+  return std::max(1, static_cast<int>(std::ceil(std::min(gaps, 1e6))));
+}
+
+bool SafetyFilter::are_walls_far(double path, double turn, const Scene& scene) const {
+  return scene.clearance >
+         scene.required.level + path + body_.radius * turn + largest_deviation(path, turn, drift_);
+}
+
+bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) const {
+  const StoppingEnvelope envelope = stopping_envelope(start, bounds_);
+  const Reach way = reach(envelope);
+  const bool walls_far = are_walls_far(way.path, way.turn, scene);
   const double away =
-      required.per_rim * rims + required.per_path * way.path + way.path + body_.radius * way.turn;
-  const bool walls_far = scene.clearance > required.level + away;
+      way.path + body_.radius * way.turn + largest_deviation(way.path, way.turn, drift_);
   const bool people_far =
       !params_.people.watched ||
       people_check_->is_far(people_, scene.X_MB, hard_margin_ + away, start.t_measured, way.time);
   if (walls_far && people_far) return true;
-  RequiredClearance from_people = required;
-  from_people.level = hard_margin_;
-  return are_clear(start, way, [&](const Motion& motion) {
-    return (walls_far || stays_clear(motion, scene.X_MB, scene.body, *scene.map, required)) &&
-           (people_far || people_check_->keeps_away(motion, start.measured, scene.X_MB,
-                                                    start.t_measured, people_, from_people));
-  });
+  const auto is_clear = [&](const ShareCell& cell) {
+    return (walls_far ||
+            stays_clear(envelope, cell, scene.X_MB, body_, *scene.map, scene.required)) &&
+           (people_far ||
+            people_check_->keeps_away(envelope, cell, start.measured, scene.X_MB, start.t_measured,
+                                      people_, hard_margin_, drift_));
+  };
+  return all_motions_clear(way, way.path + body_.radius, is_clear);
 }
 
 double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scene) const {
@@ -294,7 +296,7 @@ void SafetyFilter::reduce(Filtered& out, const Twist2& command, const Scene& sce
 }
 
 void SafetyFilter::remember(const Twist2& twist, double now) {
-  const double horizon = params_.state_timeout + robot_.sensor_delay + bounds_.delay;
+  const double horizon = params_.state_timeout + robot_.sensor_delay + robot_.command_delay;
   std::size_t old = 0;
   while (old + 1 < sent_.size() && sent_[old + 1].t < now - horizon) ++old;
   sent_.erase(sent_.begin(), sent_.begin() + static_cast<std::ptrdiff_t>(old));

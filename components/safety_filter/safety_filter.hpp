@@ -25,9 +25,13 @@ namespace tandem {
 ///   kCheckSpacing / 2                    between two checked poses      0.004 m
 ///   hard margin                                                         0.025 m     (1)
 ///   + band                               where approaching at speed ends 0.010 m
-///   + (slip (1 + 2 R / L) + heading_error) s     grows with the way s to rest         (2)
+///   + deviation                          grows with the way to rest, deviation.hpp (3)    (2)
 ///
-/// with L the wheel separation. A MiR fits a door 0.80 m wide with 0.11 m on either side.
+/// Straight on over the way s, with L the wheel separation, the deviation is
+///
+///   (slip (1 + 2 R / L) + heading_error) s + slip s² / L.
+///
+/// A MiR fits a door 0.80 m wide with 0.11 m on either side.
 struct SafetyFilterParams {
   bool enforce = true;
   double command_timeout = 0.1;
@@ -107,10 +111,10 @@ struct Filtered {
 ///
 /// A command passes only if, acting for one control period (or, with survive_silence, until the
 /// base's own time-out) and then braked, it ends before contact plus margin whatever the delays,
-/// the lag and the braking are within their bounds; else the largest safe fraction of it, else
-/// zero. Call update() on every command and at least every control_period, and send what it
-/// returns: by induction a robot that starts safe in a static world stays safe, and one that
-/// watches people touches nobody while it moves itself.
+/// the age of odometry, the lag and the braking are within their bounds; else the largest safe
+/// fraction of it, else zero. Call update() on every command and at least every control_period, and
+/// send what it returns: by induction a robot that starts safe in a static world stays safe, and
+/// one that watches people touches nobody while it moves itself.
 ///
 /// Inside the margin only motion that gains clearance passes. Between the hard margin and the
 /// band's end the robot may come down to the hard margin, as a tail that swings out must; from
@@ -153,10 +157,11 @@ class SafetyFilter {
   [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
                               double now) const;
+  [[nodiscard]] double required_level(const Twist2& wanted, double clearance) const;
   [[nodiscard]] bool is_safe(const Twist2& command, double hold, const Scene& scene) const;
-  template <class Clear>
-  [[nodiscard]] bool are_clear(const MotionStart& start, const Reach& way,
-                               const Clear& clear) const;
+  [[nodiscard]] int age_steps(const Farthest& farthest) const;
+  [[nodiscard]] bool are_walls_far(double path, double turn, const Scene& scene) const;
+  [[nodiscard]] bool is_safe_from(const MotionStart& start, const Scene& scene) const;
   [[nodiscard]] double largest_safe_scale(const Twist2& command, const Scene& scene) const;
   void reduce(Filtered& out, const Twist2& command, const Scene& scene) const;
   void remember(const Twist2& twist, double now);
@@ -166,6 +171,7 @@ class SafetyFilter {
   Body body_;
   double hard_margin_, hold_;
   StoppingBounds bounds_;
+  DriftBounds drift_;
   std::optional<PeopleCheck> people_check_;
   std::shared_ptr<const StaticMap> map_;
   PeopleSeen people_;

@@ -5,54 +5,85 @@
 #include <cmath>
 #include <limits>
 
-#include "model/diff_drive.hpp"
-
 namespace tandem {
 namespace {
 
-constexpr int kRampSteps = 10;         // a ramp is cut into so many constant twists …
-constexpr double kMinRampStep = 0.01;  // … but none shorter than this [s]
-constexpr double kRounding = 1e-12;    // [m/s, rad/s]
+constexpr int kSteps = 10;         // a change of speed is cut into so many ranges …
+constexpr double kMinStep = 0.01;  // … but none shorter than this …
+constexpr double kMaxStep = 0.1;   // … and none longer [s]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// One end of the range of one speed. The low end is the high end of the mirrored speed.
-class End {
+// Bounds of one speed.
+struct SpeedBounds {
+  double weakest, strongest;  // braking
+  double lag;                 // [s]
+};
+
+// The high end of the range of one speed, (2). The low end is that of the mirrored speed.
+class HighEnd {
  public:
-  End(double speed, double sign, double weakest, double spread)
-      : sign_{sign}, speed_{sign_ * speed}, weakest_{weakest}, strongest_{spread * weakest} {}
+  HighEnd(double speed, const SpeedBounds& bounds) : speed_{speed}, bounds_{bounds} {}
 
   void forget_targets() { target_ = -kInfinity; }
-  void add_target(double target) { target_ = std::max(target_, sign_ * target); }
+  void add_target(double target) { target_ = std::max(target_, target); }
+  [[nodiscard]] double speed() const { return speed_; }
 
-  // Changes that take no time, (1).
-  void jump() {
-    if (speed_ >= 0.0 && target_ > speed_) speed_ = target_;
+  // Time until nothing changes any more, but for the end of an exponential tail [s].
+  [[nodiscard]] double settling_time() const {
+    if (speed_ < 0.0) return std::max(0.0, std::min(target_, 0.0) - speed_) / bounds_.strongest;
+    const double gap = speed_ - std::max(target_, 0.0), knee = bounds_.weakest * bounds_.lag;
+    const double tail = std::min(gap, knee);
+    return std::max(0.0, gap - knee) / bounds_.weakest +
+           (tail > kTailSpeed ? bounds_.lag * std::log(tail / kTailSpeed) : 0.0);
   }
-  [[nodiscard]] double ramp_time() const { return std::max(0.0, (end() - speed_) / rate()); }
-  // Mean speed of the next dt of ramp.
+
+  // Goes on for dt; returns the way [m, rad].
   double advance(double dt) {
-    const double before = speed_;
-    speed_ = approach(speed_, end(), std::abs(rate()) * dt);
-    // A ramp in parts may miss its end by rounding; short of zero the next jump would not come.
-    if (std::abs(speed_ - end()) < kRounding) speed_ = end();
-    return sign_ * 0.5 * (before + speed_);
+    double way = 0.0;
+    if (speed_ < 0.0) {
+      way = slow_down_in_reverse(dt);
+      if (speed_ < 0.0) return way + speed_ * dt;
+    }
+    if (target_ < speed_) return way + slow_down(dt);
+    speed_ = target_;
+    return way + speed_ * dt;
   }
 
  private:
-  [[nodiscard]] double end() const {
-    return speed_ >= 0.0 ? std::max(target_, 0.0) : std::clamp(target_, speed_, 0.0);
+  // Uses up the part of dt that it takes.
+  double slow_down_in_reverse(double& dt) {
+    const double end = std::min(target_, 0.0), before = speed_;
+    if (end <= speed_) return 0.0;
+    const double t = (end - speed_) / bounds_.strongest;
+    speed_ = t <= dt ? end : speed_ + bounds_.strongest * dt;
+    const double used = std::min(t, dt);
+    dt -= used;
+    return 0.5 * (before + speed_) * used;
   }
-  [[nodiscard]] double rate() const { return speed_ >= 0.0 ? -weakest_ : strongest_; }
 
-  double sign_, speed_, weakest_, strongest_;
+  // By (1) in the header: at constant deceleration down to the knee, exponentially from there.
+  double slow_down(double dt) {
+    const double end = std::max(target_, 0.0), knee = bounds_.weakest * bounds_.lag;
+    const double t = std::clamp((speed_ - end - knee) / bounds_.weakest, 0.0, dt);
+    double way = (speed_ - 0.5 * bounds_.weakest * t) * t;
+    speed_ -= bounds_.weakest * t;
+    const double rest = dt - t, gap = speed_ - end;
+    if (rest <= 0.0) return way;
+    const double decay = bounds_.lag > 0.0 ? std::exp(-rest / bounds_.lag) : 0.0;
+    speed_ = end + decay * gap;
+    return way + end * rest + gap * bounds_.lag * (1.0 - decay);
+  }
+
+  double speed_;
+  SpeedBounds bounds_;
   double target_ = 0.0;
 };
 
-// A speed at a share of its range: between its two ends.
-class Channel {
+// The range of one speed.
+class SpeedRange {
  public:
-  Channel(double speed, double share, double weakest, double spread)
-      : share_{share}, high_{speed, 1.0, weakest, spread}, low_{speed, -1.0, weakest, spread} {}
+  SpeedRange(double speed, const SpeedBounds& bounds)
+      : high_{speed, bounds}, low_{-speed, bounds} {}
 
   void forget_targets() {
     high_.forget_targets();
@@ -60,28 +91,30 @@ class Channel {
   }
   void add_target(double target) {
     high_.add_target(target);
-    low_.add_target(target);
+    low_.add_target(-target);
   }
-  void jump() {
-    high_.jump();
-    low_.jump();
+  [[nodiscard]] double settling_time() const {
+    return std::max(high_.settling_time(), low_.settling_time());
   }
-  [[nodiscard]] double ramp_time() const {
-    return std::max(share_ > 0.0 ? high_.ramp_time() : 0.0, share_ < 1.0 ? low_.ramp_time() : 0.0);
+  // Ends of the range: mean over dt, and now.
+  void advance(double dt, double& low, double& high) {
+    high = high_.advance(dt) / dt;
+    low = -low_.advance(dt) / dt;
   }
-  double advance(double dt) {
-    return share_ * high_.advance(dt) + (1.0 - share_) * low_.advance(dt);
-  }
+  [[nodiscard]] double low() const { return -low_.speed(); }
+  [[nodiscard]] double high() const { return high_.speed(); }
 
  private:
-  double share_;
-  End high_, low_;
+  HighEnd high_, low_;
 };
 
 class Builder {
  public:
-  Builder(const Channel& v, const Channel& w) : v_{v}, w_{w} {
-    motion_.reserve(2 * kRampSteps + 8);
+  Builder(const Twist2& measured, const StoppingBounds& bounds)
+      : v_{measured.v, speed_bounds(bounds.a_brake, bounds)},
+        w_{measured.w, speed_bounds(bounds.alpha_brake, bounds)},
+        lag_{bounds.motor_lag} {
+    envelope_.reserve(4 * kSteps);
   }
 
   void forget_targets() {
@@ -95,99 +128,119 @@ class Builder {
 
   // Goes on toward the targets for `duration`.
   void follow(double duration) {
-    jump();
-    const double ramp = std::min(duration, ramp_time());
-    const int steps = std::clamp(static_cast<int>(ramp / kMinRampStep), 1, kRampSteps);
-    if (ramp > 0.0)
-      for (int i = 0; i < steps; ++i) append(ramp / steps);
-    append(duration - ramp);
+    const double changing = std::min(duration, settling_time());
+    const int most = std::clamp(static_cast<int>(changing / kMinStep), 1, kSteps);
+    const int steps = std::max(most, static_cast<int>(std::ceil(changing / kMaxStep)));
+    if (changing > 0.0)
+      for (int i = 0; i < steps; ++i) append(changing / steps);
+    append(duration - changing);
   }
   void follow_to_rest() {
     forget_targets();
     add_target({});
-    follow(ramp_time());
+    follow(settling_time());
+    if (lag_ > 0.0) envelope_.push_back({{v_.low(), w_.low()}, {v_.high(), w_.high()}, lag_});
   }
-  [[nodiscard]] Motion take() { return std::move(motion_); }
+  [[nodiscard]] StoppingEnvelope take() { return std::move(envelope_); }
 
  private:
-  [[nodiscard]] double ramp_time() const { return std::max(v_.ramp_time(), w_.ramp_time()); }
-  void jump() {
-    v_.jump();
-    w_.jump();
+  static SpeedBounds speed_bounds(double brake, const StoppingBounds& bounds) {
+    return {brake, bounds.brake_spread * brake, bounds.motor_lag};
+  }
+  [[nodiscard]] double settling_time() const {
+    return std::max(v_.settling_time(), w_.settling_time());
   }
   void append(double dt) {
     if (dt <= 0.0) return;
-    const double v = v_.advance(dt), w = w_.advance(dt);
-    motion_.push_back({{v, w}, dt});
-    jump();
+    TwistRange range{{}, {}, dt};
+    v_.advance(dt, range.low.v, range.high.v);
+    w_.advance(dt, range.low.w, range.high.w);
+    envelope_.push_back(range);
   }
 
-  Channel v_, w_;
-  Motion motion_;
+  SpeedRange v_, w_;
+  double lag_;
+  StoppingEnvelope envelope_;
 };
 
-// End of the time in which command i can still be in force.
-double expiry(const MotionStart& start, std::size_t i, double delay) {
-  return delay + (i + 1 < start.sent.size() ? start.sent[i + 1].t : start.now);
-}
+// The commands that were sent and the one to try, in the order of their times.
+struct Commands {
+  const MotionStart& start;
+  double delay;
 
-// Next time after t at which a command begins or ceases to be possible.
-double next_change(const MotionStart& start, double t, double delay) {
-  double next = start.now > t ? start.now : start.now + delay;
-  for (std::size_t i = 0; i < start.sent.size(); ++i)
-    for (const double change : {start.sent[i].t, expiry(start, i, delay)})
-      if (change > t) next = std::min(next, change);
-  return next;
+  [[nodiscard]] std::size_t size() const { return start.sent.size() + 1; }
+  [[nodiscard]] TimedTwist at(std::size_t i) const {
+    return i < start.sent.size() ? start.sent[i] : TimedTwist{start.command, start.now};
+  }
+  // When zero is in force.
+  [[nodiscard]] double end() const { return start.now + start.hold + delay; }
+  // End of the time in which command i can still be in force.
+  [[nodiscard]] double expiry(std::size_t i) const {
+    return i + 1 < size() ? at(i + 1).t + delay : end();
+  }
+  // Next time after t at which a command begins or ceases to be possible.
+  [[nodiscard]] double next_change(double t) const {
+    double next = end();
+    for (std::size_t i = 0; i < size(); ++i)
+      for (const double change : {at(i).t, expiry(i)})
+        if (change > t) next = std::min(next, change);
+    return next;
+  }
+  void add_possible(Builder& builder, double t) const {
+    for (std::size_t i = 0; i < size(); ++i)
+      if (at(i).t <= t && t < expiry(i)) builder.add_target(at(i).twist);
+    if (t < at(0).t + delay) builder.add_target(start.measured);  // of the command before them
+  }
+};
+
+// Way from `speed` to rest, (1) at the weakest braking and the largest lag.
+double stopping_way(double speed, double brake, double lag) {
+  const double knee = brake * lag;
+  return speed <= knee ? speed * lag : 0.5 * (speed * speed / brake + knee * lag);
 }
 
 }  // namespace
 
-Motion possible_motion(const MotionStart& start, const StoppingBounds& bounds, double v, double w) {
-  Builder builder(Channel(start.measured.v, v, bounds.a_brake, bounds.brake_spread),
-                  Channel(start.measured.w, w, bounds.alpha_brake, bounds.brake_spread));
-  const double settled = start.now + bounds.delay;  // from then on only `command` is in force
-  for (double t = start.t_measured; t < settled;) {
+Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds) {
+  Farthest out;
+  const auto include = [&](const Twist2& twist) {
+    out.speed = std::max(out.speed, std::abs(twist.v));
+    out.turn_rate = std::max(out.turn_rate, std::abs(twist.w));
+  };
+  include(start.measured);
+  include(start.command);
+  for (const auto& sent : start.sent) include(sent.twist);
+  const double time = start.now - start.t_measured + bounds.command_delay + start.hold;
+  out.path = out.speed * time + stopping_way(out.speed, bounds.a_brake, bounds.motor_lag);
+  out.turn =
+      out.turn_rate * time + stopping_way(out.turn_rate, bounds.alpha_brake, bounds.motor_lag);
+  return out;
+}
+
+StoppingEnvelope stopping_envelope(const MotionStart& start, const StoppingBounds& bounds) {
+  Builder builder(start.measured, bounds);
+  const Commands commands{start, bounds.command_delay};
+  for (double t = start.t_measured; t < commands.end();) {
+    const double next = commands.next_change(t);
     builder.forget_targets();
-    for (std::size_t i = 0; i < start.sent.size(); ++i)
-      if (start.sent[i].t <= t && t < expiry(start, i, bounds.delay))
-        builder.add_target(start.sent[i].twist);
-    if (start.sent.empty() || start.sent.front().t > t) builder.add_target(start.measured);
-    if (t >= start.now) builder.add_target(start.command);
-    const double next = next_change(start, t, bounds.delay);
+    commands.add_possible(builder, t);
     builder.follow(next - t);
     t = next;
   }
-  builder.forget_targets();
-  builder.add_target(start.command);
-  builder.follow(start.hold);
   builder.follow_to_rest();
   return builder.take();
 }
 
-Spread spread(const Motion& low, const Motion& high) {
-  Spread out;
-  for (const auto& [twist, dt] : high) {
-    out.path += twist.v * dt;
-    out.turn += twist.w * dt;
+Reach reach(const StoppingEnvelope& envelope) {
+  Reach out;
+  for (const auto& [low, high, dt] : envelope) {
+    out.path += std::max(std::abs(low.v), std::abs(high.v)) * dt;
+    out.turn += std::max(std::abs(low.w), std::abs(high.w)) * dt;
+    out.path_spread += (high.v - low.v) * dt;
+    out.turn_spread += (high.w - low.w) * dt;
+    out.time += dt;
   }
-  for (const auto& [twist, dt] : low) {
-    out.path -= twist.v * dt;
-    out.turn -= twist.w * dt;
-  }
-  return {std::abs(out.path), std::abs(out.turn)};
-}
-
-Reach reach(const MotionStart& start, const StoppingBounds& bounds) {
-  double v = std::max(std::abs(start.measured.v), std::abs(start.command.v));
-  double w = std::max(std::abs(start.measured.w), std::abs(start.command.w));
-  for (const auto& sent : start.sent) {
-    if (sent.t > start.now) continue;
-    v = std::max(v, std::abs(sent.twist.v));
-    w = std::max(w, std::abs(sent.twist.w));
-  }
-  const double time = start.now - start.t_measured + bounds.delay + start.hold;
-  return {v * time + 0.5 * v * v / bounds.a_brake, w * time + 0.5 * w * w / bounds.alpha_brake,
-          time + std::max(v / bounds.a_brake, w / bounds.alpha_brake)};
+  return out;
 }
 
 }  // namespace tandem

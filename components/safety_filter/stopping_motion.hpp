@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: measured twist, commands sent, one to try. Out: the possible motions until the robot stands.
+// The speeds a robot can have, at each moment, from its last measurement until it stands.
 #pragma once
 
 #include <span>
@@ -15,22 +15,18 @@ struct TimedTwist {
   double t = 0.0;
 };
 
-/// A twist held for dt.
-struct Segment {
-  Twist2 twist;
-  double dt = 0.0;
-};
-
-/// Segments in order of time; the robot stands at the end.
-using Motion = std::vector<Segment>;
-
-/// Bounds within which the base behaves. A first-order lag counts as delay: a ramp through it stays
-/// below the same ramp delayed by its time constant, but for a tail that covers the same way.
+/// Bounds within which the base behaves. The motors are of first order with limited deceleration,
+///
+///   ds/dt = −min(a, (s − T) / τ)   while s slows toward its target T,                         (1)
+///
+/// with τ ≤ motor_lag and a_brake ≤ a ≤ brake_spread · a_brake, and the same for the turn rate. How
+/// quickly they speed up is not bounded.
 struct StoppingBounds {
-  double delay = 0.0;         ///< from a command to its full effect, lag included [s]
-  double a_brake = 0.0;       ///< weakest braking [m/s²]
-  double alpha_brake = 0.0;   ///< [rad/s²]
-  double brake_spread = 1.0;  ///< strongest braking, as a multiple of the weakest
+  double command_delay = 0.0;  ///< from sending a command to its first effect [s]
+  double motor_lag = 0.0;      ///< largest time constant τ [s]
+  double a_brake = 0.0;        ///< weakest braking [m/s²]
+  double alpha_brake = 0.0;    ///< [rad/s²]
+  double brake_spread = 1.0;   ///< strongest braking, as a multiple of the weakest
 };
 
 /// Where the motion starts, and the command to try: it is in force for `hold`, then zero is sent.
@@ -43,32 +39,72 @@ struct MotionStart {
   double hold = 0.0;
 };
 
-/// The motion in which v and w run at the given shares of their ranges at every moment: 0 is the
-/// low end, 1 the high one.
+/// Mean of the ends of the ranges of v and w over the next dt.
+struct TwistRange {
+  Twist2 low, high;
+  double dt = 0.0;  ///< [s]
+};
+
+/// Ranges in order of time; after the last one the robot stands.
+using StoppingEnvelope = std::vector<TwistRange>;
+
+/// The ranges of v and w from t_measured until the robot stands.
 ///
-/// At time t any command can be in force that was sent in [t − delay, t], or the last one before.
-/// Let T be the highest of them. The high end s of a speed's range follows
+/// At time t any command can be in force that was sent in [t − command_delay, t], or the last one
+/// before. The zero that ends the motion is in force as late as it can be: after `hold` and
+/// command_delay. Let T be the highest of them. The high end
+/// s of a speed's range follows
 ///
 ///   s ≥ 0, T ≥ s:   s = T at once           (the drive may be arbitrarily quick)
-///   s ≥ 0, T < s:   s falls to max(T, 0) at the weakest braking                         (1)
-///   s < 0, T > s:   s rises to min(T, 0) at the strongest braking
+///   s ≥ 0, T < s:   s falls to max(T, 0) by (1) with the weakest braking and the largest lag   (2)
+///   s < 0, T > s:   s rises to min(T, 0) at the strongest braking, without lag
 ///   s < 0, T ≤ s:   s stays                 (the drive may be arbitrarily slow)
 ///
-/// and the low end is its mirror image.
-[[nodiscard]] Motion possible_motion(const MotionStart& start, const StoppingBounds& bounds,
-                                     double v, double w);
+/// and the low end is its mirror image. Each case bounds all drives within the bounds, because (1)
+/// decreases with s and increases with T, so that no slower motion overtakes a faster one.
+///
+/// An exponential tail has no end. Once every end of a range is below 0.01 m/s or rad/s, the rest
+/// of its way, s τ, is put into a last range of duration τ.
+[[nodiscard]] StoppingEnvelope stopping_envelope(const MotionStart& start,
+                                                 const StoppingBounds& bounds);
 
-/// How far apart the ends of the ranges come until rest: path [m] and turn [rad].
-struct Spread {
-  double path = 0.0, turn = 0.0;
+/// Speed below which stopping_envelope() closes an exponential tail [m/s, rad/s].
+inline constexpr double kTailSpeed = 0.01;
+
+/// A share of the range of v and one of the range of w: 0 is the low end, 1 the high one.
+struct Shares {
+  double v = 0.0, w = 0.0;
 };
-[[nodiscard]] Spread spread(const Motion& low, const Motion& high);
 
-/// Longest way of all these motions, path [m] and turn [rad], both absolute; longest time until the
-/// robot stands [s].
+/// All motions whose shares lie within `half` of `center`.
+struct ShareCell {
+  Shares center;
+  Shares half = {};
+};
+
+/// Twist of the motion at the cell's centre.
+[[nodiscard]] inline Twist2 center_twist(const TwistRange& range, const ShareCell& cell) {
+  return {range.low.v + cell.center.v * (range.high.v - range.low.v),
+          range.low.w + cell.center.w * (range.high.w - range.low.w)};
+}
+/// How far the cell's other motions differ from it, each component.
+[[nodiscard]] inline Twist2 half_width(const TwistRange& range, const ShareCell& cell) {
+  return {cell.half.v * (range.high.v - range.low.v), cell.half.w * (range.high.w - range.low.w)};
+}
+
+/// Bounds on all motions from any time between t_measured and now: path [m], turn [rad], both
+/// absolute, and the speeds on the way [m/s], [rad/s]. Quicker to compute than an envelope.
+struct Farthest {
+  double path = 0.0, turn = 0.0, speed = 0.0, turn_rate = 0.0;
+};
+[[nodiscard]] Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds);
+
+/// What the motions of an envelope have in common.
 struct Reach {
-  double path = 0.0, turn = 0.0, time = 0.0;
+  double path = 0.0, turn = 0.0;                // longest, absolute [m], [rad]
+  double path_spread = 0.0, turn_spread = 0.0;  // between the ends of the ranges [m], [rad]
+  double time = 0.0;                            // until the robot stands [s]
 };
-[[nodiscard]] Reach reach(const MotionStart& start, const StoppingBounds& bounds);
+[[nodiscard]] Reach reach(const StoppingEnvelope& envelope);
 
 }  // namespace tandem

@@ -2,6 +2,7 @@
 // The filter in closed loop with the simulated base.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -21,6 +22,28 @@ TEST(SafetyFilterLoop, StopsBeforeAWallCloseToTheMargin) {
   const double gap = 1.5 - kBumper - loop.sim().state().X_MB.x;
   EXPECT_GE(gap, loop.filter().hard_margin());
   EXPECT_LE(gap, loop.filter().hard_margin() + loop.filter().params().band + 0.005);
+}
+
+// Time constant, braking and speed at which a lag that counts as a delay ends in the wall.
+TEST(SafetyFilterLoop, AFirstOrderMotorStopsBeforeTheWallFromFullSpeed) {
+  for (const auto& [lag, a_brake, v] : {std::array{0.30, 1.5, 1.5}, std::array{0.30, 2.5, 1.0},
+                                        std::array{0.40, 1.0, 0.8}, std::array{0.50, 2.0, 3.0}}) {
+    RobotParams robot = kMir;
+    robot.motor_lag = lag;
+    robot.a_brake = a_brake;
+    robot.v_max = v;
+    DiffDriveSimParams base;
+    base.drive.a_drive = 5.0;
+    Grid grid = free_grid(30.0);
+    occupy(grid, [](double x, double) { return x > 12.0; });
+    Random random(1);
+    ClosedLoop loop({}, robot, base, as_map(std::move(grid)), random);
+    loop.start_at({-12.0, 0.0, 0.0});
+    for (int i = 0; i < 1200; ++i) (void)loop.tick({v, 0.0}, 0.05);  // 60 s for 24 m
+    EXPECT_EQ(loop.sim().contacts().count, 0u) << lag << ' ' << a_brake << ' ' << v;
+    EXPECT_GE(loop.sim().min_clearance(), loop.filter().hard_margin() - 0.005);
+    EXPECT_GT(loop.sim().state().X_MB.x, 12.0 - kBumper - 0.1);  // it came as far as the wall
+  }
 }
 
 TEST(SafetyFilterLoop, HugsAWallWithoutGettingStuck) {

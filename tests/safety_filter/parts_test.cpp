@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "rollouts.hpp"
+#include "adversary.hpp"
 #include "support/instrumented.hpp"
 
 namespace tandem::test {
@@ -105,30 +105,6 @@ TEST_F(ForkTruck, TouchesNothingBetweenItsForksWhateverIsCommanded) {
       (void)loop_.tick(adversary.command(X_MB(), loop_.sim().footprint(), *map_), kTick);
     EXPECT_EQ(loop_.sim().contacts().count, 0u) << seed;
   }
-}
-
-// A body with two forks before or behind it, some of them thinner than a cell.
-RobotParams random_forked_robot(Random& random) {
-  RobotParams robot = random_robot(random);
-  const double half = 0.5 * robot.width, rear = -uniform(random, 0.1, 0.4);
-  const double front = uniform(random, 0.1, 0.4);
-  const double end = uniform(random, 0.1, 0.5), thick = uniform(random, 0.02, 0.4 * half);
-  add_box(robot, rear, -half, front, half);
-  const bool ahead = pick(random, 2) == 0;
-  for (const double y : {-half, half - thick})
-    add_box(robot, ahead ? front : rear - end, y, ahead ? front + end : rear, y + thick);
-  return robot;
-}
-
-TEST(SafetyFilterParts, NeverEndsInContactWhateverIsCommanded) {
-  Tally tally;
-  for (unsigned seed = 1; seed <= samples(100, 10) && tally.contacts == 0; ++seed)
-    tally.add(run_scene(seed, {}, random_forked_robot));
-  EXPECT_EQ(tally.contacts, 0) << "in scene " << tally.contact_seed;
-  EXPECT_EQ(tally.unfinished, 0);
-  EXPECT_GT(tally.travel / static_cast<double>(tally.rollouts), 0.02);
-  std::printf("%ld steps, %ld rollouts, %.0f m, smallest clearance %.4f m\n", tally.steps,
-              tally.rollouts, tally.travel, tally.min_clearance);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // it too. One definition for the test and for the long run by hand.
 #pragma once
 
+#include "adversary.hpp"
 #include "rollouts.hpp"
 
 namespace tandem::test {

@@ -63,9 +63,9 @@ TEST(SafetyFilter, KeepsTheBandForManoeuvres) {
   EXPECT_EQ(once({0.11, 0.0}, state).twist, Twist2{});
   const Filtered slow = once({0.0, 0.1}, state);
   EXPECT_GT(slow.twist.w, 0.02);
-  const Filtered forward = once({0.05, 0.0}, state);
+  const Filtered forward = once({0.09, 0.0}, state);
   EXPECT_GT(forward.twist.v, 0.005);
-  EXPECT_LT(forward.twist.v, 0.05) << "down to the hard margin, and no further";
+  EXPECT_LT(forward.twist.v, 0.08) << "down to the hard margin, and no further";
 }
 
 TEST(SafetyFilter, AllowsMoreSpeedFurtherAway) {
@@ -88,6 +88,28 @@ TEST(SafetyFilter, CountsTheMeasuredSpeedNotOnlyTheCommand) {
   const RobotState slow = facing_wall(0.3), fast = facing_wall(0.3, {0.8, 0.0});
   EXPECT_EQ(once({0.3, 0.0}, slow).reason, FilterReason::kClear);
   EXPECT_EQ(once({0.3, 0.0}, fast).reason, FilterReason::kStopped);
+}
+
+// Odometry that may be half a second old, and is not: what was commanded since is over already. The
+// robot turns away from a wall, so that by old odometry it would face elsewhere by now.
+TEST(SafetyFilter, CountsFreshOdometryAsWellAsOld) {
+  RobotParams robot = kMir;
+  robot.v_max = 2.5;
+  robot.w_max = 1.66;
+  robot.sensor_delay = 0.5;
+  SafetyFilter filter(SafetyFilterParams{}, robot);
+  filter.on_map(as_map(free_grid(20.0)));
+  const Twist2 turning{0.0, -robot.w_max};
+  RobotState state = facing_wall(0.4, turning);
+  for (double t = -1.0; t < -0.01; t += 0.05) {
+    state.X_MB.theta = turning.w * t;
+    state.t = t;
+    filter.on_command(turning, t);
+    EXPECT_EQ(filter.update(state, t).twist, turning);
+  }
+  filter.on_map(wall_ahead());
+  filter.on_command({1.22, 0.0}, 0.0);
+  EXPECT_LT(filter.update(facing_wall(0.4, turning), 0.0).twist.v, 0.9);
 }
 
 TEST(SafetyFilter, SaysThatItRefusesOnlyWhereWhatIsNearIsWhy) {
@@ -127,6 +149,27 @@ TEST(SafetyFilter, BacksOutFromInsideTheMargin) {
   const Filtered arc = once({-0.4, 0.3}, state);  // would swing a corner if v came later than w
   EXPECT_EQ(arc.reason, FilterReason::kDeflected);
   EXPECT_EQ(arc.twist, (Twist2{-0.4, 0.0}));
+}
+
+// Two walls nearer than the margin: on the way from one the other comes no nearer than it is.
+TEST(SafetyFilter, InsideTheMarginOfOneWallItKeepsTheMarginToAnother) {
+  Grid grid = free_grid(6.0);
+  occupy(grid, [](double x, double) { return x > 1.5 || x < 0.55; });  // 0.95 m for 0.89 m
+  const auto map = as_map(std::move(grid));
+  const double behind = 0.55 - 0.038 + 0.445;  // base_link, the rear at the wall behind
+  const Filtered out = once({0.4, 0.0}, at(behind + 0.005), map);
+  EXPECT_GT(out.twist.v, 0.0);
+  const double rest = 0.95 - 0.89 - 0.005;  // to the wall ahead
+  EXPECT_LT(out.twist.v * 0.16, rest - 0.0247) << "by hold, delays and lag alone";
+}
+
+TEST(SafetyFilter, InAGapNarrowerThanTwoMarginsItLeavesNeitherWallForTheOther) {
+  Grid grid = free_grid(6.0);
+  occupy(grid, [](double x, double) { return x > 1.5 || x < 0.6; });  // 0.90 m for 0.89 m
+  const auto map = as_map(std::move(grid));
+  const double behind = 0.6 - 0.038 + 0.445;
+  for (const double v : {0.8, 0.05, -0.4})
+    EXPECT_EQ(once({v, 0.0}, at(behind + 0.002), map).twist, Twist2{}) << v;
 }
 
 TEST(SafetyFilter, BacksOutOfAMeasuredContact) {
@@ -277,22 +320,6 @@ TEST(SafetyFilterParams, RejectsAParameterOutsideItsRange) {
   RobotParams robot;
   robot.a_brake = 0.0;
   EXPECT_THROW(SafetyFilter({}, robot), std::invalid_argument);
-}
-
-// However the ramp to zero is rounded: a base that reverses may be at its new speed in no time.
-TEST(StoppingMotion, AReversalReachesTheCommandedSpeed) {
-  Random random(1);
-  for (int i = 0; i < 2000; ++i) {
-    MotionStart start;
-    start.measured = {-uniform(random, 0.01, 1.0), 0.0};
-    start.command = {uniform(random, 0.01, 1.0), 0.0};
-    start.hold = 3.0;
-    const Motion motion = possible_motion(
-        start, {uniform(random, 0.0, 0.1), uniform(random, 0.5, 3.0), 1.0, 1.5}, 1.0, 1.0);
-    double fastest = 0.0;
-    for (const Segment& segment : motion) fastest = std::max(fastest, segment.twist.v);
-    ASSERT_EQ(fastest, start.command.v) << start.measured.v;
-  }
 }
 
 class BesidePeople : public ::testing::Test {

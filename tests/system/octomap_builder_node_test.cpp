@@ -218,7 +218,7 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNoth
   ASSERT_TRUE(wait_until([&] { return v == 0.3 && reason == "clear"; }));
 
   for (int i = -20; i <= 20; ++i)
-    tree.updateNode(octomap::point3d(0.62F, 0.05F * static_cast<float>(i), 0.3F), true);
+    tree.updateNode(octomap::point3d(0.57F, 0.05F * static_cast<float>(i), 0.3F), true);
   msg.data(encode_octomap(tree));
   ASSERT_TRUE(wait_until([&] { return v < 0.3 && reason != "clear"; }));
   looks = {};
