@@ -16,7 +16,7 @@ namespace {
 constexpr double kClearanceCap = 1.0;  // [m] reported clearance ends here
 constexpr double kBlocked = 0.05;      // an arc of which less than this passes counts as blocked
 constexpr int kBisections = 6;
-constexpr int kMaxAgeSteps = 16;
+constexpr int kMaxSteps = 16;  // of odometry's age, and of the time at which zero acts
 
 constexpr double kMoves = 0.005;  // [m/s, rad/s] a command from here on moves the robot
 
@@ -24,6 +24,15 @@ constexpr Twist2 kRest{};
 
 bool moves(const Twist2& twist) {
   return std::abs(twist.v) >= kMoves || std::abs(twist.w) >= kMoves;
+}
+
+// Into how many steps `duration` is cut so that the robot moves in each by no more than
+// neighbouring motions may be apart.
+int steps_of(double duration, const Twist2& twist, double lever) {
+  if (duration <= 0.0) return 0;
+  const double gaps =
+      duration * std::max(std::abs(twist.v) / kPathGap, std::abs(twist.w) * lever / kTurnGap);
+  return std::max(1, static_cast<int>(std::ceil(std::min(gaps, 1e6))));
 }
 
 double hard_margin_of(const SafetyFilterParams& params, double radius) {
@@ -209,31 +218,34 @@ double SafetyFilter::required_level(const Twist2& wanted, double clearance) cons
   return clearance >= full && !manoeuvres ? full : hard_margin_;
 }
 
-// Odometry may be of any age up to its bound. The ages that are looked at are so many that the
-// robot moves from one to the next by no more than motions that are neighbours may be apart.
-bool SafetyFilter::is_safe(const Twist2& command, double hold, const Scene& scene) const {
+// The command acts until zero does: at once if the next call sends it and it is not delayed, or
+// only after `hold` and the longest delay.
+bool SafetyFilter::is_safe(const Twist2& command, const Scene& scene) const {
   MotionStart start = scene.start;
   start.command = command;
-  start.hold = hold;
   start.t_measured = scene.measured_by - robot_.sensor_delay;
+  const double latest = robot_.command_delay + (command == kRest ? 0.0 : hold_);
+  start.end = latest;
   const Farthest farthest = farthest_motion(start, bounds_);
-  const bool walls_far = are_walls_far(farthest.path, farthest.turn, scene);
-  if (walls_far && !params_.people.watched) return true;
-  const int steps = age_steps(farthest);
-  if (steps > kMaxAgeSteps) return false;
-  for (int i = 0; i <= steps; ++i) {
-    start.t_measured = scene.measured_by - robot_.sensor_delay * (steps - i) / std::max(1, steps);
-    if (!is_safe_from(start, scene)) return false;
+  if (are_walls_far(farthest.path, farthest.turn, scene) && !params_.people.watched) return true;
+  const double lever = farthest.path + body_.radius;
+  const int ends = command == kRest ? 1 : std::max(1, steps_of(latest, command, lever));
+  const int ages = steps_of(robot_.sensor_delay, {farthest.speed, farthest.turn_rate}, lever);
+  if (ends > kMaxSteps || ages > kMaxSteps) return false;
+  for (int i = ends; i > 0; --i) {
+    start.end = latest * i / ends;
+    if (!is_safe_at_any_age(start, ages, scene)) return false;
   }
   return true;
 }
 
-int SafetyFilter::age_steps(const Farthest& farthest) const {
-  if (robot_.sensor_delay == 0.0) return 0;
-  const double lever = farthest.path + body_.radius;
-  const double gaps = robot_.sensor_delay *
-                      std::max(farthest.speed / kPathGap, farthest.turn_rate * lever / kTurnGap);
-  return std::max(1, static_cast<int>(std::ceil(std::min(gaps, 1e6))));
+// Odometry may be of any age up to its bound.
+bool SafetyFilter::is_safe_at_any_age(MotionStart start, int steps, const Scene& scene) const {
+  for (int i = steps; i >= 0; --i) {
+    start.t_measured = scene.measured_by - robot_.sensor_delay * i / std::max(1, steps);
+    if (!is_safe_from(start, scene)) return false;
+  }
+  return true;
 }
 
 bool SafetyFilter::are_walls_far(double path, double turn, const Scene& scene) const {
@@ -262,18 +274,18 @@ bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) co
 }
 
 double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scene) const {
-  if (is_safe(command, hold_, scene)) return 1.0;
+  if (is_safe(command, scene)) return 1.0;
   double safe = 0.0, unsafe = 1.0;
   for (int i = 0; i < kBisections; ++i) {
     const double middle = 0.5 * (safe + unsafe);
-    (is_safe({middle * command.v, middle * command.w}, hold_, scene) ? safe : unsafe) = middle;
+    (is_safe({middle * command.v, middle * command.w}, scene) ? safe : unsafe) = middle;
   }
   return safe;
 }
 
 void SafetyFilter::reduce(Filtered& out, const Twist2& command, const Scene& scene) const {
   out.reason = FilterReason::kStopped;
-  if (!is_safe(kRest, 0.0, scene)) return;  // zero now, or nobody knows where it ends
+  if (!is_safe(kRest, scene)) return;  // zero now, or nobody knows where it ends
 
   Twist2 along = command;
   out.scale = largest_safe_scale(along, scene);

@@ -158,8 +158,8 @@ class SafetyFilter {
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
                               double now) const;
   [[nodiscard]] double required_level(const Twist2& wanted, double clearance) const;
-  [[nodiscard]] bool is_safe(const Twist2& command, double hold, const Scene& scene) const;
-  [[nodiscard]] int age_steps(const Farthest& farthest) const;
+  [[nodiscard]] bool is_safe(const Twist2& command, const Scene& scene) const;
+  [[nodiscard]] bool is_safe_at_any_age(MotionStart start, int steps, const Scene& scene) const;
   [[nodiscard]] bool are_walls_far(double path, double turn, const Scene& scene) const;
   [[nodiscard]] bool is_safe_from(const MotionStart& start, const Scene& scene) const;
   [[nodiscard]] double largest_safe_scale(const Twist2& command, const Scene& scene) const;

@@ -173,7 +173,7 @@ struct Commands {
     return i < start.sent.size() ? start.sent[i] : TimedTwist{start.command, start.now};
   }
   // When zero is in force.
-  [[nodiscard]] double end() const { return start.now + start.hold + delay; }
+  [[nodiscard]] double end() const { return start.now + start.end; }
   // End of the time in which command i can still be in force.
   [[nodiscard]] double expiry(std::size_t i) const {
     return i + 1 < size() ? at(i + 1).t + delay : end();
@@ -210,7 +210,7 @@ Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds)
   include(start.measured);
   include(start.command);
   for (const auto& sent : start.sent) include(sent.twist);
-  const double time = start.now - start.t_measured + bounds.command_delay + start.hold;
+  const double time = start.now - start.t_measured + start.end;
   out.path = out.speed * time + stopping_way(out.speed, bounds.a_brake, bounds.motor_lag);
   out.turn =
       out.turn_rate * time + stopping_way(out.turn_rate, bounds.alpha_brake, bounds.motor_lag);

@@ -29,14 +29,14 @@ struct StoppingBounds {
   double brake_spread = 1.0;   ///< strongest braking, as a multiple of the weakest
 };
 
-/// Where the motion starts, and the command to try: it is in force for `hold`, then zero is sent.
+/// Where the motion starts, and the command to try. Zero is in force from now + end on.
 struct MotionStart {
   Twist2 measured;  ///< holds at t_measured ≤ now
   double t_measured = 0.0;
   double now = 0.0;
   std::span<const TimedTwist> sent;  ///< earlier commands, oldest first
   Twist2 command;
-  double hold = 0.0;
+  double end = 0.0;  ///< [s]
 };
 
 /// Mean of the ends of the ranges of v and w over the next dt.
@@ -51,8 +51,7 @@ using StoppingEnvelope = std::vector<TwistRange>;
 /// The ranges of v and w from t_measured until the robot stands.
 ///
 /// At time t any command can be in force that was sent in [t − command_delay, t], or the last one
-/// before. The zero that ends the motion is in force as late as it can be: after `hold` and
-/// command_delay. Let T be the highest of them. The high end
+/// before. Let T be the highest of them. The high end
 /// s of a speed's range follows
 ///
 ///   s ≥ 0, T ≥ s:   s = T at once           (the drive may be arbitrarily quick)

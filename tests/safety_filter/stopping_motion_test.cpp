@@ -46,7 +46,7 @@ TEST(StoppingMotion, AReversalReachesTheCommandedSpeed) {
   for (int i = 0; i < 2000; ++i) {
     MotionStart start = braking_from(-uniform(random, 0.01, 1.0));
     start.command = {uniform(random, 0.01, 1.0), 0.0};
-    start.hold = 3.0;
+    start.end = 3.0;
     const StoppingEnvelope envelope = stopping_envelope(
         start, {uniform(random, 0.0, 0.1), 0.0, uniform(random, 0.5, 3.0), 1.0, 1.5});
     double fastest = 0.0;
@@ -55,8 +55,7 @@ TEST(StoppingMotion, AReversalReachesTheCommandedSpeed) {
   }
 }
 
-// A drive within the bounds, in small steps: another lag, another braking, another delay each time,
-// but for the zero at the end.
+// A drive within the bounds, in small steps: another lag, another braking, another delay each time.
 class Drive {
  public:
   Drive(const MotionStart& start, const StoppingBounds& bounds, Random& random)
@@ -64,7 +63,6 @@ class Drive {
         lag_{fraction(random) * bounds.motor_lag},
         brake_{bounds.a_brake * uniform(random, 1.0, bounds.brake_spread)},
         delay_{fraction(random) * bounds.command_delay},
-        longest_delay_{bounds.command_delay},
         speeds_up_{pick(random, 2) ? 1e3 : uniform(random, 0.2, 5.0)},
         speed_{start.measured.v} {}
 
@@ -82,7 +80,7 @@ class Drive {
 
  private:
   [[nodiscard]] double target(double t) const {
-    if (t >= start_.now + start_.hold + longest_delay_) return 0.0;  // see stopping_envelope()
+    if (t >= start_.now + start_.end) return 0.0;
     if (t >= start_.now + delay_) return start_.command.v;
     double v = start_.measured.v;
     for (const TimedTwist& sent : start_.sent)
@@ -91,7 +89,7 @@ class Drive {
   }
 
   MotionStart start_;
-  double lag_, brake_, delay_, longest_delay_, speeds_up_, speed_;
+  double lag_, brake_, delay_, speeds_up_, speed_;
 };
 
 TEST(StoppingMotion, HoldsEveryDriveWithinTheBounds) {
@@ -104,7 +102,7 @@ TEST(StoppingMotion, HoldsEveryDriveWithinTheBounds) {
     start.now = 1.0;
     start.t_measured = uniform(random, 0.6, 1.0);
     start.command = {uniform(random, -1.5, 1.5), 0.0};
-    start.hold = uniform(random, 0.0, 0.3);
+    start.end = uniform(random, 0.0, 0.6);
     const std::vector<TimedTwist> sent{{{uniform(random, -1.5, 1.5), 0.0}, 0.2},
                                        {{uniform(random, -1.5, 1.5), 0.0}, 0.8}};
     start.sent = sent;
