@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter's claim, by at least 250,000 control steps of closed-loop rollouts to standstill: no
+// The filter's claim, by at least 150,000 control steps of closed-loop rollouts to standstill: no
 // contact, whatever is commanded and however bad the base is within its bounds.
 // `safety_filter_rollouts` does the same for as long as wanted.
 #include "people_rollouts.hpp"
@@ -11,7 +11,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr long kSteps = samples(250'000, 10'000);
+constexpr long kSteps = samples(150'000, 6'000);
 constexpr unsigned kPeopleScenes = samples(400, 20);
 
 TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
