@@ -13,6 +13,7 @@
 #include <set>
 #include <utility>
 
+#include "bringup/diagnoses.hpp"
 #include "runtime/shutdown.hpp"
 #include "topics.hpp"
 
@@ -233,6 +234,9 @@ int visit(double duration) {
   rt::Node node{"tandem_doctor"};
   const rt::DomainView view{node};
   const ClockWatch clock{node};
+  Diagnoses diagnoses;
+  const auto diagnostics = node.create_subscription(
+      topics::diagnostics, [&diagnoses](const auto& msg) { add(diagnoses, msg); });
   for (double left = duration, end = node.steady_now() + duration; left > 0.0 && !node.stopped();
        left = end - node.steady_now())
     node.spin_some(left);
@@ -249,6 +253,7 @@ int visit(double duration) {
          "make it a SUPER_CLIENT by a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as ROS 2's own "
          "tools need it"});
   clock.examine(found);
+  for (auto& finding : examine(diagnoses)) found.push_back(std::move(finding));
   for (const auto& segment : stale_segments("/dev/shm", "/proc"))
     found.push_back({segment + " was left behind by a program that died",
                      "rm " + segment + " (or `fastdds shm clean`)"});

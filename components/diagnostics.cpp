@@ -10,10 +10,11 @@ Diagnostics::Diagnostics(rt::Node& node)
       out_{node.create_publisher(topics::diagnostics)},
       timer_{node.create_wall_timer(kPeriod, [this] { publish(); })} {}
 
-void Diagnostics::say(bool well, const std::string& message) {
+void Diagnostics::say(bool well, const std::string& message, const std::string& remedy) {
   const bool news = well != well_ || (!well && message != message_);
   well_ = well;
   message_ = message;
+  remedy_ = remedy;
   if (news) publish();
 }
 
@@ -24,6 +25,12 @@ void Diagnostics::publish() {
   status.hardware_id("tandem");
   status.level(well_ ? OK : WARN);
   status.message(message_);
+  if (!remedy_.empty()) {
+    diagnostic_msgs::msg::KeyValue value;
+    value.key("remedy");
+    value.value(remedy_);
+    status.values().push_back(std::move(value));
+  }
   diagnostic_msgs::msg::DiagnosticArray msg;
   msg.header(header(node_.stamp(), ""));
   msg.status().push_back(std::move(status));

@@ -19,15 +19,15 @@ class Diagnostics {
   Diagnostics(const Diagnostics&) = delete;
   Diagnostics& operator=(const Diagnostics&) = delete;
 
-  /// `well`: level OK, else WARN.
-  void say(bool well, const std::string& message);
+  /// `well`: level OK, else WARN. `remedy`: what would mend it; told as the value `remedy`.
+  void say(bool well, const std::string& message, const std::string& remedy = "");
 
  private:
   void publish();
 
   rt::Node& node_;
   bool well_ = false;
-  std::string message_ = "starting";
+  std::string message_ = "starting", remedy_;
   rt::Publisher<diagnostic_msgs::msg::DiagnosticArray> out_;
   rt::Timer timer_;
 };

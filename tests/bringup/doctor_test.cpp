@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bringup/doctor.hpp"
+#include "bringup/diagnoses.hpp"
 
 #include <gtest/gtest.h>
 
@@ -89,6 +89,50 @@ TEST(Doctor, SaysThatNobodyIsThere) {
   lonely.participants.pop_back();
   lonely.endpoints.pop_back();
   EXPECT_TRUE(finds(examine(lonely), "nobody else"));
+}
+
+diagnostic_msgs::msg::DiagnosticArray word(const std::string& name, std::uint8_t level,
+                                           const std::string& message,
+                                           const std::string& remedy = "") {
+  diagnostic_msgs::msg::DiagnosticStatus status;
+  status.name(name);
+  status.level(level);
+  status.message(message);
+  if (!remedy.empty()) {
+    status.values().resize(1);
+    status.values()[0].key("remedy");
+    status.values()[0].value(remedy);
+  }
+  diagnostic_msgs::msg::DiagnosticArray msg;
+  msg.status().push_back(status);
+  return msg;
+}
+
+TEST(Doctor, TellsOfARobotThatStandsItsFirstCauseAndRemedy) {
+  Diagnoses diagnoses;
+  add(diagnoses, word("arbitration", 1, "safety filter: no map yet"));
+  add(diagnoses, word("safety_filter", 1, "no map yet", "start a map_server"));
+  const auto found = examine(diagnoses);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what, "safety_filter (warning): no map yet");
+  EXPECT_EQ(found[0].remedy, "start a map_server");
+}
+
+TEST(Doctor, TellsNothingOfANodeThatIsWellAgain) {
+  Diagnoses diagnoses;
+  add(diagnoses, word("safety_filter", 1, "no map yet"));
+  add(diagnoses, word("safety_filter", 0, "clear"));
+  EXPECT_TRUE(examine(diagnoses).empty());
+}
+
+TEST(Doctor, PutsErrorsOfForeignNodesFirst) {
+  Diagnoses diagnoses;
+  add(diagnoses, word("arbitration", 1, "no command"));
+  add(diagnoses, word("base driver", 2, "left motor hot"));
+  const auto found = examine(diagnoses);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].what, "base driver (error): left motor hot");
+  EXPECT_FALSE(found[0].remedy.empty());
 }
 
 TEST(Doctor, FindsSegmentsThatNobodyHasMapped) {
