@@ -155,8 +155,7 @@ std::vector<FileSection> sections_for_nobody(const std::string& path,
                                              const std::vector<std::string>& full_names) {
   auto sections = named(path, [&] { return Collector{path, ""}.sections(); });
   std::erase_if(sections, [&](const FileSection& section) {
-    return section.name.find('*') != std::string::npos ||
-           std::any_of(full_names.begin(), full_names.end(),
+    return std::any_of(full_names.begin(), full_names.end(),
                        [&](const std::string& name) { return matches_node(section.name, name); });
   });
   return sections;

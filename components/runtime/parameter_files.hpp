@@ -22,7 +22,8 @@ struct FileSection {
   std::string origin;  ///< "robot.yaml:1"
 };
 
-/// Sections that name a node, and none of these. Throws as read_parameter_file.
+/// Sections that match none of these nodes, with wildcards or without. Throws as
+/// read_parameter_file.
 [[nodiscard]] std::vector<FileSection> sections_for_nobody(
     const std::string& path, const std::vector<std::string>& full_names);
 

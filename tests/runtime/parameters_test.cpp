@@ -173,6 +173,16 @@ TEST_F(ParameterFile, TellsOfSectionsForNodesThatAreNotThere) {
   EXPECT_EQ(strangers[0].origin, path_ + ":6");
 }
 
+TEST_F(ParameterFile, TellsOfAMisspeltNodeUnderAWildcard) {
+  std::ofstream{path_} << "/**:\n  telleop:\n    ros__parameters: {leash: 0.3}\n"
+                          "  teleop:\n    ros__parameters: {leash: 0.3}\n"
+                          "/a/*:\n  ros__parameters: {b: 1}\n";
+  const auto strangers = rt::sections_for_nobody(path_, {"/teleop", "/b/teleop"});
+  ASSERT_EQ(strangers.size(), 2U);
+  EXPECT_EQ(strangers[0].name, "/**/telleop");
+  EXPECT_EQ(strangers[1].name, "/a/*");
+}
+
 TEST_F(ParameterFile, ValueOutOfBoundsIsNamedWithItsBound) {
   const std::string head = "gate:\n  ros__parameters:\n    ";
   expect_complaint(head + "margin: 1.5\n", {path_ + ":3", "margin", "1.5", "[0, 1]"});
