@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -61,14 +62,11 @@ Span cells_between(double low, double high, int size) {
   return {std::max(0, limit(low)), std::min(size, limit(high) + 1)};
 }
 
-// Visits the indices from the middle outwards, so that a search finds what is near early.
-template <class Visit>
-void from_middle(const Span& span, Visit visit) {
-  const int middle = (span.begin + span.end) / 2;
-  for (int up = middle, down = middle - 1; up < span.end || down >= span.begin; ++up, --down) {
-    if (up < span.end) visit(up);
-    if (down >= span.begin) visit(down);
-  }
+// Cells along each side of the smallest block, a power of two, that holds both spans.
+int block_of(const Span& columns, const Span& rows) {
+  int cells = 1;
+  while (cells < columns.end - columns.begin || cells < rows.end - rows.begin) cells *= 2;
+  return cells;
 }
 
 // A part of the outline at a pose, ready to be asked for many squares.
@@ -126,6 +124,30 @@ class PlacedPart {
   Box in_body_, in_map_;
 };
 
+// Branch and bound over square blocks of cells: which obstacle is nearest to an outline.
+struct NearestCell {
+  const StaticMap& map;
+  const PlacedPart& outline;
+  double best;    // [m] so far
+  double search;  // [m] what is farther cannot be nearest
+
+  // The block of `cells` × `cells` whose first is (ix, iy).
+  void visit(int ix, int iy, int cells) {
+    if (!map.may_hold_obstacle(ix, iy, cells)) return;
+    const double side = map.grid().resolution, half = 0.5 * (cells - 1) * side;
+    const Eigen::Vector2d p_MC = map.grid().center(ix, iy) + Eigen::Vector2d(half, half);
+    if (outline.bound(p_MC, cells * side) >= search) return;
+    if (cells == 1) {
+      best = std::min(best, outline.distance(p_MC, side));
+      search = std::min(search, best);
+      return;
+    }
+    const int h = cells / 2;
+    for (const auto& [dx, dy] : {std::pair{0, 0}, {h, 0}, {0, h}, {h, h}})
+      visit(ix + dx, iy + dy, h);
+  }
+};
+
 }  // namespace
 
 StaticMap::StaticMap(Grid grid, bool unknown_is_obstacle)
@@ -149,6 +171,15 @@ StaticMap::StaticMap(Grid grid, bool unknown_is_obstacle)
 bool StaticMap::is_obstacle(int ix, int iy) const {
   return grid_.contains(ix, iy) ? counts(grid_.at(ix, iy), unknown_is_obstacle_)
                                 : unknown_is_obstacle_;
+}
+
+bool StaticMap::may_hold_obstacle(int ix, int iy, int cells) const {
+  if (ix >= grid_.width || iy >= grid_.height) return false;
+  const int half = cells / 2, mx = ix + half, my = iy + half;
+  if (mx >= grid_.width || my >= grid_.height) return true;
+  // From the middle cell's centre to the square of the farthest cell, along both axes.
+  const double farthest = std::max(0.0, half - 0.5) * std::numbers::sqrt2 * grid_.resolution;
+  return static_cast<double>(field(mx, my)) <= farthest;
 }
 
 float StaticMap::field(int ix, int iy) const {
@@ -200,26 +231,12 @@ double StaticMap::part_clearance(const ConvexPolygon& part, const Pose2& X_MB, d
         std::min({low.x(), low.y(), grid_.width - high.x(), grid_.height - high.y()});
     best = std::min(best, grid_.resolution * std::max(0.0, gap));
   }
-  double search = std::min(best, most_clearance(X_MB.position()));
-  const auto examine = [&](const Eigen::Vector2d& p_MC) {
-    if (outline.bound(p_MC, grid_.resolution) >= search) return;
-    best = std::min(best, outline.distance(p_MC, grid_.resolution));
-    search = std::min(search, best);
-  };
-  const double reach = search * cells_per_metre_;
-  from_middle(cells_between(low.y() - reach, high.y() + reach, grid_.height), [&](int iy) {
-    const double near = search * cells_per_metre_;
-    if (iy + 1 < low.y() - near || iy > high.y() + near || best == 0.0) return;
-    const Span columns = cells_between(low.x() - near, high.x() + near, grid_.width);
-    for (int ix = columns.begin; ix < columns.end;) {
-      const auto free = static_cast<double>(field(ix, iy));
-      if (free == 0.0)
-        examine(grid_.center(ix++, iy));
-      else  // the next obstacle's centre is at least half a cell further than `free`
-        ix += std::max(1, static_cast<int>(std::min(free * cells_per_metre_ + 0.5, 1e6)));
-    }
-  });
-  return best;
+  NearestCell nearest{*this, outline, best, std::min(best, most_clearance(X_MB.position()))};
+  const double reach = nearest.search * cells_per_metre_;
+  const Span columns = cells_between(low.x() - reach, high.x() + reach, grid_.width);
+  const Span rows = cells_between(low.y() - reach, high.y() + reach, grid_.height);
+  nearest.visit(columns.begin, rows.begin, block_of(columns, rows));
+  return nearest.best;
 }
 
 double StaticMap::clearance_bound(const Footprint& footprint, const Pose2& X_MB) const {

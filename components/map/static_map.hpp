@@ -28,8 +28,13 @@ class StaticMap {
   /// infinite if there is none; 0 for a point that is not finite. One look-up.
   [[nodiscard]] double distance(const Eigen::Vector2d& p_MQ) const;
 
+  /// False if the block of `cells` × `cells` from cell (ix, iy) on surely holds no obstacle of the
+  /// grid. ix, iy ≥ 0. One look-up; for one cell the answer is exact.
+  [[nodiscard]] bool may_hold_obstacle(int ix, int iy, int cells) const;
+
   /// Exact distance between the footprint at X_MB and the nearest obstacle square [m]: 0 on
-  /// contact, at most `cap`. Cost grows with the cells within `cap` of the footprint.
+  /// contact, at most `cap`. Cost grows with the obstacle cells that are
+  /// about as near as the nearest.
   [[nodiscard]] double clearance(const Footprint& footprint, const Pose2& X_MB, double cap) const;
 
   /// Lower bound on clearance() [m], by three look-ups: less by about a third of the footprint's
