@@ -9,11 +9,12 @@ namespace tandem {
 namespace {
 
 constexpr int kTreeDepth = 16;
+constexpr std::size_t kLogOdds = sizeof(float);
 
 // Walks the records of a tree depth first, as OctoMap writes them.
 class Walk {
  public:
-  explicit Walk(std::string_view data) : data_{data} {}
+  explicit Walk(std::string_view data, std::size_t payload = 0) : data_{data}, payload_{payload} {}
 
   // Record of an inner node at `depth`: 2 bits for each of its children.
   bool binary_node(int depth) {
@@ -30,13 +31,14 @@ class Walk {
   }
 
   bool full_node(int depth) {
-    if (depth > kTreeDepth || data_.size() < 5) return false;
+    const std::size_t record = kLogOdds + payload_ + 1;
+    if (depth > kTreeDepth || data_.size() < record) return false;
     float log_odds;
     std::memcpy(&log_odds, data_.data(), sizeof log_odds);
-    const unsigned children = byte(4);
-    data_.remove_prefix(5);
+    const unsigned children = byte(record - 1);
+    data_.remove_prefix(record);
     ++nodes_;
-    if (!std::isfinite(log_odds)) return false;
+    if (std::isnan(log_odds)) return false;
     for (int child = 0; child < std::popcount(children); ++child)
       if (!full_node(depth + 1)) return false;
     return true;
@@ -49,6 +51,7 @@ class Walk {
   [[nodiscard]] unsigned byte(std::size_t i) const { return static_cast<unsigned char>(data_[i]); }
 
   std::string_view data_;
+  std::size_t payload_;
   std::size_t nodes_ = 0;
 };
 
@@ -60,10 +63,19 @@ std::optional<std::size_t> count_binary_nodes(std::string_view data) {
   return walk.nodes() + 1;  // the root
 }
 
-std::optional<std::size_t> count_full_nodes(std::string_view data) {
-  Walk walk(data);
+std::optional<std::size_t> count_full_nodes(std::string_view data, std::size_t payload) {
+  Walk walk(data, payload);
   if (!walk.full_node(0) || !walk.at_end()) return std::nullopt;
   return walk.nodes();
+}
+
+std::string without_payload(std::string_view data, std::size_t payload) {
+  const std::size_t record = kLogOdds + payload + 1;
+  std::string plain;
+  plain.reserve(data.size() / record * (kLogOdds + 1));
+  for (std::size_t at = 0; at + record <= data.size(); at += record)
+    plain.append(data.substr(at, kLogOdds)).push_back(data[at + record - 1]);
+  return plain;
 }
 
 }  // namespace tandem

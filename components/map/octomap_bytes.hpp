@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace tandem {
@@ -13,7 +14,12 @@ namespace tandem {
 /// 16 levels. OctoMap's own reader checks none of this.
 [[nodiscard]] std::optional<std::size_t> count_binary_nodes(std::string_view data);
 
-/// The same for .ot data: per node a float log-odds, which must be finite, and a byte of children.
-[[nodiscard]] std::optional<std::size_t> count_full_nodes(std::string_view data);
+/// The same for .ot data: per node a float log-odds, `payload` bytes that say nothing of occupancy
+/// (a ColorOcTree's colour), and a byte of children. Infinite log-odds are certain; NaN is refused.
+[[nodiscard]] std::optional<std::size_t> count_full_nodes(std::string_view data,
+                                                          std::size_t payload = 0);
+
+/// Data that count_full_nodes accepts with this payload, as an OcTree would hold it.
+[[nodiscard]] std::string without_payload(std::string_view data, std::size_t payload);
 
 }  // namespace tandem

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -16,6 +17,8 @@ namespace {
 
 constexpr std::string_view kBinaryFirstLine = "# Octomap OcTree binary file";
 constexpr std::string_view kFullFirstLine = "# Octomap OcTree file";
+constexpr std::int32_t kLegacyOcTree = 3;
+constexpr std::size_t kColor = 3;                   // [bytes]
 constexpr std::uintmax_t kLargestFile = 1U << 30U;  // [bytes]
 constexpr double kFinest = 1e-3, kCoarsest = 10.0;  // resolution [m]
 const std::string kWrongContent = "the bytes are cut off or damaged";
@@ -26,22 +29,31 @@ struct Header {
   std::string_view data;  // what follows the header
 };
 
-// The text up to the next line feed, taken off `rest`.
-std::string_view take_line(std::string_view& rest) {
-  const std::size_t end = std::min(rest.find('\n'), rest.size());
-  std::string_view line = rest.substr(0, end);
-  rest.remove_prefix(std::min(end + 1, rest.size()));
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
-}
+// Reads a header word by word, as OctoMap does: keys may share a line.
+class Words {
+ public:
+  explicit Words(std::string_view text) : rest_{text} {}
 
-// The word after a key, if the line starts with that key.
-std::optional<std::string_view> value_of(std::string_view line, std::string_view key) {
-  if (!line.starts_with(key) || line.size() == key.size() || line[key.size()] != ' ')
-    return std::nullopt;
-  line.remove_prefix(std::min(line.find_first_not_of(' ', key.size()), line.size()));
-  return line.substr(0, line.find(' '));
-}
+  // Empty at the end.
+  std::string_view next() {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(kSpace), rest_.size()));
+    const std::size_t end = std::min(rest_.find_first_of(kSpace), rest_.size());
+    const std::string_view word = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    return word;
+  }
+
+  void skip_line() {
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  }
+
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+
+ private:
+  static constexpr std::string_view kSpace = " \t\r\n\v\f";
+  std::string_view rest_;
+};
 
 template <class Number>
 bool parse(std::string_view text, Number& value) {
@@ -49,22 +61,49 @@ bool parse(std::string_view text, Number& value) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-// Header of a .bt or .ot file; nullopt if it is none.
-std::optional<Header> parse_header(std::string_view rest) {
+// Before OctoMap 1.0 a binary file began with these fields; nullopt if this one does not.
+std::optional<Header> parse_legacy_header(std::string_view bytes) {
+  std::int32_t tree_type = 0;
   Header header;
-  const std::string_view first = take_line(rest);
-  header.format.binary = first.starts_with(kBinaryFirstLine);
-  if (!header.format.binary && !first.starts_with(kFullFirstLine)) return std::nullopt;
+  std::uint32_t nodes = 0;
+  constexpr std::size_t kSize = sizeof tree_type + sizeof header.format.resolution + sizeof nodes;
+  if (bytes.size() < kSize) return std::nullopt;
+  std::memcpy(&tree_type, bytes.data(), sizeof tree_type);
+  if (tree_type != kLegacyOcTree) return std::nullopt;
+  std::memcpy(&header.format.resolution, bytes.data() + sizeof tree_type,
+              sizeof header.format.resolution);
+  std::memcpy(&nodes, bytes.data() + kSize - sizeof nodes, sizeof nodes);
+  header.nodes = nodes;
+  header.data = bytes.substr(kSize);
+  return header;
+}
+
+// Header of a .bt or .ot file; nullopt if it is none.
+std::optional<Header> parse_header(std::string_view bytes) {
+  Header header;
+  header.format.id.clear();
+  header.format.binary = bytes.starts_with(kBinaryFirstLine);
+  if (!header.format.binary && !bytes.starts_with(kFullFirstLine))
+    return parse_legacy_header(bytes);
   bool sized = false, resolved = false;
-  while (!rest.empty()) {
-    const std::string_view line = take_line(rest);
-    if (line.starts_with("data")) {
-      header.data = rest;
-      return sized && resolved ? std::optional(header) : std::nullopt;
+  Words words{bytes};
+  words.skip_line();
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    if (word == "data") {
+      words.skip_line();
+      header.data = words.rest();
+      const bool complete = resolved && !header.format.id.empty() &&
+                            (sized || !header.format.binary);  // OctoMap counts only binary nodes
+      return complete ? std::optional(header) : std::nullopt;
     }
-    if (const auto id = value_of(line, "id")) header.format.id = *id;
-    if (const auto size = value_of(line, "size")) sized = parse(*size, header.nodes);
-    if (const auto res = value_of(line, "res")) resolved = parse(*res, header.format.resolution);
+    if (word == "id")
+      header.format.id = words.next();
+    else if (word == "size")
+      sized = parse(words.next(), header.nodes);
+    else if (word == "res")
+      resolved = parse(words.next(), header.format.resolution);
+    else
+      words.skip_line();  // a comment, or a key of other programs
   }
   return std::nullopt;
 }
@@ -92,10 +131,20 @@ bool has_occupied(const octomap::OcTree& tree) {
                      [&](const octomap::OcTreeNode& leaf) { return tree.isNodeOccupied(leaf); });
 }
 
+// Bytes of a node beside its log-odds and children, by the type of the tree; nullopt for a tree
+// that holds no log-odds.
+std::optional<std::size_t> payload_of(const std::string& id) {
+  if (id == "ColorOcTree") return kColor;
+  // OcTreeStamped keeps its stamps to itself; "1" is what OcTree was called first.
+  if (id == "OcTree" || id == "OcTreeStamped" || id == "1") return 0;
+  return std::nullopt;
+}
+
 std::string format_error(const OctomapFormat& format) {
-  if (format.id != "OcTree")
+  // Binary data say the same in trees of any type; OctoMap's reader does not ask for it either.
+  if (!format.binary && !payload_of(format.id))
     return "holds a tree of type '" + format.id.substr(0, 40) +
-           "', not OcTree; convert it with octomap's tools";
+           "', not OcTree, ColorOcTree or OcTreeStamped; save it as binary (.bt)";
   if (!(format.resolution >= kFinest && format.resolution <= kCoarsest)) {
     std::ostringstream text;
     text << "resolution " << format.resolution << " m outside [" << kFinest << ", " << kCoarsest
@@ -105,6 +154,22 @@ std::string format_error(const OctomapFormat& format) {
   return {};
 }
 
+// The tree of a good format; null if the bytes are damaged.
+std::unique_ptr<octomap::OcTree> read_tree(const OctomapFormat& format, std::string_view data) {
+  auto tree = std::make_unique<octomap::OcTree>(format.resolution);
+  if (format.binary) {
+    if (!count_binary_nodes(data)) return nullptr;
+    std::istringstream stream{std::string(data)};
+    tree->readBinaryData(stream);
+    return tree;
+  }
+  const std::size_t payload = payload_of(format.id).value();
+  if (!count_full_nodes(data, payload)) return nullptr;
+  std::istringstream stream{without_payload(data, payload)};
+  tree->readData(stream);
+  return tree;
+}
+
 DecodedOctomap decode(const OctomapFormat& format, std::string_view data,
                       bool may_be_empty = false) {
   if (const std::string error = format_error(format); !error.empty()) return {nullptr, error};
@@ -112,16 +177,14 @@ DecodedOctomap decode(const OctomapFormat& format, std::string_view data,
     if (may_be_empty) return {std::make_unique<octomap::OcTree>(format.resolution), {}};
     return {nullptr, "the map is empty"};
   }
-  if (!(format.binary ? count_binary_nodes(data) : count_full_nodes(data)))
-    return {nullptr, kWrongContent};
-  std::istringstream stream{std::string(data)};
-  auto tree = std::make_unique<octomap::OcTree>(format.resolution);
-  if (format.binary)
-    tree->readBinaryData(stream);
-  else
-    tree->readData(stream);
+  auto tree = read_tree(format, data);
+  if (!tree) return {nullptr, kWrongContent};
   if (!may_be_empty && !has_occupied(*tree)) return {nullptr, "the map has no occupied voxel"};
   return {std::move(tree), {}};
+}
+
+bool has_promised_size(const Header& header, const octomap::OcTree& tree) {
+  return !header.format.binary || tree.size() == header.nodes;
 }
 
 }  // namespace
@@ -149,10 +212,8 @@ std::unique_ptr<octomap::OcTree> load_octomap(const std::filesystem::path& file)
     throw fail(
         "not an OctoMap file (.bt or .ot), or its header is cut off or damaged; "
         "`tandem map build` makes one");
-  const auto nodes =
-      header->format.binary ? count_binary_nodes(header->data) : count_full_nodes(header->data);
   DecodedOctomap decoded = decode(header->format, header->data);
-  if (decoded.tree && nodes == header->nodes) return std::move(decoded.tree);
+  if (decoded.tree && has_promised_size(*header, *decoded.tree)) return std::move(decoded.tree);
   if (decoded.tree || decoded.error == kWrongContent)
     throw fail(
         "truncated or damaged (its tree does not end where the header says); "
