@@ -19,7 +19,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kStep = 0.05;  // [s] at most between two looks at whether to stop
+constexpr double kDay = 86'400e9;  // [ns]
+constexpr double kStep = 0.05;     // [s] at most between two looks at whether to stop
 
 struct PlayRequest {
   std::string path;
@@ -89,6 +90,7 @@ class Player {
     BagMessage message;
     while (!node_.stopped() && bag.next(message)) {
       if (!first) first = message.time;
+      warn_of_gap(bag);
       const double due = start + 1e-9 * static_cast<double>(message.time - *first) / request_.rate;
       wait(due - node_.steady_now(), [] { return false; });
       if (node_.stopped()) return;
@@ -98,11 +100,19 @@ class Player {
     }
   }
 
+  void warn_of_gap(const BagReader& bag) {
+    if (bag.skipped() <= skipped_) return;
+    skipped_ = bag.skipped();
+    node_.log().warn("skips a gap of {:.1f} days in the stamps: was the clock set meanwhile?",
+                     static_cast<double>(skipped_) / kDay);
+  }
+
   rt::Node& node_;
   const PlayRequest& request_;
   std::vector<std::string> wanted_;
   std::vector<BagTopic> topics_;
   std::vector<std::optional<rt::GenericPublisher>> publishers_;  // of the topics that are played
+  std::int64_t skipped_ = 0;                                     // [ns]
   long sent_ = 0;
 };
 
@@ -123,7 +133,7 @@ void add_play_command(CLI::App& app) {
   auto request = std::make_shared<PlayRequest>();
   auto* command =
       app.add_subcommand("play", "Play a recording of `tandem record` or `ros2 bag record`");
-  command->add_option("recording", request->path, "its folder or its .db3")
+  command->add_option("recording", request->path, "its folder, its .db3 or its .db3.zstd")
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("--topics", request->topics, "only these");

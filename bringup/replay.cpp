@@ -2,7 +2,6 @@
 #include "bringup/replay.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -61,8 +60,7 @@ std::optional<Stick> stick_in(const BagMessage& message, const std::string& type
 
 // SQLite would say of anything else that it is no database.
 void require_recording(const std::string& path) {
-  const std::filesystem::path file{path};
-  if (!std::filesystem::is_directory(file) && file.extension() != ".db3")
+  if (!is_recording(path))
     throw std::runtime_error(path +
                              ": is no recording; name a folder that `tandem record` or rosbag2 "
                              "wrote, or the .db3 in it");

@@ -132,6 +132,41 @@ TEST_F(Recording, TakesNamesWithoutASlashAndSaysOfWhichTopicNothingCame) {
   EXPECT_EQ(play.wait(kLong), 1);
 }
 
+// Each of three publishers kept its last message, so the one that plays them keeps all three.
+TEST_F(Recording, GivesALateSubscriberTheStaticTransformsOfEveryPublisher) {
+  const rt::Topic<std_msgs::msg::Float64> kStatic{
+      "/three/tf_static", {rt::Reliability::kReliable, rt::Durability::kTransientLocal, 100}};
+  const std::vector<std::uint8_t> bytes{0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  {
+    BagWriter writer{folder_};
+    const int latched = writer.add_topic({kStatic.name, "std_msgs/msg/Float64", rt::kLatched});
+    const int flag = writer.add_topic({"/later", "std_msgs/msg/Float64"});
+    for (int i = 0; i < 3; ++i) writer.write(latched, i, bytes);
+    for (std::int64_t i = 1; i < 600; ++i) writer.write(flag, 100'000'000 * i, bytes);
+  }
+  ChildProcess play{"../tandem", {"play", folder_, "--wait", "0"}};
+  int later = 0, transforms = 0;
+  const auto later_in = node_.create_subscription(rt::Topic<std_msgs::msg::Float64>{"/later"},
+                                                  [&](const auto&) { ++later; });
+  ASSERT_TRUE(wait_until([&] { return later > 0; }));
+  const auto transforms_in = node_.create_subscription(kStatic, [&](const auto&) { ++transforms; });
+  EXPECT_TRUE(wait_until([&] { return transforms == 3; })) << transforms;
+  play.send(SIGINT);
+  EXPECT_EQ(play.wait(kLong), 0);
+}
+
+TEST_F(Recording, DoesNotWaitForTheClockThatWasSetMeanwhile) {
+  const std::vector<std::uint8_t> bytes{0, 1, 0, 0, 1, 0, 0, 0};
+  {
+    BagWriter writer{folder_};
+    const int flag = writer.add_topic({"/flag", "std_msgs/msg/Bool"});
+    writer.write(flag, 0, bytes);
+    writer.write(flag, 1'700'000'000'000'000'000, bytes);
+  }
+  ChildProcess play{"../tandem", {"play", folder_, "--wait", "0"}};
+  EXPECT_EQ(play.wait(kLong), 0);
+}
+
 TEST_F(Recording, RemapsAndRepeatsWhatItPlays) {
   {
     BagWriter writer{folder_};
