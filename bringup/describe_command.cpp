@@ -37,6 +37,11 @@ struct Printer {
                   const char* meaning) const {
     row(name, fmt::format("[{}]", fmt::join(values, ", ")), bounds(range), meaning);
   }
+  void operator()(const char* name, const std::vector<std::string>& values, const OneOf& choices,
+                  const char* meaning) const {
+    row(name, fmt::format("[{}]", fmt::join(values, ", ")),
+        fmt::format("each {}", fmt::join(choices.names, " | ")), meaning);
+  }
   void operator()(const char* name, bool value, const char* meaning) const {
     row(name, value ? "true" : "false", "", meaning);
   }

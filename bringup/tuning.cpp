@@ -33,6 +33,7 @@ struct NumberFinder {
   }
   void operator()(const char*, const std::string&, const OneOf&, const char*) const {}
   void operator()(const char*, const std::vector<double>&, const Range&, const char*) const {}
+  void operator()(const char*, const std::vector<std::string>&, const OneOf&, const char*) const {}
   void operator()(const char*, bool, const char*) const {}
   void operator()(const char*, const std::string&, const char*) const {}
 };

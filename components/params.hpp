@@ -24,7 +24,7 @@ struct OneOf {
 };
 
 /// Visitor that throws std::invalid_argument for the first field outside its declaration.
-/// A visitor of parameters has these five overloads of operator().
+/// A visitor of parameters has these six overloads of operator().
 struct Checker {
   void operator()(const char* name, double value, const Range& range, const char* meaning) const {
     if (value >= range.min && value <= range.max) return;  // false for NaN
@@ -49,6 +49,10 @@ struct Checker {
   void operator()(const char* name, const std::vector<double>& values, const Range& range,
                   const char* meaning) const {
     for (const double value : values) (*this)(name, value, range, meaning);
+  }
+  void operator()(const char* name, const std::vector<std::string>& values, const OneOf& choices,
+                  const char* meaning) const {
+    for (const std::string& value : values) (*this)(name, value, choices, meaning);
   }
   void operator()(const char*, bool, const char*) const {}
   void operator()(const char*, const std::string&, const char*) const {}

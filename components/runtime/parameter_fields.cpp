@@ -26,6 +26,7 @@ constexpr const char* kind(const int*) { return "an integer"; }
 constexpr const char* kind(const double*) { return "a number"; }
 constexpr const char* kind(const std::string*) { return "text (a number as text needs quotes)"; }
 constexpr const char* kind(const std::vector<double>*) { return "a list of numbers"; }
+constexpr const char* kind(const std::vector<std::string>*) { return "a list of texts"; }
 
 ParameterValue to_value(bool truth) {
   ParameterValue value;
@@ -58,6 +59,12 @@ ParameterValue to_value(const std::vector<double>& numbers) {
   value.double_array_value(numbers);
   return value;
 }
+ParameterValue to_value(const std::vector<std::string>& texts) {
+  ParameterValue value;
+  value.type(types::PARAMETER_STRING_ARRAY);
+  value.string_array_value(texts);
+  return value;
+}
 
 bool is_empty_list(const ParameterValue& value) {
   switch (value.type()) {
@@ -65,6 +72,10 @@ bool is_empty_list(const ParameterValue& value) {
       return value.byte_array_value().empty();
     case types::PARAMETER_BOOL_ARRAY:
       return value.bool_array_value().empty();
+    case types::PARAMETER_INTEGER_ARRAY:
+      return value.integer_array_value().empty();
+    case types::PARAMETER_DOUBLE_ARRAY:
+      return value.double_array_value().empty();
     case types::PARAMETER_STRING_ARRAY:
       return value.string_array_value().empty();
     default:
@@ -103,6 +114,11 @@ bool read(const ParameterValue& value, std::vector<double>& out) {
   if (value.type() != types::PARAMETER_INTEGER_ARRAY && !is_empty_list(value)) return false;
   out.assign(integers.begin(), integers.end());
   if (value.type() != types::PARAMETER_INTEGER_ARRAY) out.clear();
+  return true;
+}
+bool read(const ParameterValue& value, std::vector<std::string>& out) {
+  if (value.type() != types::PARAMETER_STRING_ARRAY && !is_empty_list(value)) return false;
+  out = value.string_array_value();
   return true;
 }
 
@@ -211,6 +227,9 @@ void describe(ParameterDescriptor& out, const int*, const Range& range) {
 }
 void describe(ParameterDescriptor& out, const std::vector<double>*, const Range& range) {
   out.additional_constraints(fmt::format("each in [{}, {}]", range.min, range.max));
+}
+void describe(ParameterDescriptor& out, const std::vector<std::string>*, const OneOf& choices) {
+  out.additional_constraints(fmt::format("each one of {{{}}}", fmt::join(choices.names, ", ")));
 }
 void describe(ParameterDescriptor& out, const std::string*, const OneOf& choices) {
   out.additional_constraints(fmt::format("one of {{{}}}", fmt::join(choices.names, ", ")));

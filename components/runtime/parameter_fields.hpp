@@ -16,7 +16,8 @@ namespace tandem::runtime {
 
 /// One field as visit() declares it. `value` points into the struct.
 struct Field {
-  using Pointer = std::variant<bool*, int*, double*, std::string*, std::vector<double>*>;
+  using Pointer = std::variant<bool*, int*, double*, std::string*, std::vector<double>*,
+                               std::vector<std::string>*>;
   using Limits = std::variant<std::monostate, Range, OneOf>;
 
   std::string name;

@@ -31,6 +31,7 @@ struct GateParams {
   std::string mode = "shared";
   std::string map = "";
   std::vector<double> outline;
+  std::vector<std::string> sensors{"scan"};
   double wheel_radius = 0.1;
   Limits limits;
 
@@ -42,6 +43,7 @@ struct GateParams {
     field("mode", mode, OneOf{{"manual", "shared"}}, "who drives");
     field("map", map, "file");
     field("outline", outline, Range{-5.0, 5.0}, "[m]");
+    field("sensors", sensors, OneOf{{"scan", "cloud"}}, "which");
     field("wheels.left.radius", wheel_radius, Range{0.0, 1.0}, "[m]");
     limits.visit(field);
   }
@@ -73,6 +75,17 @@ class ParameterFile : public testing::Test {
   std::string path_ = testing::TempDir() + "parameters_" + std::to_string(getpid()) + ".yaml";
   GateParams params_;
 };
+
+TEST_F(ParameterFile, AListOfTextsIsReadAndEachIsChecked) {
+  const std::string head = "gate:\n  ros__parameters:\n    sensors: ";
+  EXPECT_EQ(load(head + "[cloud, \"scan\"]\n"), "");
+  EXPECT_EQ(params_.sensors, (std::vector<std::string>{"cloud", "scan"}));
+  EXPECT_EQ(load(head + "[]\n"), "");
+  EXPECT_TRUE(params_.sensors.empty());
+  expect_complaint(head + "[scan, sonar]\n", {"sensors", "'sonar'", "scan, cloud"});
+  expect_complaint(head + "scan\n", {"sensors", "a list of texts"});
+  expect_complaint(head + "[1.0]\n", {"sensors", "a list of texts"});
+}
 
 TEST_F(ParameterFile, GivesEveryKindOfValue) {
   ASSERT_EQ(load("gate:\n  ros__parameters:\n    margin: 0.25\n    steps: 7\n    enforce: false\n"
