@@ -205,8 +205,8 @@ tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
 }
 
 RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg) {
-  return {msg.angle_min(), msg.angle_increment(), msg.range_min(),
-          msg.range_max(), msg.time_increment(),  msg.ranges()};
+  return {msg.angle_min(),      msg.angle_increment(), msg.range_min(), msg.range_max(),
+          msg.time_increment(), msg.scan_time(),       msg.ranges()};
 }
 
 Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg) {

@@ -5,12 +5,17 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <sstream>
 
 namespace tandem {
 namespace {
 
 constexpr std::uint8_t kFloat32 = 7, kFloat64 = 8;  // of sensor_msgs/PointField
 constexpr std::size_t kMostPoints = 10'000'000;
+constexpr double kFarthest = 1000.0;       // [m] a way without end is free this far
+constexpr double kLongestScan = 1.0;       // [s]
+constexpr double kScanTimeAccuracy = 1.1;  // drivers round scan_time
 
 Echoes refused(std::string error) { return {{}, {}, std::move(error)}; }
 
@@ -62,26 +67,54 @@ std::string field_error(const CloudLayout& layout, const CloudField& field) {
 std::string error_of(const RangeScan& scan) {
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
     return "angle_min and angle_increment must be finite";
-  if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min) ||
-      !std::isfinite(scan.range_max))
-    return "range_min and range_max must be finite, 0 ≤ range_min < range_max";
-  if (!(scan.time_increment >= 0.0) || !std::isfinite(scan.time_increment))
-    return "time_increment must be finite and not negative";
+  if (!(scan.range_min >= 0.0) || !(scan.range_max > scan.range_min))
+    return "range_min and range_max must be 0 ≤ range_min < range_max";
+  if (!std::isfinite(scan.time_increment)) return "time_increment must be finite";
   return {};
 }
 
-Echoes echoes_of(const RangeScan& scan) {
+std::string time_error_of(const RangeScan& scan) {
+  if (scan.time_increment < 0.0) return "time_increment is negative";
+  const double longest = scan.scan_time > 0.0
+                             ? std::min(kLongestScan, kScanTimeAccuracy * scan.scan_time)
+                             : kLongestScan;
+  const double taken = scan.time_increment * static_cast<double>(scan.ranges.size());
+  if (taken <= longest) return {};
+  std::ostringstream text;
+  text << "time_increment = " << scan.time_increment << " s makes the scan " << taken
+       << " s long, of at most " << longest << " s";
+  return text.str();
+}
+
+NoReturn no_return_of(std::span<const std::string> names) {
+  const auto has = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return {.inf = has("inf"), .range_max = has("range_max"), .zero = has("zero"), .nan = has("nan")};
+}
+
+Beam beam_of(float range, const RangeScan& scan, const NoReturn& no_return) {
+  const auto free_if = [](bool is_named) { return is_named ? Beam::kFree : Beam::kInvalid; };
+  if (std::isnan(range)) return free_if(no_return.nan);
+  if (range == 0.0F) return free_if(no_return.zero);
+  if (range == std::numeric_limits<float>::infinity()) return free_if(no_return.inf);
+  if (range < scan.range_min || range < 0.0F) return Beam::kInvalid;
+  if (range > scan.range_max) return free_if(no_return.range_max);
+  return range == scan.range_max && no_return.range_max ? Beam::kFree : Beam::kEcho;
+}
+
+Echoes echoes_of(const RangeScan& scan, const NoReturn& no_return) {
   if (auto error = error_of(scan); !error.empty()) return refused(std::move(error));
   Echoes echoes;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    const double range = scan.ranges[i];
-    if (!(range >= scan.range_min)) continue;  // NaN too
+    const Beam beam = beam_of(scan.ranges[i], scan, no_return);
+    if (beam == Beam::kInvalid) continue;
     const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     const Eigen::Vector3d direction{std::cos(angle), std::sin(angle), 0.0};
-    if (range < scan.range_max)
-      echoes.p_SQ.push_back(range * direction);
+    if (beam == Beam::kEcho)
+      echoes.p_SQ.push_back(double{scan.ranges[i]} * direction);
     else
-      echoes.p_SFree.push_back(scan.range_max * direction);
+      echoes.p_SFree.push_back(std::min(scan.range_max, kFarthest) * direction);
   }
   return echoes;
 }

@@ -22,17 +22,48 @@ struct Echoes {
 /// i · time_increment after the first.
 struct RangeScan {
   double angle_min = 0.0, angle_increment = 0.0;  ///< [rad]
-  double range_min = 0.0, range_max = 0.0;        ///< [m]
+  double range_min = 0.0, range_max = 0.0;        ///< [m]; range_max may be +inf
   double time_increment = 0.0;                    ///< [s]
+  double scan_time = 0.0;                         ///< [s] from one scan to the next; 0: not given
   std::span<const float> ranges;                  ///< [m]
 };
+
+/// Which values a driver sends where nothing is in range.
+struct NoReturn {
+  bool inf = true;         ///< +inf, as REP 117 has it
+  bool range_max = false;  ///< range_max, or a finite value beyond it
+  bool zero = false;
+  bool nan = false;
+};
+
+/// What `no_return` may name.
+inline const std::vector<std::string> kNoReturnNames{"inf", "range_max", "zero", "nan"};
+
+/// The values that the names stand for; other names than kNoReturnNames are ignored.
+[[nodiscard]] NoReturn no_return_of(std::span<const std::string> names);
+
+/// What one beam says.
+enum class Beam {
+  kEcho,     ///< something stands at the range
+  kFree,     ///< nothing is in range
+  kInvalid,  ///< nothing can be concluded
+};
+
+/// Values of no_return are kFree, and +inf only if it is one of them. Otherwise NaN, zero, −inf,
+/// what is below range_min and what is beyond range_max are invalid (sensor_msgs/LaserScan discards
+/// them); a reading of exactly range_max is an echo.
+[[nodiscard]] Beam beam_of(float range, const RangeScan& scan, const NoReturn& no_return);
 
 /// Why the scan's numbers cannot be right, in one line; empty if they can.
 [[nodiscard]] std::string error_of(const RangeScan& scan);
 
-/// +inf, and what is range_max or more, is a beam that met nothing up to range_max (REP 117). NaN,
-/// −inf and what is below range_min say nothing.
-[[nodiscard]] Echoes echoes_of(const RangeScan& scan);
+/// Why the beams cannot have been taken when time_increment says, in one line that names the field;
+/// empty if they can. It may not be negative, nor add up to more than scan_time (1 s if that is not
+/// given).
+[[nodiscard]] std::string time_error_of(const RangeScan& scan);
+
+/// By beam_of. Where nothing is in range the way is free up to range_max, or up to 1000 m.
+[[nodiscard]] Echoes echoes_of(const RangeScan& scan, const NoReturn& no_return = {});
 
 /// A field of a point, as in sensor_msgs/PointField.
 struct CloudField {

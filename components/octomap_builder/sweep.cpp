@@ -30,7 +30,7 @@ RangeScan part_of(const RangeScan& scan, std::size_t begin, std::size_t end) {
 }  // namespace
 
 std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const Eigen::Isometry3d& X_BS,
-                                          const PoseAfter& pose_after) {
+                                          const PoseAfter& pose_after, const NoReturn& no_return) {
   const std::size_t beams = scan.ranges.size();
   const auto after = [&](double beam) { return pose_after(beam * scan.time_increment); };
   const auto first = after(0.0),
@@ -43,7 +43,7 @@ std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const Eigen::Is
     if (begin == end && parts > 1) continue;
     const auto X_MB = after(0.5 * static_cast<double>(begin + std::max(end, begin + 1) - 1));
     if (!X_MB) return std::nullopt;
-    looks.push_back({echoes_of(part_of(scan, begin, end)), in_space(*X_MB) * X_BS});
+    looks.push_back({echoes_of(part_of(scan, begin, end), no_return), in_space(*X_MB) * X_BS});
   }
   return looks;
 }

@@ -20,6 +20,7 @@ using PoseAfter = std::function<std::optional<Pose2>(double)>;
 /// by half a metre. Nothing if a pose is not known. The scan must have no error (error_of).
 [[nodiscard]] std::optional<std::vector<Look>> looks_of(const RangeScan& scan,
                                                         const Eigen::Isometry3d& X_BS,
-                                                        const PoseAfter& pose_after);
+                                                        const PoseAfter& pose_after,
+                                                        const NoReturn& no_return = {});
 
 }  // namespace tandem

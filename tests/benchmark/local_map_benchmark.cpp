@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -53,7 +54,8 @@ Echoes look(const StaticMap& world, const Pose2& X, std::mt19937& random) {
   for (int i = 0; i < kBeams; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kBeams;
     const double d = world.cast_ray(X.position(), X.theta + angle, kRange);
-    ranges.push_back(static_cast<float>(d < kRange ? d + noise(random) : kRange));
+    ranges.push_back(d < kRange ? static_cast<float>(d + noise(random))
+                                : std::numeric_limits<float>::infinity());
   }
   return echoes_of(RangeScan{.angle_min = 0.0,
                              .angle_increment = 2.0 * std::numbers::pi / kBeams,

@@ -37,12 +37,63 @@ TEST(RangeScan, EchoesStandOnTheirBeams) {
 }
 
 TEST(RangeScan, NoReturnIsFreeWayAndWhatIsInvalidSaysNothing) {
-  const std::vector<float> ranges{kInfinity, 5.0F, 9.0F, kNaN, -kInfinity, 0.0F, 0.19F, -1.0F};
+  const std::vector<float> ranges{kInfinity, 9.0F, kNaN, -kInfinity, 0.0F, 0.19F, -1.0F};
   const Echoes echoes = echoes_of(scan(ranges));
   EXPECT_TRUE(echoes.error.empty());
   EXPECT_TRUE(echoes.p_SQ.empty());
-  ASSERT_EQ(echoes.p_SFree.size(), 3U);  // +inf, range_max, beyond it
-  for (const auto& p : echoes.p_SFree) EXPECT_NEAR(p.norm(), 5.0, 1e-9);
+  ASSERT_EQ(echoes.p_SFree.size(), 1U);  // +inf
+  EXPECT_NEAR(echoes.p_SFree[0].norm(), 5.0, 1e-9);
+}
+
+// A driver may set range_max to the farthest reading: a flat wall is not a free way.
+TEST(RangeScan, AReadingOfExactlyRangeMaxIsAnEcho) {
+  const std::vector<float> ranges{5.0F, 5.0F};
+  EXPECT_EQ(echoes_of(scan(ranges)).p_SQ.size(), 2U);
+}
+
+TEST(RangeScan, NothingInRangeIsWhatNoReturnNames) {
+  const std::vector<float> ranges{kInfinity, 5.0F, 9.0F, 0.0F, kNaN, 2.0F};
+  struct Case {
+    std::vector<std::string> names;
+    std::size_t echoes, free;
+  };
+  for (const Case& c : {Case{{}, 2, 0}, Case{{"inf"}, 2, 1}, Case{{"range_max"}, 1, 2},
+                        Case{{"zero"}, 2, 1}, Case{{"nan"}, 2, 1}, Case{kNoReturnNames, 1, 5}}) {
+    const Echoes echoes = echoes_of(scan(ranges), no_return_of(c.names));
+    EXPECT_EQ(echoes.p_SQ.size(), c.echoes) << c.names.size();
+    EXPECT_EQ(echoes.p_SFree.size(), c.free) << c.names.size();
+    for (const auto& p : echoes.p_SFree) EXPECT_NEAR(p.norm(), 5.0, 1e-9);
+  }
+}
+
+// pointcloud_to_laserscan's default.
+TEST(RangeScan, RangeMaxMayBeInfinite) {
+  const std::vector<float> ranges{kInfinity, 20.0F};
+  RangeScan endless = scan(ranges);
+  endless.range_max = std::numeric_limits<double>::infinity();
+  const Echoes echoes = echoes_of(endless);
+  EXPECT_TRUE(echoes.error.empty());
+  ASSERT_EQ(echoes.p_SQ.size(), 1U);
+  ASSERT_EQ(echoes.p_SFree.size(), 1U);
+  EXPECT_TRUE(echoes.p_SFree[0].allFinite());
+}
+
+TEST(RangeScan, BeamsAreNotTakenBackwardsNorForLongerThanTheScan) {
+  const std::vector<float> ranges(100, 2.0F);
+  RangeScan sweep = scan(ranges);
+  sweep.time_increment = 0.001;
+  EXPECT_TRUE(time_error_of(sweep).empty());
+  sweep.scan_time = 0.1;
+  EXPECT_TRUE(time_error_of(sweep).empty());
+  sweep.scan_time = 0.05;
+  EXPECT_NE(time_error_of(sweep).find("time_increment = 0.001"), std::string::npos);
+  for (const double increment : {153333.0, -0.001}) {
+    sweep.time_increment = increment;
+    for (const double scan_time : {0.0, 0.1, 1e9}) {
+      sweep.scan_time = scan_time;
+      EXPECT_NE(time_error_of(sweep).find("time_increment"), std::string::npos) << scan_time;
+    }
+  }
 }
 
 TEST(RangeScan, RefusesAScanWithoutMeaning) {
@@ -52,7 +103,7 @@ TEST(RangeScan, RefusesAScanWithoutMeaning) {
            [](RangeScan& s) { s.angle_increment = std::nan(""); },
            [](RangeScan& s) { s.range_min = -0.1; }, [](RangeScan& s) { s.range_max = 0.1; },
            [](RangeScan& s) { s.range_max = std::nan(""); },
-           [](RangeScan& s) { s.range_max = std::numeric_limits<double>::infinity(); }}) {
+           [](RangeScan& s) { s.time_increment = std::nan(""); }}) {
     RangeScan bad = scan(ranges);
     spoil(bad);
     const Echoes echoes = echoes_of(bad);
