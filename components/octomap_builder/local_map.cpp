@@ -2,20 +2,31 @@
 #include "octomap_builder/local_map.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
-#include <vector>
 
 namespace tandem {
 namespace {
 
-constexpr double kFollow = 2.0;    // [m] the window moves in steps of this
-constexpr float kUnsure = -0.1F;   // log-odds of a voxel that was forgotten
+constexpr double kFollow = 2.0;   // [m] the window moves in steps of this
+constexpr float kUnsure = -0.1F;  // log-odds of a voxel that only the outline has covered
+constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr double kInside = 0.001;  // [m] an echo's point lies on the surface: just behind it
 
 // Ways that a look clears, and voxels on them: a camera before a wall asks for half of that, a
 // cloud of noise would for minutes, in which nothing is heard. What else it met still counts.
 constexpr std::size_t kMostWays = 30'000, kMostFree = 1'000'000;
+
+// An outline covers what comes within this of it: where it stands is not known better [m].
+constexpr double kPlaceError = 0.02;
+
+// Poses further apart than this are a jump, and what lies between them was not swept [m].
+constexpr double kJump = 1.0;
+
+// Old voxels are looked for this many times in the time after which they are forgotten.
+constexpr double kLooksForOld = 60.0;
 
 const LocalMapParams& checked(const LocalMapParams& params) {
   check(params);
@@ -30,6 +41,42 @@ const LocalMapParams& checked(const LocalMapParams& params) {
 
 octomap::point3d to_octomap(const Eigen::Vector3d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+}
+
+using Node = octomap::OcTreeNode;
+
+bool has_other_child(const octomap::OcTree& tree, const Node* node, unsigned child) {
+  for (unsigned i = 0; i < 8; ++i)
+    if (i != child && tree.nodeChildExists(node, i)) return true;
+  return false;
+}
+
+// A node with a single child, a leaf, becomes a leaf. OctoMap frees the table of a node's children
+// only when it prunes eight equal ones.
+void drop_only_child(octomap::OcTree& tree, Node* node, unsigned child) {
+  const float value = tree.getNodeChild(node, child)->getLogOdds();
+  for (unsigned i = 0; i < 8; ++i)
+    if (i != child) tree.createNodeChild(node, i)->setLogOdds(value);
+  tree.pruneNode(node);
+}
+
+// OcTree::deleteNode of OctoMap 1.9 fails an assertion of its own when a node loses its last child.
+void erase_voxel(octomap::OcTree& tree, const octomap::OcTreeKey& key) {
+  const unsigned depth = tree.getTreeDepth();
+  const auto child_at = [&](unsigned level) {
+    return octomap::computeChildIdx(key, static_cast<int>(depth - 1 - level));
+  };
+  std::array<Node*, 16> path{tree.getRoot()};
+  for (unsigned level = 0; level < depth; ++level) {
+    if (path[level] == nullptr || !tree.nodeChildExists(path[level], child_at(level))) return;
+    if (level + 1 < depth) path[level + 1] = tree.getNodeChild(path[level], child_at(level));
+  }
+  for (unsigned level = depth; level-- > 0;) {
+    if (has_other_child(tree, path[level], child_at(level)))
+      return tree.deleteNodeChild(path[level], child_at(level));
+    drop_only_child(tree, path[level], child_at(level));
+  }
+  tree.clear();
 }
 
 octomap::OcTree empty_tree(const LocalMapParams& params) {
@@ -66,8 +113,10 @@ bool LocalMap::insert(std::span<const Look> looks, double t) {
   for (const Look& each : looks) look(each);
   for (const octomap::OcTreeKey& key : free_)
     if (occupied_.count(key) == 0) tree_.updateNode(key, false, true);
-  for (const octomap::OcTreeKey& key : occupied_) mark(key, t);
-  if (params_.decay > 0.0) forget_old(t);
+  for (const octomap::OcTreeKey& key : occupied_) tree_.updateNode(key, true, true);
+  for (const auto* keys : {&free_, &occupied_})
+    for (const octomap::OcTreeKey& key : *keys) covered_.set(key, t);
+  forget_old(t);
   return true;
 }
 
@@ -100,7 +149,49 @@ double LocalMap::farthest() const {
 
 void LocalMap::clear() {
   tree_.clear();
-  seen_.clear();
+  covered_.clear();
+  stood_.reset();
+}
+
+void LocalMap::stand(const Footprint& outline, const Pose2& X_MB, double z, double t) {
+  if (!is_finite(X_MB) || X_MB.position().cwiseAbs().maxCoeff() > farthest() ||
+      std::abs(z) > farthest())
+    return;
+  const Stand last = stood_.value_or(Stand{X_MB, t});
+  const double turn = wrap_angle(X_MB.theta - last.X_MB.theta);
+  const Eigen::Vector2d way = X_MB.position() - last.X_MB.position();
+  const double travel = way.norm() + circumradius(outline) * std::abs(turn);
+  const bool is_fresh = t >= last.t && t - last.t < params_.coverage_timeout / kLooksForOld;
+  if (stood_ && is_fresh && travel < 0.25 * params_.resolution) return;
+  const int steps =
+      travel <= kJump ? std::max(1, static_cast<int>(std::ceil(travel / params_.resolution))) : 1;
+  for (int i = 1; i <= steps; ++i) {
+    const double rest = 1.0 - static_cast<double>(i) / steps;
+    cover(outline, {X_MB.x - rest * way.x(), X_MB.y - rest * way.y(), X_MB.theta - rest * turn}, z,
+          t);
+  }
+  stood_ = {X_MB, t};
+}
+
+// Nothing that was seen is cleared: a voxel that is an obstacle stays one.
+void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, double t) {
+  const double reach = circumradius(outline) + kPlaceError + params_.resolution;
+  const auto key_at = [&](double off) {
+    return tree_.coordToKey(octomap::point3d(
+        static_cast<float>(X_MB.x + off), static_cast<float>(X_MB.y + off), static_cast<float>(z)));
+  };
+  const octomap::OcTreeKey low = key_at(-reach), high = key_at(reach);
+  octomap::OcTreeKey key = low;
+  for (key[1] = low[1]; key[1] <= high[1]; ++key[1])
+    for (key[0] = low[0]; key[0] <= high[0]; ++key[0]) {
+      const Eigen::Vector2d p_MC{tree_.keyToCoord(key[0]), tree_.keyToCoord(key[1])};
+      if (!window_.contains(key) ||
+          distance_to_square(outline, X_MB, p_MC, params_.resolution) > kPlaceError)
+        continue;
+      const Node* node = tree_.search(key);
+      if (node == nullptr) tree_.setNodeValue(key, kUnsure, true);
+      if (node == nullptr || !tree_.isNodeOccupied(node)) covered_.set(key, t);
+    }
 }
 
 // The ray's voxels but for the one with its end; one ray for all that end in the same.
@@ -113,22 +204,25 @@ void LocalMap::clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_M
     if (window_.contains(key)) free_.insert(key);
 }
 
-void LocalMap::mark(const octomap::OcTreeKey& key, double t) {
-  tree_.updateNode(key, true, true);
-  if (params_.decay > 0.0) seen_[key] = t;
-}
-
-// What nobody has looked at for long is no obstacle any more, and not surely free.
+// What nobody has looked at for long is neither an obstacle any more nor free. Forgotten is what
+// would grow too old before this is called again in earnest; what is older than its time can have
+// been covered before the clock was set back.
 void LocalMap::forget_old(double t) {
-  for (auto it = seen_.begin(); it != seen_.end();) {
-    if (t - it->second <= params_.decay) {
-      ++it;
-      continue;
-    }
-    const auto* node = tree_.search(it->first);
-    if (node != nullptr && tree_.isNodeOccupied(node)) tree_.setNodeValue(it->first, kUnsure, true);
-    it = seen_.erase(it);
-  }
+  const double decay = params_.decay > 0.0 ? params_.decay : kForever;
+  const double soonest = std::min(decay, params_.coverage_timeout);
+  const double interval = soonest / kLooksForOld;
+  if (t >= swept_out_ && t - swept_out_ < interval) return;
+  swept_out_ = t;
+  covered_.forget_if([&](const octomap::OcTreeKey& key, double covered) {
+    const double age = t - covered + interval;
+    if (covered <= t && age <= soonest) return false;
+    const Node* node = tree_.search(key);
+    if (node == nullptr) return true;
+    const bool is_old =
+        tree_.isNodeOccupied(node) ? age > decay : covered > t || age > params_.coverage_timeout;
+    if (is_old) erase_voxel(tree_, key);
+    return is_old;
+  });
 }
 
 // In steps, into a new tree: OcTree::deleteNode of OctoMap 1.9 fails an assertion of its own when a
@@ -141,7 +235,7 @@ void LocalMap::follow(const Eigen::Vector3d& p_MS) {
   for (auto leaf = tree_.begin_leafs(); leaf != tree_.end_leafs(); ++leaf)
     if (window_.contains(leaf.getKey())) kept.setNodeValue(leaf.getKey(), leaf->getLogOdds(), true);
   tree_.swapContent(kept);
-  std::erase_if(seen_, [&](const auto& entry) { return !window_.contains(entry.first); });
+  covered_.keep_between(window_.low, window_.high);
 }
 
 LocalMap::Box LocalMap::box_around(const Eigen::Vector3d& p_MC) const {

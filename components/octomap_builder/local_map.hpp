@@ -5,10 +5,12 @@
 #include <octomap/OcTree.h>
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <span>
-#include <unordered_map>
 
 #include "map/echoes.hpp"
+#include "model/footprint.hpp"
+#include "octomap_builder/voxel_times.hpp"
 #include "params.hpp"
 
 namespace tandem {
@@ -22,6 +24,7 @@ struct LocalMapParams {
   double point_cloud_min_z = -0.5;
   double point_cloud_max_z = 1.5;
   double decay = 0.0;
+  double coverage_timeout = 30.0;
   double hit = 0.9;
   double miss = 0.4;
   double clamp_min = 0.12;
@@ -38,8 +41,12 @@ struct LocalMapParams {
           "[m] in the map: what is lower only clears the way");
     field("point_cloud_max_z", point_cloud_max_z, Range{-10.0, 100.0},
           "[m] in the map: what is higher only clears the way");
-    field("decay", decay, Range{0.0, 3600.0},
-          "[s] an obstacle not seen for so long counts as gone; 0: only if it is seen to be gone");
+    field(
+        "decay", decay, Range{0.0, 3600.0},
+        "[s] an obstacle not looked at for so long becomes unseen ground; 0: it stays until it is "
+        "seen to be gone");
+    field("coverage_timeout", coverage_timeout, Range{0.5, 3600.0},
+          "[s] free ground that no beam has covered for so long becomes unseen ground");
     field("hit", hit, Range{0.5, 0.999}, "[1] probability that an echo means an obstacle");
     field("miss", miss, Range{0.001, 0.5}, "[1] probability of an obstacle on a beam's way");
     field("clamp_min", clamp_min, Range{0.001, 0.499}, "[1] least probability of a voxel");
@@ -57,7 +64,10 @@ struct Look {
 ///
 /// One echo makes a voxel an obstacle, whatever was there before; a single one in space known to be
 /// free is gone with the next beam that passes through it, and an obstacle long seen needs several.
-/// Memory is bounded by the window.
+/// What nothing has covered for coverage_timeout, or never, is unknown in the tree. A beam covers
+/// the voxels from the sensor to its echo, so what lies behind an echo stays unknown, and what lies
+/// within the sensor's least range is covered by every beam that reaches beyond it. Memory is
+/// bounded by the window.
 class LocalMap {
  public:
   /// Throws std::invalid_argument on parameters out of range, on heights that exclude each other,
@@ -71,6 +81,11 @@ class LocalMap {
   /// taken in, if an X_MS is not finite or farther than OctoMap reaches (its 2¹⁵ voxels from the
   /// map's origin).
   [[nodiscard]] bool insert(std::span<const Look> looks, double t);
+
+  /// The robot's outline is at X_MB at time t [s]: there, and on the way from where it was at the
+  /// last call, nothing else stands. Covers the ground at height z [m]; an obstacle stays one. An
+  /// outline that is not finite, or outside of the window, covers nothing.
+  void stand(const Footprint& outline, const Pose2& X_MB, double z, double t);
 
   /// Forgets all that was seen.
   void clear();
@@ -90,14 +105,21 @@ class LocalMap {
   void follow(const Eigen::Vector3d& p_MS);
   [[nodiscard]] Box box_around(const Eigen::Vector3d& p_MC) const;
   void clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ);
-  void mark(const octomap::OcTreeKey& key, double t);
+  void cover(const Footprint& outline, const Pose2& X_MB, double z, double t);
   void forget_old(double t);
 
   LocalMapParams params_;
   octomap::OcTree tree_;
   Box window_;
   Eigen::Vector3d p_MC_;  // the window's middle
-  std::unordered_map<octomap::OcTreeKey, double, octomap::OcTreeKey::KeyHash> seen_;  // time [s]
+  VoxelTimes covered_;
+  double swept_out_ = 0.0;  // [s] when old voxels were last looked for
+
+  struct Stand {
+    Pose2 X_MB;
+    double t;
+  };
+  std::optional<Stand> stood_;  // where ground was last covered by the outline
 
   // Of the looks being inserted; here to keep their memory.
   octomap::KeyRay ray_;

@@ -18,13 +18,11 @@ bool is_zero(const Stamp& stamp) { return stamp.sec() == 0 && stamp.nanosec() ==
 OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<OctomapBuilderNodeParams>()},
+      outline_{footprint_of(params_->robot)},
       map_{params_->map},
       scanner_{"scan", "scan_pose", mounting("scan_pose", params_->scan_pose)},
       camera_{"cloud_in", "cloud_pose", mounting("cloud_pose", params_->cloud_pose)},
-      robot_{node, params_->input,
-             [this](double stamp) {
-               if (const auto robot = robot_.state()) poses_.add(robot->X_MB, robot->twist, stamp);
-             }},
+      robot_{node, params_->input, [this](double stamp) { on_odometry(stamp); }},
       octomap_{node.create_publisher(topics::octomap_local)} {
   subscribe();
   timer_ = node.create_timer(params_->period, [this] { publish_if_due(); });
@@ -46,6 +44,13 @@ void OctomapBuilderNode::subscribe() {
     response.success(true);
     response.message("all that was seen is forgotten");
   });
+}
+
+void OctomapBuilderNode::on_odometry(double stamp) {
+  const auto robot = robot_.state();
+  if (!robot) return;
+  poses_.add(robot->X_MB, robot->twist, stamp);
+  map_.stand(outline_, robot->X_MB, sweep_height(*params_), node_.now());
 }
 
 void OctomapBuilderNode::on_scan(const sensor_msgs::msg::LaserScan& msg) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "map/slice.hpp"
+#include "model/robot.hpp"
 #include "octomap_builder/frame_tree.hpp"
 #include "octomap_builder/local_map.hpp"
 #include "octomap_builder/mounting.hpp"
@@ -16,6 +18,8 @@
 namespace tandem {
 
 struct OctomapBuilderNodeParams {
+  RobotParams robot;
+  SliceParams slice;
   std::vector<double> scan_pose, cloud_pose;
   LocalMapParams map;
   RobotStateParams input;
@@ -23,6 +27,8 @@ struct OctomapBuilderNodeParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
+    robot.visit(field);
+    slice.visit(field);
     map.visit(field);
     input.visit(field);
     field("scan_pose", scan_pose, Range{-100.0, 100.0},
@@ -35,7 +41,15 @@ struct OctomapBuilderNodeParams {
   }
 };
 
+/// Height at which the outline covers ground: that of the lowest voxel of the slice [m].
+[[nodiscard]] inline double sweep_height(const OctomapBuilderNodeParams& params) {
+  return params.slice.floor + params.slice.z_min + 0.5 * params.map.resolution;
+}
+
 /// scan, cloud_in, odom, tf, tf_static → octomap_local: what is seen near the robot now.
+///
+/// Where the outline stands, and what it sweeps, counts as seen too: as free ground at the lowest
+/// voxel of the slice.
 ///
 /// Each beam of a scan counts as taken when its time_increment says, from where the robot was then.
 /// Service ~/reset forgets all that was seen. Speaks only after a scan or cloud was taken in, so
@@ -52,6 +66,7 @@ class OctomapBuilderNode {
   };
 
   void subscribe();
+  void on_odometry(double stamp);
   void on_scan(const sensor_msgs::msg::LaserScan& msg);
   void on_cloud(const sensor_msgs::msg::PointCloud2& msg);
   [[nodiscard]] std::optional<Eigen::Isometry3d> place_of(Sensor& sensor, const std::string& frame);
@@ -62,6 +77,7 @@ class OctomapBuilderNode {
 
   rt::Node& node_;
   rt::Parameters<OctomapBuilderNodeParams> params_;
+  Footprint outline_;
   LocalMap map_;
   Sensor scanner_, camera_;
   FrameTree frames_;

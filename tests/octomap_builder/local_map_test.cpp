@@ -218,6 +218,106 @@ TEST(LocalMap, ForgetsAllWhenToldTo) {
   EXPECT_TRUE(is_occupied(map, {0.01, 2.01, kHeight}));
 }
 
+bool is_known(const LocalMap& map, const Eigen::Vector3d& p) {
+  return map.tree().search(p.x(), p.y(), p.z()) != nullptr;
+}
+
+TEST(LocalMap, AnObstacleThatDecaysIsUnknownAndNotFree) {
+  LocalMap map({.decay = 2.0});
+  insert(map, one_echo(2.0, 0.0), {}, 1.0);
+  insert(map, one_echo(0.0, 3.0), {}, 3.1);
+  EXPECT_FALSE(is_known(map, {2.01, 0.0, kHeight}));
+}
+
+TEST(LocalMap, FreeGroundIsUnknownOnceNoBeamHasCoveredItForTheTimeout) {
+  LocalMap map({.coverage_timeout = 5.0});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  insert(map, one_echo(0.0, 3.0), {}, 4.8);
+  EXPECT_TRUE(is_free(map, {1.0, 0.0, kHeight}));
+  insert(map, one_echo(0.0, 3.0), {}, 5.01);
+  EXPECT_FALSE(is_known(map, {1.0, 0.0, kHeight}));
+  EXPECT_TRUE(is_free(map, {0.0, 1.0, kHeight}));
+  EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight})) << "an obstacle stays without a decay";
+}
+
+TEST(LocalMap, ABeamDoesNotCoverWhatLiesBehindItsEcho) {
+  LocalMap map({});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  EXPECT_TRUE(is_free(map, {1.9, 0.0, kHeight}));
+  EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
+  for (double x = 2.1; x < 4.0; x += 0.05) EXPECT_FALSE(is_known(map, {x, 0.0, kHeight})) << x;
+}
+
+TEST(LocalMap, ABeamBeyondTheLeastRangeCoversTheRingWithinIt) {
+  LocalMap map({.min_range = 0.8});
+  insert(map, one_echo(0.5, 0.0), {}, 0.0);
+  EXPECT_FALSE(is_known(map, {0.3, 0.0, kHeight}));
+  insert(map, one_echo(2.0, 0.0), {}, 0.1);
+  EXPECT_TRUE(is_free(map, {0.3, 0.0, kHeight}));
+}
+
+const Footprint kOutline = rectangle(0.89, 0.58, 0.038);
+
+TEST(LocalMap, TheOutlineCoversWhereItStandsAndAllThatItSweeps) {
+  LocalMap map({});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  map.stand(kOutline, {}, 0.12, 0.0);
+  EXPECT_TRUE(is_free(map, {-0.39, 0.27, 0.12}));
+  EXPECT_FALSE(is_known(map, {-0.48, 0.0, 0.12}));
+  map.stand(kOutline, {-0.9, 0.0, 0.0}, 0.12, 0.5);
+  map.stand(kOutline, {-0.9, 0.0, std::numbers::pi / 2.0}, 0.12, 1.0);
+  for (double x = -1.29; x < 0.4; x += 0.01) EXPECT_TRUE(is_free(map, {x, 0.0, 0.12})) << x;
+  EXPECT_TRUE(is_free(map, {-0.9 + 0.37, 0.37, 0.12})) << "a corner swept over it";
+  EXPECT_FALSE(is_known(map, {-2.0, 0.0, 0.12}));
+}
+
+TEST(LocalMap, TheOutlineClearsNoObstacle) {
+  LocalMap map({.coverage_timeout = 1.0});
+  insert(map, one_echo(0.2, 0.0), {-1.0, 0.0, 0.0}, 0.0);
+  for (int i = 0; i < 100; ++i) map.stand(kOutline, {-0.8, 0.0, 0.0}, kHeight, 0.1 * i);
+  EXPECT_TRUE(is_occupied(map, {-0.79, 0.0, kHeight}));
+}
+
+TEST(LocalMap, WhatTheOutlineSweptIsForgottenLikeABeamsWayButForWhereItStands) {
+  LocalMap map({.coverage_timeout = 2.0});
+  insert(map, one_echo(0.0, 3.0), {}, 0.0);
+  map.stand(kOutline, {}, 0.12, 0.0);
+  for (int i = 0; i <= 40; ++i) {
+    map.stand(kOutline, {0.9, 0.0, 0.0}, 0.12, 0.1 * i);
+    insert(map, one_echo(0.0, 3.0), {}, 0.1 * i);
+  }
+  EXPECT_FALSE(is_known(map, {-0.3, 0.2, 0.12}));
+  EXPECT_TRUE(is_free(map, {0.9, 0.2, 0.12}));
+}
+
+TEST(LocalMap, AJumpOfThePoseSweepsNothing) {
+  LocalMap map({});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  map.stand(kOutline, {}, 0.12, 0.0);
+  map.stand(kOutline, {0.0, -4.0, 0.0}, 0.12, 0.1);
+  EXPECT_FALSE(is_known(map, {0.0, -2.0, 0.12}));
+  EXPECT_TRUE(is_free(map, {0.0, -4.0, 0.12}));
+  map.stand(kOutline, {std::nan(""), 0.0, 0.0}, 0.12, 0.2);
+  map.stand(kOutline, {1e9, 0.0, 0.0}, 0.12, 0.3);
+}
+
+TEST(LocalMap, NothingStaysCoveredWhenTheClockIsSetBack) {
+  LocalMap map({.coverage_timeout = 5.0});
+  insert(map, one_echo(2.0, 0.0), {}, 1000.0);
+  insert(map, one_echo(0.0, 3.0), {}, 1.0);
+  EXPECT_FALSE(is_known(map, {1.0, 0.0, kHeight}));
+  EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
+}
+
+TEST(LocalMap, IsEmptyOnceAllIsForgotten) {
+  LocalMap map({.decay = 1.0, .coverage_timeout = 1.0});
+  insert(map, one_echo(2.0, 0.0), {}, 0.0);
+  insert(map, {}, {}, 10.0);
+  EXPECT_EQ(map.tree().size(), 0U);
+  insert(map, one_echo(2.0, 0.0), {}, 10.1);
+  EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
+}
+
 TEST(LocalMap, RefusesParametersThatContradictEachOther) {
   EXPECT_THROW(LocalMap({.min_range = 5.0, .max_range = 4.0}), std::invalid_argument);
   EXPECT_THROW(LocalMap({.point_cloud_min_z = 2.0, .point_cloud_max_z = 1.0}),
