@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "map/slice.hpp"
+#include "model/frame_tree.hpp"
 #include "model/robot.hpp"
-#include "octomap_builder/frame_tree.hpp"
 #include "octomap_builder/local_map.hpp"
 #include "octomap_builder/mounting.hpp"
 #include "octomap_builder/pose_history.hpp"

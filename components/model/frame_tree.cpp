@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/frame_tree.hpp"
+
+#include <algorithm>
+
+namespace tandem {
+namespace {
+
+constexpr std::size_t kDeepest = 1'000;  // links of a chain, as in tf2: more are a ring
+
+Eigen::Isometry3d isometry(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
+  return Eigen::Translation3d(p) * q;
+}
+
+bool is_name(std::string_view name) { return !name.empty() && name.size() <= FrameTree::kLongest; }
+
+std::string quoted(std::string_view name) { return "`" + std::string{name} + "`"; }
+
+}  // namespace
+
+// A sender that starts anew, or a second one, may be earlier: its time begins then.
+void FrameTree::Link::remember(const FrameLink& link) {
+  X_PC = link.X_PC;
+  sender = link.sender;
+  heard = link.heard;
+  if (!link.stamp || (stamp && *link.stamp < *stamp)) past.clear();
+  stamp = link.stamp;
+  if (!stamp || (!past.empty() && *stamp < past.back().stamp + kSpacing)) return;
+  past.push_back({*stamp, Eigen::Quaterniond{X_PC.linear()}, X_PC.translation()});
+  if (past.size() > kSamples) past.pop_front();
+}
+
+// Between two samples by straight motion; before the first and after the newest they stay.
+Eigen::Isometry3d FrameTree::Link::at(double t) const {
+  if (!stamp || t >= *stamp || past.empty()) return X_PC;
+  const auto after = std::find_if(past.begin(), past.end(),
+                                  [t](const Sample& sample) { return sample.stamp > t; });
+  if (after == past.begin()) return isometry(after->q_PC, after->p_PC);
+  const Sample& from = *std::prev(after);
+  const Sample newest{*stamp, Eigen::Quaterniond{X_PC.linear()}, X_PC.translation()};
+  const Sample& to = after == past.end() ? newest : *after;
+  const double share = (t - from.stamp) / (to.stamp - from.stamp);
+  return isometry(from.q_PC.slerp(share, to.q_PC), from.p_PC + share * (to.p_PC - from.p_PC));
+}
+
+// [m/s] of the last samples, a turn counted as of a point 1 m off.
+double FrameTree::Link::speed() const {
+  if (past.size() < 2 || !stamp) return 0.0;
+  const Sample& from = past[past.size() - std::min<std::size_t>(past.size(), 4)];
+  const double time = *stamp - from.stamp;
+  if (!(time > 0.0)) return 0.0;
+  const double turn = from.q_PC.angularDistance(Eigen::Quaterniond{X_PC.linear()});
+  return ((X_PC.translation() - from.p_PC).norm() + turn) / time;
+}
+
+LinkFate FrameTree::set_static(const FrameLink& link) { return add(link, true); }
+LinkFate FrameTree::set(const FrameLink& link) { return add(link, false); }
+
+LinkFate FrameTree::add(const FrameLink& link, bool is_static) {
+  const std::string_view parent = bare_frame(link.parent), child = bare_frame(link.child);
+  if (!is_name(parent) || !is_name(child)) return LinkFate::kUnnamed;
+  if (parent == child) return LinkFate::kLoop;
+  auto known = links_.find(child);
+  if (known == links_.end()) {
+    if (links_.size() >= kMost) return LinkFate::kFull;
+    known = links_.emplace(child, Link{.parent = std::string{parent}}).first;
+    if (!is_static) known->second.heard = link.heard;
+  }
+  Link& old = known->second;
+  const bool has_two = old.parent != parent;
+  if (has_two) note_parents(known->first, old, link);
+  if (!is_static || !old.is_dynamic()) {
+    if (has_two) {
+      old.past.clear();
+      old.parent = parent;
+    }
+    old.remember(link);
+    if (is_static) old.heard = FramePose::kAlways;
+  }
+  return has_two ? LinkFate::kTwoParents : LinkFate::kTaken;
+}
+
+void FrameTree::note_parents(const std::string& child, const Link& old, const FrameLink& link) {
+  two_parents_[child] = {.parent = std::string{bare_frame(link.parent)},
+                         .other = old.parent,
+                         .sender = link.sender,
+                         .other_sender = old.sender,
+                         .t = link.heard};
+}
+
+// Nothing for a ring.
+std::optional<FrameTree::Chain> FrameTree::chain_of(std::string_view frame) const {
+  Chain chain;
+  for (auto link = links_.find(frame); link != links_.end();
+       link = links_.find(link->second.parent)) {
+    if (chain.size() == kDeepest) return std::nullopt;
+    chain.push_back(&link->second);
+  }
+  return chain;
+}
+
+std::string_view FrameTree::root_of(const Chain& chain, std::string_view frame) {
+  return chain.empty() ? frame : std::string_view{chain.back()->parent};
+}
+
+// X_RF in the root R, each dynamic link as it was at `t`; or all of them as they are now.
+Eigen::Isometry3d FrameTree::composed(const Chain& chain, std::optional<double> t) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  for (const Link* link : chain) X = (t && link->is_dynamic() ? link->at(*t) : link->X_PC) * X;
+  return X;
+}
+
+std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view frame,
+                                         std::optional<double> stamp) const {
+  base = bare_frame(base);
+  frame = bare_frame(frame);
+  auto down = chain_of(base), up = chain_of(frame);
+  if (!down || !up) return std::nullopt;
+  if (base.empty() || root_of(*down, base) != root_of(*up, frame)) return std::nullopt;
+  while (!down->empty() && !up->empty() && down->back() == up->back()) {
+    down->pop_back();
+    up->pop_back();
+  }
+
+  Chain both = *down;
+  both.insert(both.end(), up->begin(), up->end());
+  std::erase_if(both, [](const Link* link) { return !link->is_dynamic(); });
+  if (!stamp && both.size() > 1) {
+    stamp = common_stamp(both);
+    if (stamp && first_stamp(both) - *stamp > kMostApart) return std::nullopt;
+  }
+  FramePose found{.X_BF = composed(*down, stamp).inverse() * composed(*up, stamp)};
+  for (const Link* link : both) {
+    found.heard = std::min(found.heard, link->heard);
+    if (stamp && link->stamp) found.drift += link->speed() * std::max(0.0, *stamp - *link->stamp);
+  }
+  return found;
+}
+
+// The newest time that all links tell of; nothing if none of them has stamps.
+std::optional<double> FrameTree::common_stamp(const Chain& links) {
+  std::optional<double> common;
+  for (const Link* link : links)
+    if (link->stamp) common = std::min(common.value_or(*link->stamp), *link->stamp);
+  return common;
+}
+
+// The oldest time that all links with stamps still know.
+double FrameTree::first_stamp(const Chain& links) {
+  double first = -FramePose::kAlways;
+  for (const Link* link : links)
+    if (!link->past.empty()) first = std::max(first, link->past.front().stamp);
+  return first;
+}
+
+std::optional<Eigen::Isometry3d> FrameTree::pose(std::string_view base,
+                                                 std::string_view frame) const {
+  const auto found = find(base, frame);
+  return found ? std::optional{found->X_BF} : std::nullopt;
+}
+
+bool FrameTree::is_above(std::string_view frame, std::string_view base) const {
+  const auto chain = chain_of(bare_frame(base));
+  bool moves = false;
+  if (chain)
+    for (const Link* link : *chain) {
+      moves = moves || link->is_dynamic();
+      if (moves && link->parent == bare_frame(frame)) return true;
+    }
+  return false;
+}
+
+bool FrameTree::knows(std::string_view frame) const {
+  return links_.contains(frame) ||
+         std::any_of(links_.begin(), links_.end(),
+                     [frame](const auto& link) { return link.second.parent == frame; });
+}
+
+std::string FrameTree::why_not(std::string_view base, std::string_view frame) const {
+  base = bare_frame(base);
+  frame = bare_frame(frame);
+  std::string text;
+  const auto down = chain_of(base), up = chain_of(frame);
+  if (links_.empty())
+    text = "nothing is heard on /tf and /tf_static";
+  else if (!knows(base) || !knows(frame))
+    text = "/tf does not tell of " + quoted(knows(base) ? frame : base) + ", only of " + listing();
+  else if (!down || !up)
+    text = "the links of /tf form a ring: " + listing();
+  else if (root_of(*down, base) != root_of(*up, frame))
+    text = "/tf does not join " + quoted(base) + " and " + quoted(frame) + ": " + listing();
+  else
+    text = "the stamps in the chain " + quoted(base) + " … " + quoted(frame) +
+           " are too far apart: a sender's clock is wrong";
+  if (!two_parents_.empty()) {
+    const auto& [child, parents] = *two_parents_.begin();
+    text += "; " + quoted(child) + " has two parents, " + quoted(parents.parent) + " and " +
+            quoted(parents.other);
+  }
+  return text;
+}
+
+void FrameTree::for_each(const std::function<void(const std::string&, const std::string&, bool,
+                                                  const FrameSender&)>& visit) const {
+  std::vector<const std::pair<const std::string, Link>*> sorted;
+  for (const auto& link : links_) sorted.push_back(&link);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto* a, const auto* b) { return a->first < b->first; });
+  for (const auto* link : sorted)
+    visit(link->first, link->second.parent, !link->second.is_dynamic(), link->second.sender);
+}
+
+std::string FrameTree::listing() const {
+  if (links_.empty()) return "no frame";
+  std::string text;
+  std::size_t listed = 0;
+  for_each([&](const std::string& child, const std::string& parent, bool, const FrameSender&) {
+    if (++listed <= kMostListed) text += (text.empty() ? "" : ", ") + parent + " → " + child;
+  });
+  if (listed > kMostListed) text += " and " + std::to_string(listed - kMostListed) + " more";
+  return text;
+}
+
+void FrameTree::forget_later_than(double now) {
+  for (auto& [child, link] : links_)
+    if (link.is_dynamic() && link.heard > now) link.heard = -FramePose::kAlways;
+}
+
+}  // namespace tandem

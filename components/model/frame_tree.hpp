@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: transforms as /tf and /tf_static tell them. Out: where one frame is, seen from another.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "model/se2.hpp"
+
+namespace tandem {
+
+/// The publisher that told a transform.
+using FrameSender = std::array<std::uint8_t, 16>;
+
+/// A frame's name as tf2 compares it: without a leading slash.
+[[nodiscard]] inline std::string_view bare_frame(std::string_view name) {
+  return name.starts_with('/') ? name.substr(1) : name;
+}
+
+/// The part of a pose in space that lies in the plane: x, y and yaw.
+[[nodiscard]] inline Pose2 in_plane(const Eigen::Isometry3d& X) {
+  return {X.translation().x(), X.translation().y(), std::atan2(X.linear()(1, 0), X.linear()(0, 0))};
+}
+
+/// One transform of a message: `child` lies at X_PC in `parent`.
+struct FrameLink {
+  std::string_view parent, child;
+  Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();
+  FrameSender sender = {};
+  double heard = 0.0;           ///< when it arrived [s]
+  std::optional<double> stamp;  ///< what its header says [s]; none: the message has no time
+};
+
+/// What became of a link.
+enum class LinkFate {
+  kTaken,
+  kTwoParents,  ///< taken, but another parent was told of the same child
+  kUnnamed,     ///< refused: a name is empty or longer than kLongest
+  kLoop,        ///< refused: a frame is not its own parent
+  kFull,        ///< refused: there are kMost frames
+};
+
+/// Where one frame is, seen from another.
+struct FramePose {
+  static constexpr double kAlways = std::numeric_limits<double>::infinity();
+
+  Eigen::Isometry3d X_BF;
+  double heard = kAlways;  ///< when the oldest dynamic link arrived [s]; kAlways: all are static
+  double speed = 0.0;      ///< of the links lately [m/s], a turn counted as of a point 1 m off
+  double drift = 0.0;      ///< how far it may have moved between the newest link and the stamp [m]
+
+  [[nodiscard]] bool is_static() const { return heard == kAlways; }
+};
+
+/// A child that two parents were told of, and by whom; the newer is in force.
+struct TwoParents {
+  std::string parent, other;
+  FrameSender sender, other_sender;
+  double t;  ///< when that was noticed last [s]
+};
+
+/// Frames and the links between them, by the rules of tf2: a leading slash does not count; a frame
+/// has one parent, the one told last; two frames are joined if their chains of parents meet; chains
+/// of several dynamic links are composed at the newest stamp that all of them have reached.
+///
+/// Dynamic links win over static ones of the same child. Times are those of arrival on one clock;
+/// stamps only relate links to each other, so that a sender's clock may differ from this one's.
+class FrameTree {
+ public:
+  static constexpr std::size_t kMost = 2'000;     ///< frames; further ones are not kept
+  static constexpr std::size_t kLongest = 255;    ///< bytes of a name
+  static constexpr std::size_t kSamples = 64;     ///< kept of a dynamic link …
+  static constexpr double kSpacing = 0.03;        ///< [s] … at least so far apart
+  static constexpr double kMostApart = 0.5;       ///< [s] stamps of one chain beyond the samples
+  static constexpr std::size_t kMostListed = 12;  ///< links in a text
+
+  /// A link that holds for ever.
+  LinkFate set_static(const FrameLink& link);
+  /// A link that grows old.
+  LinkFate set(const FrameLink& link);
+  /// As set_static, from nobody in particular.
+  void set(const std::string& parent, const std::string& child, const Eigen::Isometry3d& X_PC) {
+    set_static({.parent = parent, .child = child, .X_PC = X_PC, .stamp = {}});
+  }
+
+  /// Where `frame` is in `base`, as far as both are joined: at `stamp` [s], or at the newest time
+  /// that all links tell of. A stamp beyond the samples gives the nearest one.
+  [[nodiscard]] std::optional<FramePose> find(std::string_view base, std::string_view frame,
+                                              std::optional<double> stamp = {}) const;
+  /// X_BF of `find`.
+  [[nodiscard]] std::optional<Eigen::Isometry3d> pose(std::string_view base,
+                                                      std::string_view frame) const;
+
+  /// Whether `frame` is an ancestor of `base` that a dynamic link lies below.
+  [[nodiscard]] bool is_above(std::string_view frame, std::string_view base) const;
+
+  /// Why find() gives nothing, with the frames that are there.
+  [[nodiscard]] std::string why_not(std::string_view base, std::string_view frame) const;
+  /// "map → odom, odom → base_link", at most kMostListed of them; "no frame" if there are none.
+  [[nodiscard]] std::string listing() const;
+
+  /// Children that two parents were told of, by name.
+  [[nodiscard]] const std::map<std::string, TwoParents>& two_parents() const {
+    return two_parents_;
+  }
+
+  /// Visits each link in alphabetical order of the children: (child, parent, is_static, sender).
+  void for_each(const std::function<void(const std::string&, const std::string&, bool,
+                                         const FrameSender&)>& visit) const;
+
+  /// The clock was set back to `now`: what was heard later is of no known age.
+  void forget_later_than(double now);
+
+ private:
+  struct Sample {
+    double stamp;
+    Eigen::Quaterniond q_PC;
+    Eigen::Vector3d p_PC;
+  };
+  struct Link {
+    std::string parent;
+    Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  // the newest
+    FrameSender sender = {};
+    double heard = FramePose::kAlways;
+    std::optional<double> stamp = {};  // of the newest
+    std::deque<Sample> past = {};      // oldest first
+
+    [[nodiscard]] bool is_dynamic() const { return heard != FramePose::kAlways; }
+    void remember(const FrameLink& link);
+    [[nodiscard]] Eigen::Isometry3d at(double t) const;
+    [[nodiscard]] double speed() const;
+  };
+  struct Hash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view name) const {
+      return std::hash<std::string_view>{}(name);
+    }
+  };
+  using Chain = std::vector<const Link*>;  // from a frame up to its root
+
+  LinkFate add(const FrameLink& link, bool is_static);
+  void note_parents(const std::string& child, const Link& old, const FrameLink& link);
+  [[nodiscard]] std::optional<Chain> chain_of(std::string_view frame) const;
+  [[nodiscard]] static std::string_view root_of(const Chain& chain, std::string_view frame);
+  [[nodiscard]] static Eigen::Isometry3d composed(const Chain& chain, std::optional<double> t);
+  [[nodiscard]] static std::optional<double> common_stamp(const Chain& links);
+  [[nodiscard]] static double first_stamp(const Chain& links);
+  [[nodiscard]] bool knows(std::string_view frame) const;
+
+  std::unordered_map<std::string, Link, Hash, std::equal_to<>> links_;  // by child
+  std::map<std::string, TwoParents> two_parents_;                       // by child
+};
+
+}  // namespace tandem
