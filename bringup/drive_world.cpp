@@ -113,8 +113,8 @@ World& Worlds::of(const Scenario& scenario, const System& system, const DriveOpt
   const auto filter = parameters_of<SafetyFilterNodeParams>(system, "safety_filter").map;
   const auto extractor = parameters_of<ObstacleExtractorNodeParams>(system, "obstacle_extractor");
   const std::string key = scenario.map + text_of(sim.slice) + text_of(sim.robot) + text_of(filter) +
-                          text_of(extractor.map) + text_of(extractor.extractor) +
-                          text_of_place(scenario) +
+                          text_of(extractor.map) + text_of(extractor.robot) +
+                          text_of(extractor.extractor) + text_of_place(scenario) +
                           fmt::format(";{};{}", sim.unknown_is_obstacle, options.obstacles);
   const bool live = is_seen_live(filter);
   if (live) std::erase_if(worlds_, [&](const auto& world) { return world->key == key; });
@@ -122,7 +122,7 @@ World& Worlds::of(const Scenario& scenario, const System& system, const DriveOpt
     const auto truth = world_of(sim, options);
     const auto filter_map = live ? nullptr : map_of(sim, filter, options);
     return World{key, truth, filter_map,
-                 Extractor{map_of(sim, extractor.map, options), extractor.extractor},
+                 Extractor{map_of(sim, extractor.map, options), extractor_for_robot(extractor)},
                  shortest_way(*truth, footprint_of(sim.robot), scenario.start, scenario.goal)};
   });
 }

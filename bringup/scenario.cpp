@@ -171,6 +171,8 @@ void check_robot(const Scenario& scenario) {
     if (!unused.starts_with(scenario.robot + ":")) continue;
     const std::string key = unused.substr(unused.find(": ", scenario.robot.size()) + 2);
     if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
+    if (const char* instead = instead_of(key))
+      throw std::invalid_argument(unused + ": this name meant several things; " + instead);
     const std::string meant = nearest_parameter(key);
     throw std::invalid_argument(
         unused + " is no parameter of any component; " +

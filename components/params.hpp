@@ -23,6 +23,24 @@ struct OneOf {
   std::vector<std::string> names;
 };
 
+/// A name that meant different things in one node, and the names that took its place.
+struct RetiredName {
+  std::string_view name;
+  const char* instead;
+};
+inline constexpr RetiredName kRetiredNames[]{
+    {"command_timeout",
+     "base_timeout is the silence after which the base itself stops, arbitrated_timeout the "
+     "silence of cmd_vel_arbitrated after which safety_filter stops, in_force_timeout the age of "
+     "cmd_vel after which local_planner takes it as zero"}};
+
+/// What to write instead of a retired name; null if the name is not retired.
+[[nodiscard]] constexpr const char* instead_of(std::string_view name) {
+  for (const RetiredName& retired : kRetiredNames)
+    if (retired.name == name) return retired.instead;
+  return nullptr;
+}
+
 /// Visitor that throws std::invalid_argument for the first field outside its declaration.
 /// A visitor of parameters has these six overloads of operator().
 struct Checker {

@@ -53,7 +53,7 @@ void Drive::take_commands(double t) {
     in_force_since_ = queue_.front().t + delay;
     queue_.pop_front();
   }
-  if (robot_.command_timeout > 0.0 && t - in_force_since_ > robot_.command_timeout) in_force_ = {};
+  if (robot_.base_timeout > 0.0 && t - in_force_since_ > robot_.base_timeout) in_force_ = {};
 }
 
 void Drive::draw_slip(double t) {

@@ -111,7 +111,7 @@ const char* LocalPlannerNode::missing(double now) const {
 }
 
 PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const {
-  const bool in_force = command_.fresh(now, params_->command_timeout);
+  const bool in_force = command_.fresh(now, params_->in_force_timeout);
   PlanRequest request;
   request.method = method_;
   request.t = now;
@@ -122,7 +122,7 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   if (user_.fresh(now, params_->user_timeout)) request.user = user_.value;
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;
-  request.refused = refused_.value && refused_.fresh(now, params_->command_timeout);
+  request.refused = refused_.value && refused_.fresh(now, params_->in_force_timeout);
   return request;
 }
 

@@ -34,7 +34,7 @@ struct LocalPlannerNodeParams {
   std::string fixtures;
   double user_timeout = 0.12;
   double obstacle_timeout = 0.1;
-  double command_timeout = 0.2;
+  double in_force_timeout = 0.2;
   StampParams stamp;
 
   template <class Visitor>
@@ -49,8 +49,8 @@ struct LocalPlannerNodeParams {
           "[s] silence of leader_pose or cmd_vel_user that stops");
     field("obstacle_timeout", obstacle_timeout, Range{0.02, 5.0},
           "[s] silence of obstacles that stops");
-    field("command_timeout", command_timeout, Range{0.02, 5.0},
-          "[s] age after which the command in force is taken as zero");
+    field("in_force_timeout", in_force_timeout, Range{0.02, 5.0},
+          "[s] age of cmd_vel, the command in force, after which it is taken as zero");
     stamp.visit(field);
   }
 };

@@ -203,6 +203,17 @@ double circumradius(const Footprint& footprint) {
   return radius;
 }
 
+double width(const Footprint& footprint) {
+  double low = kInfinity, high = -kInfinity;
+  for (const auto& part : footprint.parts) {
+    for (const auto& p : part) {
+      low = std::min(low, p.y());
+      high = std::max(high, p.y());
+    }
+  }
+  return high - low;
+}
+
 double distance(const ConvexPolygon& part, const Eigen::Vector2d& p_BQ) {
   return std::sqrt(squared_distance_to_point(part, p_BQ));
 }

@@ -39,6 +39,9 @@ struct Disc {
 /// Radius of the smallest disc about B's origin that contains the footprint [m].
 [[nodiscard]] double circumradius(const Footprint& footprint);
 
+/// Extent of the footprint across B's x axis, the direction of travel [m].
+[[nodiscard]] double width(const Footprint& footprint);
+
 /// Distance from the footprint, or from one part, to a point in B [m], 0 inside.
 [[nodiscard]] double distance(const Footprint& footprint, const Eigen::Vector2d& p_BQ);
 [[nodiscard]] double distance(const ConvexPolygon& part, const Eigen::Vector2d& p_BQ);

@@ -28,7 +28,7 @@ struct RobotParams {
   double motor_lag = 0.05;
   double command_delay = 0.02;
   double sensor_delay = 0.02;
-  double command_timeout = 0.1;
+  double base_timeout = 0.1;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -56,8 +56,9 @@ struct RobotParams {
           "[s] bound on the time from command to motor");
     field("sensor_delay", sensor_delay, Range{0.0, 1.0},
           "[s] bound on the age of odometry on arrival");
-    field("command_timeout", command_timeout, Range{0.0, 10.0},
-          "[s] silence after which the base itself stops; 0: never");
+    field("base_timeout", base_timeout, Range{0.0, 10.0},
+          "[s] silence after which the base itself stops; 0: never, and then the filter needs "
+          "survive_silence: false");
   }
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "obstacle_extractor/clusters.hpp"
@@ -26,6 +27,8 @@ int cells(double length, const Grid& grid) {
 
 const ExtractorParams& checked(const ExtractorParams& params) {
   check(params);
+  if (!(params.width > 0.0 && std::isfinite(params.width)))
+    throw std::invalid_argument("width of the robot must be finite and above 0");
   return params;
 }
 

@@ -22,7 +22,7 @@ struct ExtractorParams {
   double range = 4.0;
   double max_excess = 0.25;
   double smallest_gap = 0.42;
-  double width = 0.58;
+  double width = 0.58;  ///< [m] of the robot, whose ways stay open; its outline gives it
   double space_per_shape = 0.06;
   double tile = 4.0;
   int shapes_per_tile = 12;
@@ -34,8 +34,7 @@ struct ExtractorParams {
           "[m] how far a shape may reach into free space; in narrow ways at most 0.05, unless it "
           "is crowded");
     field("smallest_gap", smallest_gap, Range{0.0, 2.0},
-          "[m] gaps narrower than this may be filled; below the robot's width");
-    field("width", width, Range{0.05, 2.0}, "[m] of the robot, whose ways stay open");
+          "[m] gaps narrower than this may be filled; no more than the robot's width counts");
     field("space_per_shape", space_per_shape, Range{0.001, 10.0},
           "[m²] free space that one shape less may take; less: more and tighter shapes");
     field("tile", tile, Range{1.0, 20.0}, "[m] side of the squares that the map is fitted in");

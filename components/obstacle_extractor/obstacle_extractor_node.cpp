@@ -10,10 +10,10 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<ObstacleExtractorNodeParams>(
           {}, [](auto& all) -> auto& { return all.extractor; },
-          [this](const auto& wanted) { shapes_.set_params(wanted.extractor); })},
+          [this](const auto& wanted) { shapes_.set_params(extractor_for_robot(wanted)); })},
       map_{node, params_->map},
       robot_{node, params_->input},
-      shapes_{params_->extractor},
+      shapes_{extractor_for_robot(*params_)},
       obstacles_{node.create_publisher(topics::obstacles)},
       markers_{node.create_publisher(topics::obstacle_markers)} {
   if (params_->people)

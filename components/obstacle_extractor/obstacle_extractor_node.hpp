@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <memory>
 
 #include "map_input.hpp"
 #include "model/heard.hpp"
+#include "model/robot.hpp"
 #include "obstacle_extractor/shapes_ahead.hpp"
 #include "people_input.hpp"
 #include "robot_state_input.hpp"
@@ -13,6 +15,7 @@
 namespace tandem {
 
 struct ObstacleExtractorNodeParams {
+  RobotParams robot;
   ExtractorParams extractor;
   MapInputParams map;
   RobotStateParams input;
@@ -22,6 +25,7 @@ struct ObstacleExtractorNodeParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
+    robot.visit(field);
     extractor.visit(field);
     map.visit(field);
     input.visit(field);
@@ -31,6 +35,16 @@ struct ObstacleExtractorNodeParams {
     field("people_timeout", people_timeout, Range{0.02, 5.0}, "[s] silence of people, if needed");
   }
 };
+
+/// The extractor's parameters with the width of the robot's outline. Throws std::invalid_argument,
+/// as footprint_of.
+[[nodiscard]] inline ExtractorParams extractor_for_robot(
+    const ObstacleExtractorNodeParams& params) {
+  ExtractorParams out = params.extractor;
+  out.width = width(footprint_of(params.robot));
+  out.smallest_gap = std::min(out.smallest_gap, out.width);
+  return out;
+}
 
 /// octomap_binary, octomap_local, people, odom, tf → obstacles, obstacles/markers.
 ///

@@ -42,8 +42,9 @@ bool is_listed(const std::string& name, const ParameterTable::Names& prefixes,
 
 void ParameterTable::declare(ParameterGroup group) {
   Values declared;
+  std::set<std::string_view> names;
   for (const Field& field : group.in_force) {
-    if (find(field.name).group != nullptr)
+    if (!names.insert(field.name).second || find(field.name).group != nullptr)
       throw std::invalid_argument("parameter " + field.name + " is declared twice");
     declared.push_back(to_parameter(field));
   }

@@ -35,7 +35,8 @@ class ParameterTable {
   /// Called after a declaration or a change, with the values now in force.
   std::function<void(const Values& declared, const Values& changed)> on_event;
 
-  /// Throws std::invalid_argument for a name that is declared already.
+  /// Throws std::invalid_argument for a name that is declared already, or twice in the group: one
+  /// given value would fill both.
   void declare(ParameterGroup group);
 
   /// As rclpy: PARAMETER_NOT_SET for a name that nobody declared.

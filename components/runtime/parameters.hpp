@@ -55,7 +55,8 @@ class ParameterStore {
   [[nodiscard]] bool gives_any(const std::string& prefix) const;
 
   /// Throws std::invalid_argument for the first key that is meant for this node and that no
-  /// struct declared. Keys of `/**` sections are exempt.
+  /// struct declared. Keys of `/**` sections are exempt, but for retired names: to ignore those
+  /// would put a default in the place of what the file means.
   void check_unknown() const;
 
  private:

@@ -85,14 +85,14 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
     : params_{params}, robot_{robot} {
   check(params);
   check(robot);
-  if (params.survive_silence && robot.command_timeout == 0.0)
+  if (params.survive_silence && robot.base_timeout == 0.0)
     throw std::invalid_argument(
-        "survive_silence needs a base that stops by itself (command_timeout above 0); with "
+        "survive_silence needs a base that stops by itself (base_timeout above 0); with "
         "survive_silence: false the loss of this filter is not survived");
   const Footprint footprint = footprint_of(robot);
   body_ = {footprint, circumradius(footprint)};
   hard_margin_ = hard_margin_of(params, body_.radius);
-  hold_ = params.survive_silence ? std::max(params.control_period, robot.command_timeout)
+  hold_ = params.survive_silence ? std::max(params.control_period, robot.base_timeout)
                                  : params.control_period;
   bounds_ = {robot.command_delay, robot.motor_lag, robot.a_brake, robot.alpha_brake,
              params.brake_spread};
@@ -150,7 +150,7 @@ void SafetyFilter::on_state(const RobotState& state, double now) {
 
 Filtered SafetyFilter::decide(const std::optional<RobotState>& state, double now) const {
   Filtered out;
-  if (!command_ || !(now - command_->t <= params_.command_timeout)) return out;
+  if (!command_ || !(now - command_->t <= params_.arbitrated_timeout)) return out;
   out.requested = command_->twist;
   if (!is_finite(command_->twist)) {
     out.reason = FilterReason::kNotFinite;

@@ -34,7 +34,7 @@ namespace tandem {
 /// A MiR fits a door 0.80 m wide with 0.11 m on either side.
 struct SafetyFilterParams {
   bool enforce = true;
-  double command_timeout = 0.1;
+  double arbitrated_timeout = 0.1;
   double state_timeout = 0.2;
   double control_period = 0.05;
   bool survive_silence = true;
@@ -53,14 +53,15 @@ struct SafetyFilterParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("enforce", enforce, "false: pass every command and only report; for studies");
-    field("command_timeout", command_timeout, Range{0.02, 5.0},
-          "[s] silence of the command that stops");
+    field("arbitrated_timeout", arbitrated_timeout, Range{0.02, 5.0},
+          "[s] silence of cmd_vel_arbitrated that stops");
     field("state_timeout", state_timeout, Range{0.02, 5.0}, "[s] age of the state that stops");
     field("control_period", control_period, Range{0.002, 1.0},
           "[s] longest time from one output to the next");
-    field("survive_silence", survive_silence,
-          "a command counts as acting until the base's own command_timeout stops it, so that the "
-          "loss of this filter or of its messages ends before contact too");
+    field(
+        "survive_silence", survive_silence,
+        "a command counts as acting until the base itself stops it after base_timeout, so that the "
+        "loss of this filter or of its messages ends before contact too");
     field("position_error", position_error, Range{0.0, 0.5}, "[m] bound on the pose's error");
     field("heading_error", heading_error, Range{0.0, 0.5}, "[rad] bound on the pose's error");
     field("reserve", reserve, Range{0.0, 0.5}, "[m] added to the margin");

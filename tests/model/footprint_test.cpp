@@ -158,6 +158,14 @@ TEST(Footprint, OverlapWithAnEllipseMatchesBruteForce) {
   EXPECT_LT(overlapping, 2500);
 }
 
+TEST(Footprint, IsAsWideAsItsPartsAreAcrossTheDirectionOfTravel) {
+  EXPECT_NEAR(width(rectangle(1.0, 0.65, 0.2)), 0.65, 1e-12);
+  EXPECT_NEAR(width(polygon({{-0.2, -0.1}, {0.5, -0.3}, {0.1, 0.4}})), 0.7, 1e-12);
+  EXPECT_NEAR(width(polygons({{{-0.5, -0.1}, {0.5, -0.1}, {0.5, 0.1}, {-0.5, 0.1}},
+                              {{0.4, 0.3}, {0.6, 0.3}, {0.6, 0.5}}})),
+              0.6, 1e-12);
+}
+
 TEST(Footprint, IsCoveredByAsManyDiscsAsTheOverhangAsksFor) {
   const Footprint wheelchair = rectangle(1.0, 0.65, 0.2);
   for (const auto& [overhang, count] : {std::pair{0.014, 6}, {0.016, 5}, {0.04, 4}, {1.0, 1}})

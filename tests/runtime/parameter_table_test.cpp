@@ -51,6 +51,16 @@ struct FrameParams {
   }
 };
 
+struct TwoOfOneName {
+  double gap = 0.1, silence = 0.2;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("timeout", gap, Range{0.0, 1.0}, "[s] one thing");
+    field("timeout", silence, Range{0.0, 1.0}, "[s] another");
+  }
+};
+
 struct Both {
   GateParams gate;
   FrameParams frames;
@@ -189,6 +199,16 @@ TEST_F(Table, TakesBackWhatOneOwnerTookIfAnotherRefuses) {
   EXPECT_EQ(margins, (std::vector<double>{0.3, 0.1}));
   EXPECT_EQ(gate_->margin, 0.1);
   EXPECT_EQ(other->odom, "odom");
+}
+
+// One given value would fill both, whatever each of them means.
+TEST_F(Table, RefusesANameThatIsDeclaredTwice) {
+  rt::ParameterTable table;
+  EXPECT_THROW(table.declare(rt::make_fixed_group(std::make_shared<TwoOfOneName>())),
+               std::invalid_argument);
+  EXPECT_TRUE(table.all().empty());
+  EXPECT_THROW(table_.declare(rt::make_fixed_group(std::make_shared<FrameParams>())),
+               std::invalid_argument);
 }
 
 TEST_F(Table, OnlyTheLivePartMayChange) {

@@ -196,6 +196,15 @@ TEST_F(ParameterFile, TellsOfAMisspeltNodeUnderAWildcard) {
   EXPECT_EQ(strangers[1].name, "/a/*");
 }
 
+// A default in the place of what the file means would be another robot.
+TEST_F(ParameterFile, WithARetiredNameIsRefusedAndToldTheNewOnes) {
+  for (const std::string node : {"gate", "/**"}) {
+    expect_complaint(node + ":\n  ros__parameters:\n    command_timeout: 0.6\n",
+                     {path_ + ":3", "command_timeout = 0.6", "base_timeout", "arbitrated_timeout",
+                      "in_force_timeout"});
+  }
+}
+
 TEST_F(ParameterFile, ValueOutOfBoundsIsNamedWithItsBound) {
   const std::string head = "gate:\n  ros__parameters:\n    ";
   expect_complaint(head + "margin: 1.5\n", {path_ + ":3", "margin", "1.5", "[0, 1]"});

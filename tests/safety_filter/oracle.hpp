@@ -151,7 +151,7 @@ struct BaseBehaviour {
   double slip_left = 0.0, slip_right = 0.0;          // [1]
   double slip_period = 0.0;                          // of their sinusoid; 0: constant [s]
   double shortest_delay = 0.0, longest_delay = 0.0;  // of commands [s]
-  double command_timeout = 0.0;
+  double timeout = 0.0;
 };
 
 /// A differential drive in a world of cells: equation (1) of stopping_motion.hpp in small steps.
@@ -229,7 +229,7 @@ class Base {
       u_w_ = pending_.front().w;
       heard_ = t_;
     }
-    if (behaviour_.command_timeout > 0.0 && t_ - heard_ > behaviour_.command_timeout)
+    if (behaviour_.timeout > 0.0 && t_ - heard_ > behaviour_.timeout)
       u_v_ = u_w_ = 0.0;
   }
   [[nodiscard]] double follow(double speed, double target, double brake, double drive,

@@ -82,7 +82,7 @@ inline RobotParams any_robot(Random& random) {
   robot.motor_lag = some_time(random, 0.5);
   robot.command_delay = some_time(random, 0.3);
   robot.sensor_delay = some_time(random, 0.5);
-  robot.command_timeout = uniform(random, 0.06, 0.3);
+  robot.base_timeout = uniform(random, 0.06, 0.3);
   if (pick(random, 6) == 0) add_forks(robot, random);
   return robot;
 }
@@ -136,7 +136,7 @@ inline BaseBehaviour any_behaviour(const RobotParams& robot, const SafetyFilterP
   base.turn_drive = pick(random, 3) ? uniform(random, 1.0, 16.0) : 300.0;
   base.longest_delay = part() * beyond.delay * robot.command_delay;
   base.shortest_delay = part() * base.longest_delay;
-  base.command_timeout = robot.command_timeout;
+  base.timeout = robot.base_timeout;
   draw_slip(base, beyond.slip * filter.slip, random);
   return base;
 }

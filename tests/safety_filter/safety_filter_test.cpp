@@ -310,7 +310,7 @@ TEST(SafetyFilter, AStopOfItsNodeCountsAsSent) {
 
 TEST(SafetyFilterParams, SurvivesNoSilenceOnABaseThatNeverStops) {
   RobotParams robot;
-  robot.command_timeout = 0.0;
+  robot.base_timeout = 0.0;
   EXPECT_THROW(SafetyFilter({}, robot), std::invalid_argument);
   EXPECT_NO_THROW(SafetyFilter({.survive_silence = false}, robot));
 }

@@ -122,7 +122,7 @@ inline RobotParams random_robot(Random& random) {
   robot.motor_lag = slow * uniform(random, 0.0, 0.08);
   robot.command_delay = slow * uniform(random, 0.0, 0.06);
   robot.sensor_delay = slow * uniform(random, 0.0, 0.06);
-  robot.command_timeout = uniform(random, 0.06, 0.2);
+  robot.base_timeout = uniform(random, 0.06, 0.2);
   return robot;
 }
 

@@ -44,7 +44,7 @@ class SimOverDds : public OneComponent {
       load("diff_drive_sim", {{"map", source_path("maps/forest.bt")},
                               {"start", "[" + std::to_string(kStart) + ", -2.0, 0.0]"},
                               {"people", "[0.25, 1.0, 2, -4.0, -4.5, 4.0, -4.5]"},
-                              {"command_timeout", "0.4"}});
+                              {"base_timeout", "0.4"}});
   rt::Publisher<geometry_msgs::msg::Twist> command_ = node_.create_publisher(topics::cmd_vel);
   rt::Subscription odom_in_, truth_in_, collision_in_;
   rt::Timer beat_;

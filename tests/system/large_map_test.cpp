@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kLeaves = 1000000;
 constexpr double kRate = 20.0;             // [1/s] of the planner and of the filter, at least
-constexpr double kBaseStops = 0.1;         // [s] without a command: command_timeout of mir100.yaml
+constexpr double kBaseStops = 0.1;         // [s] without a command: base_timeout of mir100.yaml
 constexpr double kPlannerIsSilent = 0.12;  // [s] without a plan: shared_timeout of arbitration
 constexpr double kUndisturbed = 2.0;       // [s] before the map comes
 

@@ -104,7 +104,7 @@ TEST_F(LiveParameters, OfThePlannerAreItsMethodToo) {
 
 TEST_F(LiveParameters, OfTheExtractorAreItsFit) {
   const auto extractor = load("obstacle_extractor", {});
-  EXPECT_EQ(live("/obstacle_extractor"), (Names{"range", "max_excess", "smallest_gap", "width",
+  EXPECT_EQ(live("/obstacle_extractor"), (Names{"range", "max_excess", "smallest_gap",
                                                 "space_per_shape", "tile", "shapes_per_tile"}));
   EXPECT_EQ(set("/obstacle_extractor", "range", 5.0), "");
 }

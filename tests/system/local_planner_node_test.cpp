@@ -17,8 +17,8 @@ class PlannerOverDds : public OneComponent {
  protected:
   // Patient: a busy machine must not look like a silent input. Unlimited: nor like a slow solver.
   explicit PlannerOverDds(const Values& values = {{"method", "goal"}}) {
-    Values all{{"map_is_odom", "true"}, {"odom_timeout", "0.4"},    {"obstacle_timeout", "0.4"},
-               {"user_timeout", "0.4"}, {"command_timeout", "0.4"}, {"time_budget", "0.0"},
+    Values all{{"map_is_odom", "true"}, {"odom_timeout", "0.4"},     {"obstacle_timeout", "0.4"},
+               {"user_timeout", "0.4"}, {"in_force_timeout", "0.4"}, {"time_budget", "0.0"},
                {"a_max", "1.0"}};
     for (const auto& [key, value] : values) all[key] = value;
     planner_ = std::make_unique<rt::RunningComponent>(load("local_planner", all));
