@@ -27,18 +27,21 @@ class TwistInput {
   void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
   /// Commands that are not finite go on too, to a node that stops for them.
   void pass_not_finite() { passes_not_finite_ = true; }
+  /// Who sent the last command; to be asked within its callback.
+  [[nodiscard]] rt::PublisherId sender() const { return sender_; }
   TwistInput(const TwistInput&) = delete;
   TwistInput& operator=(const TwistInput&) = delete;
 
  private:
   void subscribe_stamped(const rt::QoS& qos);
-  void hear(const geometry_msgs::msg::Twist& msg);
+  void hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from);
 
   rt::Node& node_;
   rt::Topic<geometry_msgs::msg::TwistStamped> stamped_topic_;
   StampCheck check_;
   Command command_;
   bool passes_not_finite_ = false;
+  rt::PublisherId sender_{};
   rt::Subscription plain_, stamped_;
   std::shared_ptr<void> stamped_wanted_;
 };

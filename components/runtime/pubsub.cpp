@@ -6,6 +6,16 @@
 #include "runtime/node_core.hpp"
 
 namespace tandem::runtime {
+namespace {
+
+PublisherId id_of(const rtps::GUID_t& guid) {
+  PublisherId id{};
+  std::copy_n(guid.guidPrefix.value, guid.guidPrefix.size, id.begin());
+  std::copy_n(guid.entityId.value, guid.entityId.size, id.begin() + guid.guidPrefix.size);
+  return id;
+}
+
+}  // namespace
 
 AnyPublisher::AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<Codec> codec,
                            std::shared_ptr<Writer> writer)
@@ -43,6 +53,8 @@ void AnyPublisher::warn_not_sent(std::size_t size) const {
 
 int AnyPublisher::matched() const { return writer_ ? writer_->matched() : 0; }
 
+PublisherId AnyPublisher::id() const { return writer_ ? id_of(writer_->guid()) : PublisherId{}; }
+
 void AnyPublisher::close() {
   if (writer_) node_->close_writer(*writer_);
   writer_.reset();
@@ -65,12 +77,7 @@ Subscription& Subscription::operator=(Subscription&& other) noexcept {
 int Subscription::matched() const { return reader_ ? reader_->matched() : 0; }
 
 PublisherId Subscription::sender() const {
-  PublisherId id{};
-  if (!reader_) return id;
-  const auto& guid = reader_->sender();
-  std::copy_n(guid.guidPrefix.value, guid.guidPrefix.size, id.begin());
-  std::copy_n(guid.entityId.value, guid.entityId.size, id.begin() + guid.guidPrefix.size);
-  return id;
+  return reader_ ? id_of(reader_->sender()) : PublisherId{};
 }
 
 long Subscription::malformed() const { return reader_ ? reader_->malformed() : 0; }

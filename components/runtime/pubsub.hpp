@@ -46,6 +46,9 @@ template <class M>
   return {MessageType<M>::name, &MessageType<M>::create};
 }
 
+/// A publisher, unique in its domain (its DDS GUID).
+using PublisherId = std::array<std::uint8_t, 16>;
+
 /// Sends messages of one type, of whatever type: the part of Publisher<M> that is no template.
 class AnyPublisher {
  public:
@@ -59,6 +62,7 @@ class AnyPublisher {
   void publish(const void* message) const;
   void publish_bytes(const std::vector<std::uint8_t>& bytes) const;
   [[nodiscard]] int matched() const;
+  [[nodiscard]] PublisherId id() const;
 
  private:
   void close();
@@ -81,6 +85,8 @@ class Publisher {
 
   /// Subscriptions that receive it now.
   [[nodiscard]] int matched() const { return publisher_.matched(); }
+  /// What Subscription::sender() tells of its messages; zeros if it is empty.
+  [[nodiscard]] PublisherId id() const { return publisher_.id(); }
 
  private:
   AnyPublisher publisher_;
@@ -98,9 +104,6 @@ class GenericPublisher {
  private:
   AnyPublisher publisher_;
 };
-
-/// A publisher, unique in its domain (its DDS GUID).
-using PublisherId = std::array<std::uint8_t, 16>;
 
 /// Calls its function for each message of a topic until it is destroyed.
 class Subscription {
