@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace tandem {
 namespace {
@@ -36,7 +37,9 @@ double scaled(double scale, double factor) { return std::clamp(scale * factor, 0
 
 TerminalKeys::Order TerminalKeys::type(std::string_view characters, double now) {
   Order order = Order::kNone;
-  for (const char key : without_escapes(characters)) {
+  const std::string keys = without_escapes(characters);
+  watch_backlog(keys, now);
+  for (const char key : keys) {
     if (key == ' ') order = Order::kEmergencyStop;
     if (key == 'r') order = Order::kRelease;
     press(key, now);
@@ -44,11 +47,18 @@ TerminalKeys::Order TerminalKeys::type(std::string_view characters, double now) 
   return order;
 }
 
+void TerminalKeys::watch_backlog(const std::string& keys, double now) {
+  const double usual = kAtOnce + kFastest * (now - std::exchange(read_, now));
+  const auto moves = static_cast<double>(
+      std::count_if(keys.begin(), keys.end(), [](char key) { return kMoves.contains(key); }));
+  if (moves > usual || (moves > 0.0 && now <= ignored_)) ignored_ = now + kRepeat;
+}
+
 void TerminalKeys::press(char key, double now) {
   if (const auto scale = kScales.find(key); scale != kScales.end()) {
     linear_ = scaled(linear_, scale->second.linear);
     angular_ = scaled(angular_, scale->second.angular);
-  } else if (kMoves.contains(key)) {
+  } else if (kMoves.contains(key) && now > ignored_) {
     const bool repeats = key == key_ && now <= until_;
     until_ = repeats ? std::max(until_, now + kRepeat) : now + kFirst;
     key_ = key;

@@ -54,6 +54,33 @@ TEST(TerminalKeys, ScaleAndKeepDriving) {
   EXPECT_EQ(keys.angular_scale(), 1.0);
 }
 
+// Over ssh: the line stands, silence lets go of the key, and then everything comes at once. Whoever
+// held the key all the time must be seen to let go before the robot drives.
+TEST(TerminalKeys, WhatAStalledLineHasKeptBackHoldsNoStickUntilItIsLetGo) {
+  TerminalKeys keys;
+  (void)keys.type("i", 0.0);
+  for (double t = 0.04; t < 1.0; t += 0.04) (void)keys.type("i", t);
+  for (double t = 1.0; t < 3.0; t += 0.04) (void)keys.type("", t);
+  ASSERT_FALSE(keys.held(3.0));
+  (void)keys.type(std::string(60, 'i'), 3.0);
+  EXPECT_FALSE(keys.held(3.0));
+  for (double t = 3.04; t < 5.0; t += 0.04) {
+    (void)keys.type("i", t);
+    ASSERT_FALSE(keys.held(t)) << t;
+  }
+  (void)keys.type("", 5.0);
+  (void)keys.type("i", 5.2);
+  EXPECT_TRUE(keys.held(5.2)) << "a new press";
+}
+
+// Then it is this program that comes late.
+TEST(TerminalKeys, AreHeldThroughAStallOfTheirReader) {
+  TerminalKeys keys;
+  (void)keys.type("i", 0.0);
+  (void)keys.type(std::string(60, 'i'), 2.0);
+  EXPECT_TRUE(keys.held(2.0));
+}
+
 TEST(TerminalKeys, OrderTheEmergencyStop) {
   TerminalKeys keys;
   (void)keys.type("i", 0.0);
