@@ -54,10 +54,12 @@ struct Printer {
 const std::map<std::string, const char*>& topics_of_components() {
   static const std::map<std::string, const char*> all{
       {"map_server", "(a map file) -> octomap_binary, map"},
-      {"driver", "odom, tf, leader_pose -> joy"},
+      {"driver", "odom, tf, leader_pose, teleop/status -> joy"},
       {"haptics", "cmd_vel_user, safety_filter/status -> joy/set_feedback"},
       {"joystick", "(a joystick or gamepad) -> joy; joy/set_feedback -> (its rumble)"},
-      {"teleop", "joy, odom, tf -> cmd_vel_user, leader_pose, leader/markers, end_sim"},
+      {"teleop",
+       "joy, cmd_vel_user, odom, tf -> cmd_vel_user, leader_pose, leader/markers, teleop/status, "
+       "end_sim"},
       {"octomap_builder", "scan, cloud_in, odom, tf -> octomap_local; service ~/reset"},
       {"obstacle_extractor",
        "octomap_binary, octomap_local, odom, tf -> obstacles, obstacles/markers"},
@@ -71,7 +73,7 @@ const std::map<std::string, const char*>& topics_of_components() {
        "odom, tf, obstacles, cmd_vel, leader_pose | cmd_vel_user | goal_pose -> "
        "cmd_vel_shared, plan, user_path, planner/status"},
       {"arbitration",
-       "cmd_vel_user, cmd_vel_shared, cmd_vel_nav, planner/status, "
+       "cmd_vel_user, cmd_vel_shared, cmd_vel_nav, teleop/status, planner/status, "
        "safety_filter/status, e_stop -> cmd_vel_arbitrated, "
        "arbitration/status, /diagnostics; services ~/set_policy, "
        "~/release_emergency_stop"},

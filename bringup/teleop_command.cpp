@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
@@ -30,8 +31,8 @@ constexpr double kFresh = 0.5;     // [s] what is older is not shown
 constexpr int kReleases = 3;       // joy that say "let go", for one may be lost
 constexpr double kPatience = 1.0;  // [s] with teleop's answer
 
-const std::vector<std::string> kLayout{"axis_linear", "axis_angular", "deadman_button",
-                                       "scale_linear", "scale_angular"};
+const std::vector<std::string> kLayout{"axis_linear",  "axis_angular",  "deadman_button",
+                                       "scale_linear", "scale_angular", "axis_range"};
 
 // Characters as they are typed, unseen, without waiting for them; Ctrl-C stays what it is.
 class RawTerminal {
@@ -109,7 +110,9 @@ class KeyboardTeleop {
     if (stick) releases_ = kReleases;
     if (!stick && releases_-- <= 0) return;
     if (!layout_) return;
-    const auto keys = stick.value_or(TerminalKeys::Stick{});
+    // A key brings dead-man and axis at once; teleop wants the stick at rest when the former comes.
+    const bool goes_on = std::exchange(sent_held_, stick.has_value());
+    const auto keys = goes_on ? stick.value_or(TerminalKeys::Stick{}) : TerminalKeys::Stick{};
     const auto joy = joy_values(
         {.linear = keys.linear, .angular = keys.angular, .deadman = stick.has_value()}, *layout_);
     sensor_msgs::msg::Joy msg;
@@ -140,6 +143,7 @@ class KeyboardTeleop {
     layout_->deadman_button = static_cast<int>(values[2].integer_value());
     layout_->gains.scale_linear = values[3].double_value();
     layout_->gains.scale_angular = values[4].double_value();
+    if (values[5].double_value() > 0.0) layout_->axis_range = values[5].double_value();
   }
 
   void press_stop(bool pressed) {
@@ -174,6 +178,7 @@ class KeyboardTeleop {
   rt::Node& node_;
   TerminalKeys keys_;
   int releases_ = 0;
+  bool sent_held_ = false;  // the last joy said so
   std::optional<TeleopParams> layout_;
   Heard<Twist2> speed_;
   Heard<std::string> mode_, filter_;

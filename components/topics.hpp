@@ -27,10 +27,16 @@ inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assi
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
+/// Why a stick that somebody holds moves nothing; empty once it does. Repeated while it holds.
+inline constexpr Topic<std_msgs::msg::String> teleop_status{"teleop/status"};
 inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
 /// How user input is read: best effort, so that no device goes unheard.
 inline constexpr runtime::QoS kUserInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
+/// The same for joy, of which no sample may take the place of another: one at rest, for example,
+/// that comes right before one that is not.
+inline constexpr runtime::QoS kStickInput{
+    .reliability = runtime::Reliability::kBestEffort, .depth = 10, .lifespan = 0.2};
 
 // the map
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched};

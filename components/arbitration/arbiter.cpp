@@ -154,7 +154,7 @@ void Arbiter::watch_clock(double now) {
   if (now >= last_time_) return;
   for (Input* input : {&user_, &shared_, &nav_})
     if (input->t > now) input->t = kNever;
-  for (Word* word : {&planner_, &filter_})
+  for (Word* word : {&stick_, &planner_, &filter_})
     if (word->t > now) *word = {};
   if (clearance_time_ > now) clearance_heard_ = false;
   stop_.set_clock_back(now);
@@ -240,6 +240,7 @@ std::string Arbiter::why(const Decision& decision, double now) const {
   const std::string own = name(decision.reason);
   const bool stops_here = decision.source == Source::kNone;
   if (stops_here && decision.reason != ArbitrationReason::kUserSilent) return own;
+  if (stops_here && !stick_.trouble.empty() && now - stick_.t <= kGone) return stick_.trouble;
   if (const std::string trouble = trouble_of_filter(now); !trouble.empty()) return trouble;
   const bool planned = decision.source == Source::kShared || decision.source == Source::kBlend;
   if (planned && !planner_.trouble.empty() && now - planner_.t <= kGone)

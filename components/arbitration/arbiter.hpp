@@ -112,6 +112,8 @@ class Arbiter {
   void on_nav(const Twist2& twist, double t);
   /// Distance of the robot to the nearest obstacle [m], which drives `blend`.
   void on_clearance(double clearance, double t);
+  /// Why the stick that somebody holds moves nothing; empty: nothing hinders it.
+  void on_stick(std::string trouble, double t) { stick_ = {std::move(trouble), t, true}; }
   /// Why the planner has no plan; empty: it has one.
   void on_planner(std::string trouble, double t) { planner_ = {std::move(trouble), t, true}; }
   /// Why the safety filter lets nothing pass; empty: something passes.
@@ -135,6 +137,7 @@ class Arbiter {
   /// Why the robot moves or stands after `decision`: the first that holds of
   ///
   /// * why it is stopped here, unless it is because nobody steers,
+  /// * if nobody steers: why the stick of the person who tries to moves nothing,
   /// * why the safety filter would stop any command,
   /// * that nobody steers,
   /// * what hinders the planner, if its command is in force,
@@ -178,7 +181,7 @@ class Arbiter {
   ArbiterParams params_;
   Policy policy_;
   Input user_, shared_, nav_;
-  Word planner_, filter_;
+  Word stick_, planner_, filter_;
   double clearance_ = 0.0, clearance_time_ = 0.0;
   bool clearance_heard_ = false;
   Performance performance_;

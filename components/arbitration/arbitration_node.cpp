@@ -24,6 +24,9 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
               [this](const Twist2& twist) { on_command(twist, Source::kShared); }},
       nav_{node, topics::cmd_vel_nav, params_->input,
            [this](const Twist2& twist) { on_command(twist, Source::kNav); }},
+      stick_{node.create_subscription(
+          topics::teleop_status,
+          [this](const auto& msg) { arbiter_.on_stick(msg.data(), node_.now()); })},
       planner_{node.create_subscription(
           topics::planner_status,
           [this](const auto& msg) {

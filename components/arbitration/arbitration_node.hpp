@@ -20,12 +20,12 @@ struct ArbitrationNodeParams {
   }
 };
 
-/// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop, planner/status, safety_filter/status →
-/// cmd_vel_arbitrated, arbitration/status, /diagnostics.
+/// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop, teleop/status, planner/status,
+/// safety_filter/status → cmd_vel_arbitrated, arbitration/status, /diagnostics.
 ///
 /// Passes a command on when it arrives; in between it repeats the command in force, and publishes
 /// zero as soon as the source in charge is silent. Status and diagnostics say at once why the robot
-/// stands, also if planner or safety filter stopped it. Services: ~/set_policy,
+/// stands, also if teleop, planner or safety filter stopped it. Services: ~/set_policy,
 /// ~/release_emergency_stop.
 class ArbitrationNode {
  public:
@@ -60,7 +60,7 @@ class ArbitrationNode {
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;
   Diagnostics diagnostics_;
   TwistInput user_, shared_, nav_;
-  rt::Subscription planner_, filter_, stop_latched_, stop_any_;
+  rt::Subscription stick_, planner_, filter_, stop_latched_, stop_any_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
 };

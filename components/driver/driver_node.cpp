@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "driver/driver_node.hpp"
 
+#include <utility>
+
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -23,6 +25,8 @@ DriverNode::DriverNode(rt::Node& node)
         X_ML_ = from_msg(msg.pose());
         leader_time_ = node_.now();
       });
+  on_trouble_ = node.create_subscription(
+      topics::teleop_status, [this](const auto& msg) { let_go_ = !msg.data().empty(); });
   timer_ = node.create_timer(1.0 / params_->driver.navigator.rate, [this] { tick(); });
 }
 
@@ -34,7 +38,16 @@ void DriverNode::tick() {
   publish(driver_.steer(robot->X_MB, leads ? *X_ML_ : robot->X_MB, node_.now()));
 }
 
-void DriverNode::publish(const Hand& hand) {
+// As a person's: the hand takes the dead-man with the stick at rest, and lets go if that does not
+// help, for example after a lost link.
+Hand DriverNode::taken(const Hand& hand) {
+  const bool lets_go = !hand.holds || std::exchange(let_go_, false);
+  const bool takes = !std::exchange(holds_, !lets_go);
+  return lets_go || takes ? Hand{0.0, 0.0, !lets_go} : hand;
+}
+
+void DriverNode::publish(const Hand& meant) {
+  const Hand hand = taken(meant);
   sensor_msgs::msg::Joy msg;
   msg.header(header(node_.stamp(), "joy"));
   msg.axes({static_cast<float>(hand.angular), static_cast<float>(hand.linear)});

@@ -27,16 +27,17 @@ struct DriverNodeParams {
   }
 };
 
-/// odom, tf, leader_pose, octomap_binary → joy: a simulated person, who holds the dead-man button
-/// but lets go of it when done, and while nobody knows where the robot is. Only an adversary looks
-/// at the map.
+/// odom, tf, leader_pose, teleop/status, octomap_binary → joy: a simulated person, who holds the
+/// dead-man button but lets go of it when done, and while nobody knows where the robot is. Only an
+/// adversary looks at the map.
 class DriverNode {
  public:
   explicit DriverNode(rt::Node& node);
 
  private:
   void tick();
-  void publish(const Hand& hand);
+  [[nodiscard]] Hand taken(const Hand& hand);
+  void publish(const Hand& meant);
 
   rt::Node& node_;
   rt::Parameters<DriverNodeParams> params_;
@@ -45,9 +46,11 @@ class DriverNode {
   std::optional<MapInput> map_;
   std::optional<Pose2> X_ML_;
   double leader_time_ = 0.0;
+  bool holds_ = false;   // the dead-man, in the last sample
+  bool let_go_ = false;  // teleop says that the stick moves nothing
 
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
-  rt::Subscription leader_;
+  rt::Subscription leader_, on_trouble_;
   rt::Timer timer_;
 };
 

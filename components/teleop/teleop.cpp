@@ -8,20 +8,52 @@
 namespace tandem {
 namespace {
 
-constexpr double kCallsBack = 0.3;  // [1] of the stick's way: less moves the leader bit by bit
-constexpr double kBeside = 0.1;     // [m] the leader is neither before nor behind the robot
+constexpr double kCallsBack = 0.3;   // [1] of the stick's way: less moves the leader bit by bit
+constexpr double kBeside = 0.1;      // [m] the leader is neither before nor behind the robot
+constexpr double kOvershoot = 1.05;  // [1] of its range that an axis may reach
+const Twist2 kFastest{5.0, 10.0};    // [m/s, rad/s] of a leader, as the gains' ranges
 
-double axis(std::span<const float> axes, int index, double deadzone) {
-  if (index < 0 || static_cast<std::size_t>(index) >= axes.size()) return 0.0;
-  const double value = axes[static_cast<std::size_t>(index)];
-  if (!std::isfinite(value) || std::abs(value) <= deadzone) return 0.0;
+bool is_there(std::size_t size, int index) {
+  return index >= 0 && static_cast<std::size_t>(index) < size;
+}
+
+// In [−1, 1] for a device that does as `axis_range` says; nothing if the axis is missing.
+std::optional<double> axis_value(std::span<const float> axes, int index,
+                                 const TeleopParams& params) {
+  if (!is_there(axes.size(), index)) return std::nullopt;
+  return axes[static_cast<std::size_t>(index)] / params.axis_range;
+}
+
+double axis(std::span<const float> axes, int index, const TeleopParams& params) {
+  const double value = axis_value(axes, index, params).value_or(0.0);
+  const double deadzone = params.gains.deadzone;
+  if (!std::isfinite(value) || std::abs(value) <= deadzone || std::abs(value) > kOvershoot)
+    return 0.0;
   const double travel = (std::min(std::abs(value), 1.0) - deadzone) / (1.0 - deadzone);
   return std::copysign(travel, value);
 }
 
 bool pressed(std::span<const int> buttons, int index) {
-  return index >= 0 && static_cast<std::size_t>(index) < buttons.size() &&
-         buttons[static_cast<std::size_t>(index)] != 0;
+  return is_there(buttons.size(), index) && buttons[static_cast<std::size_t>(index)] != 0;
+}
+
+std::string missing(const char* what, int index, const char* parameter) {
+  return std::string{"joy has no "} + what + " " + std::to_string(index) + " (" + parameter + ")";
+}
+
+void check_axis(JoyCheck& joy, std::span<const float> axes, int index, const char* parameter,
+                const TeleopParams& params) {
+  const auto value = axis_value(axes, index, params);
+  const std::string axis = std::string{"axis "} + std::to_string(index) + " of joy";
+  if (!value) {
+    joy.trouble = missing("axis", index, parameter);
+  } else if (!std::isfinite(*value)) {
+    joy.trouble = axis + " is not finite";
+  } else if (std::abs(*value) > kOvershoot) {
+    joy.trouble = axis + " is beyond axis_range";
+    joy.beyond_range = true;
+  }
+  joy.at_rest = joy.at_rest && (!value || std::abs(*value) <= params.gains.deadzone);
 }
 
 // Whether the push, forward or backward, leads back to the robot.
@@ -34,10 +66,23 @@ bool leads_back(double push, const Pose2& X_ML, const Pose2& X_MB) {
 
 Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
                  const TeleopParams& params) {
-  return {axis(axes, params.axis_linear, params.gains.deadzone),
-          axis(axes, params.axis_angular, params.gains.deadzone),
+  return {axis(axes, params.axis_linear, params), axis(axes, params.axis_angular, params),
           params.deadman_button < 0 || pressed(buttons, params.deadman_button),
           pressed(buttons, params.end_button)};
+}
+
+JoyCheck check_joy(std::span<const float> axes, std::span<const int> buttons,
+                   const TeleopParams& params) {
+  JoyCheck joy;
+  joy.at_rest =
+      is_there(axes.size(), params.axis_linear) || is_there(axes.size(), params.axis_angular);
+  check_axis(joy, axes, params.axis_angular, "axis_angular", params);
+  check_axis(joy, axes, params.axis_linear, "axis_linear", params);
+  if (params.deadman_button >= 0 && !is_there(buttons.size(), params.deadman_button))
+    joy.trouble = missing("button", params.deadman_button, "deadman_button");
+  if (params.end_button >= 0 && !is_there(buttons.size(), params.end_button))
+    joy.remark = missing("button", params.end_button, "end_button");
+  return joy;
 }
 
 JoyValues joy_values(const Stick& stick, const TeleopParams& params) {
@@ -48,8 +93,8 @@ JoyValues joy_values(const Stick& stick, const TeleopParams& params) {
     if (values.size() <= at) values.resize(at + 1);
     values[at] = value;
   };
-  const auto turned = [](double value, double scale) {
-    return static_cast<float>(scale < 0.0 ? -value : value);
+  const auto turned = [&](double value, double scale) {
+    return static_cast<float>(params.axis_range * (scale < 0.0 ? -value : value));
   };
   put(joy.axes, params.axis_linear, turned(stick.linear, params.gains.scale_linear));
   put(joy.axes, params.axis_angular, turned(stick.angular, params.gains.scale_angular));
@@ -68,17 +113,39 @@ void Teleop::set_gains(const StickGains& gains) {
 std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                        double t) {
   const bool was_held = std::exchange(held_, stick.deadman);
-  const double dt = t - std::exchange(last_, t);  // below zero: the clock was set back
-  const bool goes_on = was_held && 0.0 <= dt && dt <= params_.joy_timeout;
-  if (!held_ || !goes_on) X_ML_.reset();
-  if (!held_) return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
-  if (X_MB)
-    drive_leader(stick, *X_MB, goes_on ? dt : 0.0);
-  else
-    X_ML_.reset();
-  return Intent{
-      {params_.gains.scale_linear * stick.linear, params_.gains.scale_angular * stick.angular},
-      X_ML_};
+  if (!held_) {
+    steered_.reset();
+    if (hand_ == Hand::kStick) hand_ = Hand::kNone;
+    return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
+  }
+  // Where there is no dead-man, a stick at rest is one that nobody holds.
+  const bool steers = params_.deadman_button >= 0 || stick.linear != 0.0 || stick.angular != 0.0;
+  if (!steers && hand_ == Hand::kTwist && is_recent(last_, t)) return std::nullopt;
+  if (steers) steered_ = t;
+  const StickGains& gains = params_.gains;
+  lead(Hand::kStick,
+       {gains.leader_scale_linear * stick.linear, gains.leader_scale_angular * stick.angular},
+       stick.linear, X_MB, t);
+  return Intent{{gains.scale_linear * stick.linear, gains.scale_angular * stick.angular}, X_ML_};
+}
+
+std::optional<Pose2> Teleop::on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
+                                      double t) {
+  if (steered_ && is_recent(*steered_, t)) return std::nullopt;
+  const Twist2 leader{std::clamp(twist.v, -kFastest.v, kFastest.v),
+                      std::clamp(twist.w, -kFastest.w, kFastest.w)};
+  const double full = std::abs(params_.gains.scale_linear);
+  lead(Hand::kTwist, leader, full > 0.0 ? leader.v / full : leader.v, X_MB, t);
+  return X_ML_;
+}
+
+// A leader begins at the robot: with another hand, and after a silence.
+void Teleop::lead(Hand hand, const Twist2& twist, double push, const std::optional<Pose2>& X_MB,
+                  double t) {
+  const double before = std::exchange(last_, t);
+  const bool goes_on = std::exchange(hand_, hand) == hand && is_recent(before, t);
+  if (!goes_on || !X_MB) X_ML_.reset();
+  if (X_MB) drive_leader(twist, push, *X_MB, goes_on ? t - before : 0.0);
 }
 
 // Who throws the stick round wants the robot to turn back now, not when the leader has come all the
@@ -90,14 +157,12 @@ void Teleop::call_leader_back(double push, const Pose2& X_MB) {
     X_ML_ = Pose2{X_MB.x, X_MB.y, X_ML_->theta};
 }
 
-void Teleop::drive_leader(const Stick& stick, const Pose2& X_MB, double dt) {
+void Teleop::drive_leader(const Twist2& twist, double push, const Pose2& X_MB, double dt) {
   if (!X_ML_) {
     X_ML_ = X_MB;
     pushed_ = 0.0;
   }
-  call_leader_back(stick.linear, X_MB);
-  const Twist2 twist{params_.gains.leader_scale_linear * stick.linear,
-                     params_.gains.leader_scale_angular * stick.angular};
+  call_leader_back(push, X_MB);
   *X_ML_ = integrate(*X_ML_, twist, dt);
   X_ML_->theta = wrap_angle(X_ML_->theta);
   const Eigen::Vector2d p_BL_M = X_ML_->position() - X_MB.position();

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "model/se2.hpp"
@@ -39,6 +40,7 @@ struct TeleopParams {
   int axis_angular = 0;
   int deadman_button = 0;
   int end_button = 1;
+  double axis_range = 1.0;
   StickGains gains{};
   double joy_timeout = 0.12;
 
@@ -48,9 +50,13 @@ struct TeleopParams {
     field("axis_angular", axis_angular, Range{0, 31}, "index in Joy.axes that means left");
     field("deadman_button", deadman_button, Range{-1, 63}, "held to drive; -1: none");
     field("end_button", end_button, Range{-1, 63}, "ends the drive; -1: none");
+    field("axis_range", axis_range, Range{1e-3, 1e6},
+          "[1] what Joy.axes are at full stick; an axis that exceeds it by more than 5 % drives "
+          "nothing");
     gains.visit(field);
     field("joy_timeout", joy_timeout, Range{0.02, 5.0},
-          "[s] silence of joy that ends the leader and lets another stick drive");
+          "[s] silence of joy, or of another writer of cmd_vel_user, that ends the leader and lets "
+          "another one drive");
   }
 };
 
@@ -60,10 +66,22 @@ struct Stick {
   bool deadman = false, end = false;
 };
 
-/// Reads the axes and buttons that the parameters name; one that is missing or not finite counts as
-/// at rest (a missing dead-man button as released).
+/// Reads the axes and buttons that the parameters name; one that is missing, not finite or beyond
+/// `axis_range` counts as at rest (a missing dead-man button as released).
 [[nodiscard]] Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
                                const TeleopParams& params);
+
+/// What a message of joy says of the device.
+struct JoyCheck {
+  bool at_rest = false;       ///< some axis is there, and each that is lies inside the dead zone
+  bool beyond_range = false;  ///< an axis is: its scale is not known, so the stick may not drive
+  std::string trouble;        ///< why the message does not say where the stick is; empty: it does
+  std::string remark;         ///< what else it lacks; empty: nothing
+};
+
+/// Checks the axes and buttons that the parameters name.
+[[nodiscard]] JoyCheck check_joy(std::span<const float> axes, std::span<const int> buttons,
+                                 const TeleopParams& params);
 
 struct JoyValues {
   std::vector<float> axes;
@@ -79,6 +97,9 @@ struct Intent {
   Twist2 twist;               ///< the person's command
   std::optional<Pose2> X_ML;  ///< the leader L, if the robot's pose is known
 };
+
+/// Why a stick drives nothing that was not seen at rest, see RestCheck.
+inline constexpr const char* kNotAtRest = "stick is not at rest";
 
 /// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
 /// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in
@@ -100,13 +121,27 @@ class Teleop {
   [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                                double t);
 
+  /// A command of somebody who has no stick here (a program, another teleoperation): where the
+  /// leader is that it drives. Nothing while a stick is held or the robot's pose is unknown.
+  [[nodiscard]] std::optional<Pose2> on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
+                                              double t);
+
  private:
+  enum class Hand { kNone, kStick, kTwist };
+
+  [[nodiscard]] bool is_recent(double t, double now) const {
+    return 0.0 <= now - t && now - t <= params_.joy_timeout;  // not if the clock was set back
+  }
+  void lead(Hand hand, const Twist2& twist, double push, const std::optional<Pose2>& X_MB,
+            double t);
   void call_leader_back(double push, const Pose2& X_MB);
-  void drive_leader(const Stick& stick, const Pose2& X_MB, double dt);
+  void drive_leader(const Twist2& twist, double push, const Pose2& X_MB, double dt);
 
   TeleopParams params_;
   bool held_ = false;
-  double last_ = 0.0;
+  std::optional<double> steered_;  // [s] when a stick last had the say over the leader
+  Hand hand_ = Hand::kNone;        // that drives the leader
+  double last_ = 0.0;              // [s] when it last did
   std::optional<Pose2> X_ML_;
   double pushed_ = 0.0;  // [1] the last push that was strong, forward or backward
 };

@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/teleop_node.hpp"
 
+#include <spdlog/fmt/ranges.h>
+
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
 namespace tandem {
+namespace {
+
+std::string name_of(const rt::PublisherId& id) { return {id.begin(), id.end()}; }
+
+bool is_empty(const sensor_msgs::msg::Joy& msg) {
+  return msg.axes().empty() && msg.buttons().empty();
+}
+
+}  // namespace
 
 TeleopNode::TeleopNode(rt::Node& node)
     : node_{node},
@@ -14,22 +25,30 @@ TeleopNode::TeleopNode(rt::Node& node)
       teleop_{params_->teleop},
       robot_{node, params_->input},
       holder_{params_->teleop.joy_timeout},
+      writer_{params_->teleop.joy_timeout},
+      rest_{params_->teleop.joy_timeout, params_->teleop.deadman_button >= 0},
       joy_stamp_{node, topics::joy.name, params_->stamp},
       cmd_vel_user_{node.create_publisher(topics::cmd_vel_user)},
       leader_pose_{node.create_publisher(topics::leader_pose)},
       markers_{node.create_publisher(topics::leader_markers)},
-      end_sim_{node.create_publisher(topics::end_sim)} {
-  joy_ = node.create_subscription(topics::joy, topics::kUserInput,
+      end_sim_{node.create_publisher(topics::end_sim)},
+      status_{node.create_publisher(topics::teleop_status)},
+      on_twist_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
+                [this](const Twist2& twist) { on_twist(twist); }} {
+  joy_ = node.create_subscription(topics::joy, topics::kStickInput,
                                   [this](const auto& msg) { on_joy(msg); });
 }
 
 void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
-  if (!joy_stamp_.in_time(msg.header().stamp())) return;
+  const std::string sender = msg.header().frame_id() + name_of(joy_.sender());
+  if (!joy_stamp_.in_time(msg.header().stamp())) return rest_.keep(sender, node_.now());
   const Stick stick = read_stick(msg.axes(), msg.buttons(), params_->teleop);
-  if (!holder_.counts(msg.header().frame_id(), stick.deadman, node_.now())) return;
-  const auto robot = robot_.state();
-  const auto X_MB = robot ? std::optional{robot->X_MB} : std::nullopt;
-  if (const auto intent = teleop_.on_stick(stick, X_MB, node_.now())) publish(*intent);
+  if (!may_drive(msg, sender, stick)) return;
+  if (!holder_.counts(sender, stick.deadman, node_.now())) return;
+  if (const auto intent = teleop_.on_stick(stick, robot_pose(), node_.now())) {
+    cmd_vel_user_.publish(to_msg(intent->twist));
+    if (intent->X_ML) publish_leader(*intent->X_ML);
+  }
   if (stick.end && !end_pressed_) {
     std_msgs::msg::Bool end;
     end.data(true);
@@ -38,13 +57,55 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
   end_pressed_ = stick.end;
 }
 
-void TeleopNode::publish(const Intent& intent) {
-  cmd_vel_user_.publish(to_msg(intent.twist));
-  if (!intent.X_ML) return;
+// Letting go always counts. A joy of nothing at all is what the dashboard says for a person who is
+// gone.
+bool TeleopNode::may_drive(const sensor_msgs::msg::Joy& msg, const std::string& sender,
+                           const Stick& stick) {
+  if (is_empty(msg)) {
+    rest_.forget(sender);
+    say(sender, "");
+    return true;
+  }
+  const JoyCheck joy = check_joy(msg.axes(), msg.buttons(), params_->teleop);
+  const bool rested = rest_.frees(sender, stick.deadman, joy.at_rest, node_.now());
+  const bool waits = stick.deadman && !rested;
+  const std::string trouble = joy.trouble.empty() && waits ? kNotAtRest : joy.trouble;
+  if (!trouble.empty() && troubles_[sender] != trouble)
+    node_.log().write_every(
+        1.0, rt::LogLevel::kWarn, trouble,
+        fmt::format("{}: joy of `{}` has axes {}; deadzone is {}, axis_range {}", trouble,
+                    msg.header().frame_id(), msg.axes(), params_->teleop.gains.deadzone,
+                    params_->teleop.axis_range));
+  if (!joy.remark.empty())
+    node_.log().write_every(kOnce, rt::LogLevel::kWarn, joy.remark, joy.remark);
+  say(sender, trouble);
+  return !stick.deadman || (rested && !joy.beyond_range);
+}
+
+// What hinders one sender is not taken back by what another does.
+void TeleopNode::say(const std::string& sender, const std::string& trouble) {
+  std_msgs::msg::String msg;
+  msg.data(trouble);
+  if (!trouble.empty() || troubles_.erase(sender) > 0) status_.publish(msg);
+  if (troubles_.size() >= kMaxTroubles) troubles_.clear();
+  if (!trouble.empty()) troubles_[sender] = trouble;
+}
+
+void TeleopNode::on_twist(const Twist2& twist) {
+  const auto sender = on_twist_.sender();
+  if (sender == cmd_vel_user_.id() || !writer_.counts(name_of(sender), true, node_.now())) return;
+  if (const auto X_ML = teleop_.on_twist(twist, robot_pose(), node_.now())) publish_leader(*X_ML);
+}
+
+std::optional<Pose2> TeleopNode::robot_pose() {
+  const auto robot = robot_.state();
+  return robot ? std::optional{robot->X_MB} : std::nullopt;
+}
+
+void TeleopNode::publish_leader(const Pose2& X_ML) {
   const auto map_header = header(node_.stamp(), params_->input.frames.map);
-  leader_pose_.publish(to_msg(*intent.X_ML, map_header));
-  if (const auto robot = robot_.state())
-    markers_.publish(leader_markers(*intent.X_ML, robot->X_MB, map_header));
+  leader_pose_.publish(to_msg(X_ML, map_header));
+  if (const auto X_MB = robot_pose()) markers_.publish(leader_markers(X_ML, *X_MB, map_header));
 }
 
 }  // namespace tandem

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "stamp_check.hpp"
+#include "teleop/rest_check.hpp"
 #include "teleop/stick_holder.hpp"
 #include "teleop/teleop.hpp"
+#include "twist_input.hpp"
 
 namespace tandem {
 
@@ -22,31 +27,46 @@ struct TeleopNodeParams {
   }
 };
 
-/// joy, odom, tf → cmd_vel_user, leader_pose, leader/markers, end_sim.
+/// joy, cmd_vel_user of others, odom, tf → cmd_vel_user, leader_pose, leader/markers,
+/// teleop/status, end_sim.
 ///
 /// Publishes on every joy while the dead-man is held, and one zero at its release; nothing while
-/// the joystick is silent.
+/// the joystick is silent, was not seen at rest (see RestCheck) or exceeds `axis_range`: then
+/// teleop/status says why. While no stick is held, the leader follows what another node publishes
+/// as cmd_vel_user: of several the first until it is silent.
 class TeleopNode {
  public:
+  static constexpr std::size_t kMaxTroubles = 100;  // senders that are remembered
+  static constexpr double kOnce = 1e9;              // [s] between two lines on the same
+
   explicit TeleopNode(rt::Node& node);
 
  private:
   void on_joy(const sensor_msgs::msg::Joy& msg);
-  void publish(const Intent& intent);
+  [[nodiscard]] bool may_drive(const sensor_msgs::msg::Joy& msg, const std::string& sender,
+                               const Stick& stick);
+  void say(const std::string& sender, const std::string& trouble);
+  void on_twist(const Twist2& twist);
+  [[nodiscard]] std::optional<Pose2> robot_pose();
+  void publish_leader(const Pose2& X_ML);
 
   rt::Node& node_;
   rt::Parameters<TeleopNodeParams> params_;
   Teleop teleop_;
   RobotStateInput robot_;
-  StickHolder holder_;
+  StickHolder holder_, writer_;  // of joy; of cmd_vel_user, but for this node
+  RestCheck rest_;
   StampCheck joy_stamp_;
   bool end_pressed_ = false;
+  std::map<std::string, std::string> troubles_;  // by sender of joy
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_user_;
   rt::Publisher<geometry_msgs::msg::PoseStamped> leader_pose_;
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
   rt::Publisher<std_msgs::msg::Bool> end_sim_;
+  rt::Publisher<std_msgs::msg::String> status_;
   rt::Subscription joy_;
+  TwistInput on_twist_;
 };
 
 }  // namespace tandem

@@ -513,6 +513,21 @@ TEST(Arbiter, NamesAFilterThatFallsSilentAndForgetsAPlannerThatDoes) {
   EXPECT_EQ(why(it, 1.6), "follows the source");
 }
 
+TEST(Arbiter, SaysWhyTheStickOfThePersonMovesNothing) {
+  Arbiter it = arbiter("manual");
+  it.on_stick("stick is not at rest", 1.0);
+  EXPECT_EQ(why(it, 1.2), "stick is not at rest");
+  it.on_filter("no map", 1.2);
+  EXPECT_EQ(why(it, 1.2), "stick is not at rest") << "the first cause";
+  it.on_user({0.3, 0.0}, 1.2);
+  EXPECT_EQ(why(it, 1.2), "safety filter: no map") << "another one drives";
+  it.on_filter("", 1.2);
+  EXPECT_EQ(why(it, 1.6), "cmd_vel_user is silent") << "nobody holds it any more";
+  it.on_stick("stick is not at rest", 1.6);
+  it.on_stick("", 1.7);
+  EXPECT_EQ(why(it, 1.7), "cmd_vel_user is silent");
+}
+
 TEST(Arbiter, WhatHindersThePlannerIsNoReasonWhileThePersonDrives) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 1.0);

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A WebSocket client that is not ours beside a robot of ours: client.py TANDEM SYSTEM CHECK."""
 
+import itertools
 import json
 import os
 import random
@@ -150,6 +151,14 @@ def joy(linear, angular, held):
             struct.pack("<IffIi", 2, angular, linear, 1, held))
 
 
+def push(client, linear, angular):
+    """A beat that takes the stick and pushes it: at rest first, as every device of ours does. A few times, for
+    teleop may not be there yet."""
+    rest, pushed = joy(0.0, 0.0, 1), joy(linear, angular, 1)
+    samples = itertools.chain(([rest] + 30 * [pushed]) * 5, itertools.repeat(pushed))
+    return lambda: client.publish(1, next(samples))
+
+
 def string(text):
     data = text.encode() + b"\0"
     return b"\0\1\0\0" + struct.pack("<I", len(data)) + data
@@ -165,7 +174,7 @@ def drive(robot):
     assert client.newest("/map").info.resolution > 0.0
     client.advertise(1, "/joy", "sensor_msgs/msg/Joy")
     client.until(lambda: client.newest("/odom").twist.twist.linear.x > 0.2,
-                 beat=lambda: client.publish(1, joy(1.0, 0.0, 1)))
+                 beat=push(client, 1.0, 0.0))
     client.until(lambda: len(client.newest("/plan").poses) > 1)
     client.until(lambda: abs(client.newest("/odom").twist.twist.linear.x) < 0.01)  # silent: it stands
     assert b"policy is now manual" in client.call("/arbitration/set_policy", string("manual"))
@@ -187,7 +196,7 @@ def seat(robot):
         client.subscribe("/odom")
         client.advertise(1, "/joy", "sensor_msgs/msg/Joy")
     first.until(lambda: first.newest("/odom") and first.newest("/odom").twist.twist.linear.x > 0.2,
-                beat=lambda: first.publish(1, joy(1.0, 0.0, 1)))
+                beat=push(first, 1.0, 0.0))
     second.publish(1, joy(-1.0, 0.0, 1))
     second.until(lambda: "someone else is driving" in second.statuses)
     assert second.call("/arbitration/set_policy", string("manual")) == "someone else is driving"
@@ -197,8 +206,34 @@ def seat(robot):
     first.until(lambda: "someone else is driving" in first.statuses)
     second.publish(1, joy(0.0, 0.0, 1))
     second.socket.close()
+    let_go = time.monotonic() + 5.5  # the ousted client has to, for seat_timeout
+    first.until(lambda: time.monotonic() > let_go)
+    assert abs(first.newest("/odom").twist.twist.linear.x) < 0.02
     first.until(lambda: first.newest("/odom").twist.twist.linear.x > 0.2,
-                beat=lambda: first.publish(1, joy(1.0, 0.0, 1)))  # the seat is free again
+                beat=push(first, 1.0, 0.0))  # the seat is free again
+
+
+def leave(robot):
+    """A person whose connection ends with the stick held: coming back with it held moves nothing."""
+    gone = Client(robot.port)
+    gone.subscribe("/odom")
+    gone.advertise(1, "/joy", "sensor_msgs/msg/Joy")
+    gone.until(lambda: gone.newest("/odom") and gone.newest("/odom").twist.twist.linear.x > 0.2,
+               beat=push(gone, 1.0, 0.0))
+    gone.socket.close()
+    back = Client(robot.port)
+    for topic in ("/odom", "/arbitration/status"):
+        back.subscribe(topic)
+    back.advertise(1, "/joy", "sensor_msgs/msg/Joy")
+    held = lambda: back.publish(1, joy(1.0, 0.0, 1))
+    speed = lambda: abs(back.newest("/odom").twist.twist.linear.x)
+    back.until(lambda: back.newest("/odom") and speed() < 0.01, beat=held)
+    refused = lambda: back.newest("/arbitration/status").reason == "stick is not at rest"
+    back.until(lambda: back.newest("/arbitration/status") and refused(), beat=held)
+    end = time.monotonic() + 2.0
+    back.until(lambda: time.monotonic() > end or speed() > 0.01, beat=held)
+    assert speed() < 0.01, "it drives on by itself"
+    back.until(lambda: speed() > 0.2, beat=push(back, 1.0, 0.0))
 
 
 def trial(robot):
@@ -209,7 +244,7 @@ def trial(robot):
         c.subscribe("/dashboard/trial")
         c.advertise(1, "/joy", "sensor_msgs/msg/Joy")
         c.advertise(2, "/dashboard/begin_trial", "tandem.TrialRequest", encoding="json")
-    drives = lambda: client.publish(1, joy(1.0, 0.0, 1))
+    drives = push(client, 1.0, 0.0)
     client.until(lambda: client.newest("/odom") and client.newest("/odom").twist.twist.linear.x > 0.2, beat=drives)
     asked = {"id": 5, "method": "manual", "task": 1, "practice": False, "allowed": 2}
     begin = lambda c, what: c.publish(2, json.dumps(what).encode())
@@ -285,10 +320,10 @@ def hostile(robot):
     driver.subscribe("/odom")
     driver.advertise(1, "/joy", "sensor_msgs/msg/Joy")
     rest = threading.Event()
-    holds = threading.Thread(
-        target=lambda: driver.until(rest.is_set, beat=lambda: driver.publish(1, joy(0.0, 0.5, 1))), daemon=True)
+    drives = push(driver, 0.0, 0.5)
+    holds = threading.Thread(target=lambda: driver.until(rest.is_set, beat=drives), daemon=True)
     turns = lambda: driver.newest("/odom").twist.twist.angular.z > 0.2
-    driver.until(lambda: driver.newest("/odom") and turns(), beat=lambda: driver.publish(1, joy(0.0, 0.5, 1)))
+    driver.until(lambda: driver.newest("/odom") and turns(), beat=drives)
     holds.start()
     before = robot.memory()
     chance = random.Random(7)
@@ -317,8 +352,7 @@ def hostile(robot):
     rest.set()
     holds.join()
     count = len(driver.messages["/odom"])
-    driver.until(lambda: len(driver.messages["/odom"]) >= count + 20,
-                 beat=lambda: driver.publish(1, joy(0.0, 0.5, 1)))
+    driver.until(lambda: len(driver.messages["/odom"]) >= count + 20, beat=drives)
     assert turns(), "the robot was disturbed"
     stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in driver.messages["/odom"]]
     gap = max(after - at for at, after in zip(stamps, stamps[1:]))
@@ -362,7 +396,7 @@ def soak(robot):
         except ConnectionClosed:
             rest.set()
 
-    drives = lambda: clients[0].publish(1, joy(0.6, 0.4, 1))
+    drives = push(clients[0], 0.6, 0.4)
     threads = [threading.Thread(target=listen, args=(c, drives if c is clients[0] else None), daemon=True)
                for c in clients]
     for thread in threads:
@@ -423,7 +457,7 @@ def slow(robot):
     assert 2 in clients
 
 
-CHECKS = {check.__name__: check for check in (drive, seat, trial, door, token, hostile, foreign, slow, soak)}
+CHECKS = {check.__name__: check for check in (drive, seat, leave, trial, door, token, hostile, foreign, slow, soak)}
 PARAMETERS = {"token": ("address:=0.0.0.0",)}
 
 if __name__ == "__main__":

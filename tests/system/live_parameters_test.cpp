@@ -115,10 +115,15 @@ TEST_F(LiveParameters, OfTeleopChangeTheNextCommand) {
   const auto user = node_.create_subscription(topics::cmd_vel_user,
                                               [&](const auto& msg) { v = msg.linear().x(); });
   const auto joy = node_.create_publisher(topics::joy);
+  long commands = 0;
+  const auto counted =
+      node_.create_subscription(topics::cmd_vel_user, [&](const auto&) { ++commands; });
   sensor_msgs::msg::Joy stick;
-  stick.axes({0.0f, 1.0f});
+  stick.axes({0.0f, 0.0f});
   stick.buttons({1, 0});
   const auto beat = node_.create_wall_timer(0.02, [&] { joy.publish(stick); });
+  ASSERT_TRUE(wait_until([&] { return commands > 0; }));  // it was seen at rest
+  stick.axes({0.0f, 1.0f});
   ASSERT_TRUE(wait_until([&] { return is_near(v, 0.8); }));
   EXPECT_EQ(set("/teleop", "scale_linear", 0.3), "");
   EXPECT_TRUE(wait_until([&] { return is_near(v, 0.3); }));

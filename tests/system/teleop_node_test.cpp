@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "system/one_component.hpp"
@@ -10,6 +11,7 @@ namespace {
 constexpr double kLeash = 0.4;      // [m]
 constexpr double kScale = 0.8;      // of either axis, the default
 const Pose2 kRobot{1.0, 2.0, 0.0};  // where odometry says it stands
+const std::string kNotAtRest = "stick is not at rest";
 
 class TeleopOverDds : public OneComponent {
  protected:
@@ -28,6 +30,8 @@ class TeleopOverDds : public OneComponent {
     });
     markers_ = node_.create_subscription(topics::leader_markers,
                                          [this](const auto& msg) { drawn_ = msg; });
+    status_ = node_.create_subscription(topics::teleop_status,
+                                        [this](const auto& msg) { trouble_ = msg.data(); });
     end_ = node_.create_subscription(topics::end_sim,
                                      [this](const auto& msg) { ends_ += msg.data() ? 1 : 0; });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
@@ -35,12 +39,22 @@ class TeleopOverDds : public OneComponent {
 
   void beat() {
     odom_.publish(to_msg(Odometry{kRobot, {}}, header({}, "odom"), "base_link"));
+    if (holds_joystick_) joy_.publish(joy(axes_, buttons_));
+    ++beats_;
+  }
+  [[nodiscard]] sensor_msgs::msg::Joy joy(const std::vector<float>& axes,
+                                          const std::vector<int>& buttons) const {
     sensor_msgs::msg::Joy msg;
     if (stamp_age_) msg.header().stamp(ago(*stamp_age_));
-    msg.axes(axes_);
-    msg.buttons(buttons_);
-    if (holds_joystick_) joy_.publish(msg);
-    ++beats_;
+    msg.axes(axes);
+    msg.buttons(buttons);
+    return msg;
+  }
+  // Takes the stick as a person does: it is seen at rest with the dead-man held.
+  void take_stick() {
+    const auto pushed = std::exchange(axes_, {0.0f, 0.0f});
+    ASSERT_TRUE(wait_until([&] { return commands_ > 0; }));
+    axes_ = pushed;
   }
   [[nodiscard]] bool wait_beats(long count) {
     return wait_until([&, end = beats_ + count] { return beats_ >= end; });
@@ -52,7 +66,7 @@ class TeleopOverDds : public OneComponent {
   std::unique_ptr<rt::RunningComponent> teleop_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_ = node_.create_publisher(topics::joy);
   rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
-  rt::Subscription user_, leader_, markers_, end_;
+  rt::Subscription user_, leader_, markers_, end_, status_;
   rt::Timer beat_;
 
   bool holds_joystick_ = true;
@@ -62,12 +76,14 @@ class TeleopOverDds : public OneComponent {
   Twist2 twist_;
   long commands_ = 0, zeros_ = 0, beats_ = 0;
   int ends_ = 0;
+  std::string trouble_;  // why the stick moves nothing
   std::vector<Pose2> leads_;
   std::string leader_frame_;
   visualization_msgs::msg::MarkerArray drawn_;
 };
 
 TEST_F(TeleopOverDds, DrivesWhileTheDeadManIsHeldAndSaysOneZeroAtItsRelease) {
+  take_stick();
   axes_ = {-1.0f, 1.0f};
   ASSERT_TRUE(wait_for(kScale, -kScale));
   buttons_ = {0, 0};
@@ -79,6 +95,7 @@ TEST_F(TeleopOverDds, DrivesWhileTheDeadManIsHeldAndSaysOneZeroAtItsRelease) {
 }
 
 TEST_F(TeleopOverDds, AnAxisThatIsNotANumberIsAtRest) {
+  take_stick();
   axes_ = {1.0f, 1.0f};
   ASSERT_TRUE(wait_for(kScale, kScale));
   axes_ = {1.0f, static_cast<float>(kNaN)};
@@ -88,31 +105,229 @@ TEST_F(TeleopOverDds, AnAxisThatIsNotANumberIsAtRest) {
 }
 
 TEST_F(TeleopOverDds, AxesAndButtonsThatAJoystickLacksAreAtRest) {
+  take_stick();
   axes_ = {1.0f, 1.0f};
   ASSERT_TRUE(wait_for(kScale, kScale));
   axes_ = {1.0f};
   EXPECT_TRUE(wait_for(0.0, kScale));
+  EXPECT_TRUE(wait_until([&] { return trouble_ == "joy has no axis 1 (axis_linear)"; }));
   axes_ = {1.0f, 1.0f};
   ASSERT_TRUE(wait_for(kScale, kScale));
+  EXPECT_TRUE(wait_until([&] { return trouble_.empty(); }));
   buttons_ = {};
   EXPECT_TRUE(wait_for(0.0, 0.0));
+  EXPECT_TRUE(wait_until([&] { return trouble_ == "joy has no button 0 (deadman_button)"; }));
 }
 
-// A zero would tell that the stick was let go of.
-TEST_F(TeleopOverDds, ASilentJoystickIsFollowedBySilence) {
+// A zero would tell that the stick was let go of. It may still be held when it is heard again.
+TEST_F(TeleopOverDds, ASilentJoystickIsFollowedBySilenceUntilItIsSeenAtRest) {
   axes_ = {0.0f, 1.0f};
+  take_stick();
   ASSERT_TRUE(wait_for(kScale, 0.0));
+  const long zeros = zeros_;
   holds_joystick_ = false;
   ASSERT_TRUE(wait_beats(15));  // more than queues
   const long commands = commands_;
   ASSERT_TRUE(wait_beats(30));  // 0.6 s, twice joy_timeout
   EXPECT_EQ(commands_, commands);
   holds_joystick_ = true;
-  EXPECT_TRUE(wait_until([&] { return commands_ > commands; }));
-  EXPECT_EQ(zeros_, 0);
+  ASSERT_TRUE(wait_until([&] { return trouble_ == kNotAtRest; }));
+  ASSERT_TRUE(wait_beats(15));
+  EXPECT_EQ(commands_, commands);
+  EXPECT_EQ(zeros_, zeros);
+  axes_ = {0.0f, 0.0f};
+  ASSERT_TRUE(wait_for(0.0, 0.0));
+  axes_ = {0.0f, 1.0f};
+  EXPECT_TRUE(wait_for(kScale, 0.0));
+  EXPECT_TRUE(wait_until([&] { return trouble_.empty(); }));
+}
+
+// A pad that has not reported its axes yet, or a stick that lies on the table.
+TEST_F(TeleopOverDds, AStickThatWasNeverSeenAtRestMovesNothingAndSaysSo) {
+  axes_ = {0.0f, 0.99f};
+  buttons_ = {0, 0};
+  ASSERT_TRUE(wait_beats(30));
+  buttons_ = {1, 0};
+  ASSERT_TRUE(wait_until([&] { return trouble_ == kNotAtRest; }));
+  ASSERT_TRUE(wait_beats(30));
+  EXPECT_EQ(commands_, 0);
+  axes_ = {0.0f, 0.0f};
+  ASSERT_TRUE(wait_until([&] { return trouble_.empty() && commands_ > 0; }));
+  axes_ = {0.0f, 1.0f};
+  EXPECT_TRUE(wait_for(kScale, 0.0));
+}
+
+TEST_F(TeleopOverDds, AStickThatIsPushedBeforeTheDeadManMovesNothing) {
+  buttons_ = {0, 0};
+  axes_ = {0.0f, 0.0f};
+  ASSERT_TRUE(wait_beats(30));
+  axes_ = {0.0f, 1.0f};
+  ASSERT_TRUE(wait_beats(5));
+  buttons_ = {1, 0};
+  ASSERT_TRUE(wait_until([&] { return trouble_ == kNotAtRest; }));
+  EXPECT_EQ(commands_, 0);
+}
+
+// Two pads whose drivers give them one name.
+TEST_F(TeleopOverDds, OneStickAtRestFreesNoOtherOfTheSameName) {
+  const auto other = node_.create_publisher(topics::joy);
+  ASSERT_TRUE(wait_until([&] { return other.matched() > 0; }));
+  axes_ = {0.0f, 0.0f};
+  buttons_ = {0, 0};
+  ASSERT_TRUE(wait_beats(30));
+  const auto lies = node_.create_wall_timer(0.02, [&] {
+    other.publish(joy({0.0f, 0.99f}, {1, 0}));
+  });
+  ASSERT_TRUE(wait_until([&] { return trouble_ == kNotAtRest; }));
+  ASSERT_TRUE(wait_beats(30));
+  EXPECT_EQ(commands_, 0);
+  buttons_ = {1, 0};
+  ASSERT_TRUE(wait_until([&] { return commands_ > 0; }));
+  axes_ = {0.0f, 0.5f};
+  EXPECT_TRUE(wait_until([&] { return twist_.v > 0.3; }));
+}
+
+// Bytes of −100 … 100, say: nobody knows how fast 5 is.
+TEST_F(TeleopOverDds, AnAxisBeyondItsRangeIsReportedAndNotDrivenWith) {
+  axes_ = {0.0f, 1.05f};
+  take_stick();
+  ASSERT_TRUE(wait_for(kScale, 0.0));
+  axes_ = {0.0f, 5.0f};
+  ASSERT_TRUE(wait_until([&] { return trouble_ == "axis 1 of joy is beyond axis_range"; }));
+  ASSERT_TRUE(wait_beats(15));
+  const long commands = commands_;
+  ASSERT_TRUE(wait_beats(30));
+  EXPECT_EQ(commands_, commands);
+  buttons_ = {0, 0};
+  EXPECT_TRUE(wait_for(0.0, 0.0)) << "letting go counts all the same";
+}
+
+class TeleopOfOtherRange : public TeleopOverDds {
+ protected:
+  TeleopOfOtherRange()
+      : TeleopOverDds{{{"map_is_odom", "true"}, {"axis_range", "100.0"}, {"deadzone", "0.0"}}} {}
+};
+
+TEST_F(TeleopOfOtherRange, DrivesAsFarAsTheStickIsPushed) {
+  axes_ = {0.0f, 5.0f};
+  take_stick();
+  EXPECT_TRUE(wait_for(0.05 * kScale, 0.0));
+  axes_ = {0.0f, -100.0f};
+  EXPECT_TRUE(wait_for(-kScale, 0.0));
+}
+
+class TeleopWithoutDeadMan : public TeleopOverDds {
+ protected:
+  TeleopWithoutDeadMan() : TeleopOverDds{{{"map_is_odom", "true"}, {"deadman_button", "-1"}}} {}
+};
+
+TEST_F(TeleopWithoutDeadMan, DrivesOnceItsStickWasSeenAtRest) {
+  axes_ = {0.0f, 0.99f};
+  buttons_ = {};
+  ASSERT_TRUE(wait_until([&] { return trouble_ == kNotAtRest; }));
+  ASSERT_TRUE(wait_beats(30));
+  EXPECT_EQ(commands_, 0);
+  axes_ = {0.0f, 1.0f};
+  take_stick();
+  EXPECT_TRUE(wait_for(kScale, 0.0));
+}
+
+class TeleopOfALooseStick : public TeleopOverDds {
+ protected:
+  explicit TeleopOfALooseStick(const char* deadzone = "0.05")
+      : TeleopOverDds{{{"map_is_odom", "true"}, {"deadzone", deadzone}}} {
+    axes_ = {0.0f, 0.08f};  // where it rests
+  }
+};
+
+TEST_F(TeleopOfALooseStick, MovesNothingWhileItsRestLiesOutsideTheDeadZone) {
+  ASSERT_TRUE(wait_until([&] { return trouble_ == kNotAtRest; }));
+  axes_ = {0.0f, 1.0f};
+  ASSERT_TRUE(wait_beats(30));
+  EXPECT_EQ(commands_, 0);
+}
+
+class TeleopOfAWiderRest : public TeleopOfALooseStick {
+ protected:
+  TeleopOfAWiderRest() : TeleopOfALooseStick{"0.1"} {}
+};
+
+TEST_F(TeleopOfAWiderRest, DrivesIfTheDeadZoneAllowsForIt) {
+  ASSERT_TRUE(wait_until([&] { return commands_ > 0; }));
+  EXPECT_EQ(twist_, Twist2{});
+  axes_ = {0.0f, 1.0f};
+  EXPECT_TRUE(wait_for(kScale, 0.0));
+}
+
+// --- somebody else's cmd_vel_user ----------------------------------------------------------------
+
+class TeleopBesideAProgram : public TeleopOverDds {
+ protected:
+  TeleopBesideAProgram() {
+    axes_ = {0.0f, 0.0f};
+    buttons_ = {0, 0};
+    program_beat_ = node_.create_wall_timer(0.05, [this] {
+      program_.publish(to_msg(Twist2{program_v_, 0.0}));
+    });
+  }
+  [[nodiscard]] bool leads_to(double x) {
+    return wait_until([&] { return !leads_.empty() && std::abs(leads_.back().x - x) < 1e-6; });
+  }
+
+  rt::Publisher<geometry_msgs::msg::Twist> program_ = node_.create_publisher(topics::cmd_vel_user);
+  double program_v_ = 0.5;
+  rt::Timer program_beat_;
+};
+
+TEST_F(TeleopBesideAProgram, TheLeaderFollowsIt) {
+  ASSERT_TRUE(leads_to(kRobot.x + kLeash));
+  program_v_ = -0.5;
+  EXPECT_TRUE(leads_to(kRobot.x - kLeash));
+  program_beat_ = {};
+  ASSERT_TRUE(wait_beats(30));
+  const std::size_t leads = leads_.size();
+  ASSERT_TRUE(wait_beats(30));
+  EXPECT_EQ(leads_.size(), leads) << "silence is its dead-man";
+}
+
+TEST_F(TeleopBesideAProgram, OfTwoTheFirstLeadsUntilItIsSilent) {
+  ASSERT_TRUE(leads_to(kRobot.x + kLeash));
+  const auto second = node_.create_publisher(topics::cmd_vel_user);
+  const auto beat = node_.create_wall_timer(0.03, [&] {
+    second.publish(to_msg(Twist2{-0.5, 0.0}));
+  });
+  ASSERT_TRUE(wait_until([&] { return second.matched() >= program_.matched(); }));
+  ASSERT_TRUE(wait_beats(50));
+  EXPECT_NEAR(leads_.back().x, kRobot.x + kLeash, 1e-6);
+  program_beat_ = {};
+  EXPECT_TRUE(leads_to(kRobot.x - kLeash));
+}
+
+TEST_F(TeleopBesideAProgram, AHeldStickLeads) {
+  ASSERT_TRUE(leads_to(kRobot.x + kLeash));
+  buttons_ = {1, 0};
+  ASSERT_TRUE(wait_beats(15));
+  axes_ = {0.0f, -1.0f};
+  ASSERT_TRUE(leads_to(kRobot.x - kLeash));
+  buttons_ = {0, 0};
+  EXPECT_TRUE(leads_to(kRobot.x + kLeash));
+}
+
+TEST_F(TeleopBesideAProgram, TheLeaderFollowsOneThatStampsToo) {
+  program_beat_ = {};
+  const rt::Topic<geometry_msgs::msg::TwistStamped> topic{topics::cmd_vel_user.name};
+  const auto stamped = node_.create_publisher(topic);
+  const auto beat = node_.create_wall_timer(0.05, [&] {
+    geometry_msgs::msg::TwistStamped msg;
+    msg.header().stamp(ago(0.0));
+    msg.twist(to_msg(Twist2{0.5, 0.0}));
+    stamped.publish(msg);
+  });
+  EXPECT_TRUE(leads_to(kRobot.x + kLeash));
 }
 
 TEST_F(TeleopOverDds, WhatIsLateByItsStampIsNoStick) {
+  take_stick();
   axes_ = {0.0f, 1.0f};
   stamp_age_ = 0.0;
   ASSERT_TRUE(wait_for(kScale, 0.0));
@@ -131,6 +346,7 @@ TEST_F(TeleopOverDds, WhatIsLateByItsStampIsNoStick) {
 }
 
 TEST_F(TeleopOverDds, TheEndButtonEndsOncePerPress) {
+  take_stick();
   ASSERT_TRUE(wait_until([&] { return commands_ > 0; }));
   for (const int press : {1, 2}) {
     buttons_ = {1, 1};
@@ -145,6 +361,7 @@ TEST_F(TeleopOverDds, TheEndButtonEndsOncePerPress) {
 }
 
 TEST_F(TeleopOverDds, TheLeaderRunsAheadToTheEndOfItsLeashAndIsDrawn) {
+  take_stick();
   axes_ = {0.0f, 1.0f};
   ASSERT_TRUE(
       wait_until([&] { return !leads_.empty() && leads_.back().x > kRobot.x + kLeash - 1e-6; }));
@@ -170,6 +387,7 @@ class TeleopWithLocaliser : public TeleopOverDds {
 };
 
 TEST_F(TeleopWithLocaliser, HasNoLeaderUntilTheRobotIsLocalised) {
+  take_stick();
   ASSERT_TRUE(wait_until([&] { return commands_ > 10; }));
   EXPECT_TRUE(leads_.empty());
   const auto tf = node_.create_publisher(topics::tf);

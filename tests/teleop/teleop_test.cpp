@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/teleop.hpp"
+#include "teleop/rest_check.hpp"
 #include "teleop/stick_holder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace tandem {
 namespace {
@@ -31,14 +34,66 @@ TEST(ReadStick, TakesMissingOrNonFiniteInputAsRest) {
   EXPECT_FALSE(stick.deadman);
 }
 
-TEST(ReadStick, ClampsAnAxisThatExceedsItsTravel) {
-  const std::array<float, 2> axes{0.0f, 40.0f};
-  EXPECT_EQ(read_stick(axes, {}, {}).linear, 1.0);
+// The axis that drives forward.
+double forward(float value, const TeleopParams& params = {}) {
+  const std::array<float, 2> axes{0.0f, value};
+  return read_stick(axes, {}, params).linear;
+}
+
+TEST(ReadStick, ClampsAnAxisThatExceedsItsTravelByALittle) {
+  EXPECT_EQ(forward(1.0f), 1.0);
+  EXPECT_EQ(forward(1.05f), 1.0);
+  EXPECT_EQ(forward(-1.05f), -1.0);
+}
+
+// LUCI sends −100 … 100: of this 5 would be full speed.
+TEST(ReadStick, DrivesNothingByAnAxisOfAnotherRangeUntilItIsTold) {
+  for (const float value : {1.06f, -1.06f, 5.0f, 100.0f}) EXPECT_EQ(forward(value), 0.0) << value;
+  const TeleopParams luci{.axis_range = 100.0, .gains = {.deadzone = 0.0}};
+  EXPECT_NEAR(forward(5.0f, luci), 0.05, 1e-6);
+  EXPECT_EQ(forward(-100.0f, luci), -1.0);
+  EXPECT_EQ(forward(105.0f, luci), 1.0);
+  EXPECT_EQ(forward(106.0f, luci), 0.0);
+}
+
+JoyCheck check_of(const std::vector<float>& axes, const std::vector<int>& buttons,
+                  const TeleopParams& params = {}) {
+  return check_joy(axes, buttons, params);
+}
+
+TEST(CheckJoy, SaysWhetherTheStickIsSeenAtRest) {
+  EXPECT_TRUE(check_of({0.0f, 0.04f}, {1, 0}).at_rest);
+  EXPECT_FALSE(check_of({0.0f, 0.06f}, {1, 0}).at_rest);
+  EXPECT_FALSE(check_of({-0.06f, 0.0f}, {1, 0}).at_rest);
+  EXPECT_FALSE(check_of({}, {1, 0}).at_rest) << "no axis was seen";
+  EXPECT_TRUE(check_of({0.0f}, {1, 0}).at_rest) << "one that is not there moves nothing";
+  EXPECT_FALSE(check_of({0.0f, std::numeric_limits<float>::quiet_NaN()}, {1, 0}).at_rest);
+  EXPECT_TRUE(check_of({4.0f, 4.0f}, {1, 0}, {.axis_range = 100.0}).at_rest);
+}
+
+TEST(CheckJoy, NamesWhatIsMissingOrCannotBe) {
+  EXPECT_EQ(check_of({0.0f, 1.0f}, {1, 0}).trouble, "");
+  EXPECT_EQ(check_of({0.0f, 1.0f}, {1, 0}).remark, "");
+  EXPECT_EQ(check_of({0.0f}, {1, 0}).trouble, "joy has no axis 1 (axis_linear)");
+  EXPECT_EQ(check_of({0.0f, 0.0f}, {}).trouble, "joy has no button 0 (deadman_button)");
+  EXPECT_EQ(check_of({0.0f, 0.0f}, {1}).remark, "joy has no button 1 (end_button)");
+  const TeleopParams no_buttons{.deadman_button = -1, .end_button = -1};
+  EXPECT_EQ(check_of({0.0f, 0.0f}, {}, no_buttons).trouble, "");
+  EXPECT_EQ(check_of({0.0f, 0.0f}, {}, no_buttons).remark, "");
+  EXPECT_EQ(check_of({0.0f, 5.0f}, {1, 0}).trouble, "axis 1 of joy is beyond axis_range");
+  EXPECT_TRUE(check_of({0.0f, 5.0f}, {1, 0}).beyond_range);
+  EXPECT_FALSE(check_of({0.0f, 1.05f}, {1, 0}).beyond_range);
+  const float inf = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(check_of({0.0f, inf}, {1, 0}).trouble, "axis 1 of joy is not finite");
+  EXPECT_FALSE(check_of({0.0f, inf}, {1, 0}).beyond_range);
 }
 
 TEST(JoyValues, AreReadBackAsTheStickWhateverTheParameters) {
-  const TeleopParams params{
-      .axis_linear = 4, .axis_angular = 3, .deadman_button = 5, .gains = {.deadzone = 0.0}};
+  const TeleopParams params{.axis_linear = 4,
+                            .axis_angular = 3,
+                            .deadman_button = 5,
+                            .axis_range = 100.0,
+                            .gains = {.deadzone = 0.0}};
   const auto joy = joy_values({0.5, -0.25, true, false}, params);
   const Stick stick = read_stick(joy.axes, joy.buttons, params);
   EXPECT_EQ(stick.linear, 0.5);
@@ -179,6 +234,62 @@ TEST(Teleop, HasNoLeaderWhileNobodyKnowsWhereTheRobotIs) {
   EXPECT_NEAR(intent->twist.v, 0.8, 1e-12);
 }
 
+// --- somebody who has no stick here ------------------------------------------------------------
+
+TEST(Teleop, LeaderFollowsACommandOfSomebodyElse) {
+  Teleop teleop{{}};
+  const Pose2 X_MB{2.0, 1.0, 0.0};
+  EXPECT_EQ(teleop.on_twist({0.3, 0.0}, X_MB, 0.0)->x, 2.0);
+  EXPECT_NEAR(teleop.on_twist({0.3, 0.0}, X_MB, 0.05)->x, 2.0 + 0.3 * 0.05, 1e-12);
+  EXPECT_NEAR(teleop.on_twist({0.0, 0.5}, X_MB, 0.10)->theta, 0.5 * 0.05, 1e-12);
+  EXPECT_FALSE(teleop.on_twist({0.3, 0.0}, std::nullopt, 0.15)) << "nobody knows where it is";
+}
+
+TEST(Teleop, LeaderOfACommandReturnsToTheRobotAfterASilence) {
+  Teleop teleop{{}};
+  double t = 0.0;
+  for (; t < 1.0; t += 0.05) (void)teleop.on_twist({0.5, 0.0}, kOrigin, t);
+  EXPECT_GT(teleop.on_twist({0.5, 0.0}, kOrigin, t)->x, 0.4);
+  EXPECT_EQ(teleop.on_twist({0.5, 0.0}, kOrigin, t + 0.2)->x, 0.0);
+}
+
+TEST(Teleop, LeaderOfACommandKeepsToItsLeashWhateverIsCommanded) {
+  Teleop teleop{{}};
+  for (double t = 0.0; t < 2.0; t += 0.05) {
+    const auto X_ML = teleop.on_twist({1e300, -1e300}, kOrigin, t);
+    ASSERT_TRUE(X_ML && is_finite(*X_ML));
+    ASSERT_LE(X_ML->position().norm(), StickGains{}.leash + 1e-9);
+  }
+}
+
+TEST(Teleop, AHeldStickLeadsAndACommandDoesNot) {
+  Teleop teleop{{}};
+  const Stick back{.linear = -1.0, .deadman = true};
+  for (double t = 0.0; t < 1.0; t += 0.05) (void)teleop.on_twist({0.5, 0.0}, kOrigin, t);
+  EXPECT_EQ(teleop.on_stick(back, kOrigin, 1.0)->X_ML->x, 0.0) << "its leader begins anew";
+  EXPECT_FALSE(teleop.on_twist({0.5, 0.0}, kOrigin, 1.02));
+  EXPECT_NEAR(teleop.on_stick(back, kOrigin, 1.05)->X_ML->x, -0.9 * 0.05, 1e-12);
+  (void)teleop.on_stick({}, kOrigin, 1.1);
+  EXPECT_EQ(teleop.on_twist({0.5, 0.0}, kOrigin, 1.12)->x, 0.0);
+}
+
+TEST(Teleop, AStickThatLiesThereReleasedDisturbsNoCommand) {
+  for (const int deadman : {0, -1}) {  // at rest without a dead-man: nobody holds it
+    Teleop teleop{{.deadman_button = deadman}};
+    const Stick lies{.deadman = deadman < 0};
+    std::optional<Pose2> X_ML;
+    for (double t = 0.0; t < 1.0; t += 0.05) {
+      const auto intent = teleop.on_stick(lies, kOrigin, t + 0.02);
+      EXPECT_TRUE(!intent || t == 0.0) << t;
+      X_ML = teleop.on_twist({0.5, 0.0}, kOrigin, t + 0.03);
+      ASSERT_TRUE(X_ML);
+    }
+    EXPECT_NEAR(X_ML->x, 0.5 * 0.95, 1e-9) << deadman;
+  }
+}
+
+// --- whose stick it is, and whether it drives --------------------------------------------------
+
 TEST(StickHolder, FollowsTheOneWhoHolds) {
   StickHolder holder{0.5};
   EXPECT_TRUE(holder.counts("pad", false, 0.0));
@@ -197,6 +308,109 @@ TEST(StickHolder, AStickOnTheTableDoesNotLetGoOfOneThatFellSilent) {
   EXPECT_FALSE(holder.counts("pad", false, 9.0));
   EXPECT_TRUE(holder.counts("page", false, 9.1));
   EXPECT_TRUE(holder.counts("pad", false, 9.2));
+}
+
+class SeenAtRest : public testing::Test {
+ protected:
+  static constexpr bool kUp = false, kDown = true;        // the dead-man
+  static constexpr bool kPushed = false, kAtRest = true;  // the stick
+
+  // What comes of the same sample for `duration` [s] at 20 Hz.
+  bool frees(bool deadman, bool at_rest, double duration = 0.05) {
+    bool free = false;
+    for (const double end = t_ + duration - 1e-9; t_ < end; t_ += 0.05)
+      free = check_.frees("pad", deadman, at_rest, t_);
+    return free;
+  }
+
+  RestCheck check_{TeleopParams{}.joy_timeout, true};
+  double t_ = 10.0;
+};
+
+// A pad that has not reported yet, or a stick that lies on the table.
+TEST_F(SeenAtRest, AStickThatWasNeverDrivesNothing) {
+  EXPECT_FALSE(frees(kUp, kPushed, 2.0));
+  EXPECT_FALSE(frees(kDown, kPushed, 5.0));
+  EXPECT_TRUE(frees(kDown, kAtRest));
+  EXPECT_TRUE(frees(kDown, kPushed, 5.0));
+}
+
+TEST_F(SeenAtRest, AStickThatIsPushedBeforeTheDeadManMustComeToRestFirst) {
+  EXPECT_TRUE(frees(kUp, kAtRest, 1.0));
+  (void)frees(kUp, kPushed, 1.0);
+  EXPECT_FALSE(frees(kDown, kPushed, 2.0));
+  EXPECT_TRUE(frees(kDown, kAtRest));
+  EXPECT_TRUE(frees(kDown, kPushed, 2.0));
+}
+
+TEST_F(SeenAtRest, DeadManAndAxisAtOnceAreNoPushFromRest) {
+  (void)frees(kUp, kAtRest, 1.0);
+  EXPECT_FALSE(frees(kDown, kPushed));
+}
+
+// As the page, `tandem teleop` and the simulated driver do.
+TEST_F(SeenAtRest, OneSampleAtRestBeforeEachPressIsEnough) {
+  for (int press = 0; press < 3; ++press) {
+    EXPECT_TRUE(frees(kDown, kAtRest));
+    EXPECT_TRUE(frees(kDown, kPushed, 1.0));
+    (void)frees(kUp, kAtRest, 0.15);
+    t_ += 5.0;  // it says nothing while nobody holds it
+  }
+}
+
+TEST_F(SeenAtRest, ASenderThatFellSilentMustBeSeenAgain) {
+  (void)frees(kDown, kAtRest);
+  ASSERT_TRUE(frees(kDown, kPushed, 1.0));
+  t_ += RestCheck::kGone;
+  EXPECT_FALSE(frees(kDown, kPushed, 2.0));
+  EXPECT_TRUE(frees(kDown, kAtRest));
+}
+
+TEST_F(SeenAtRest, SamplesThatAreLateAreNoSilence) {
+  (void)frees(kDown, kAtRest);
+  t_ += 0.4;  // several were lost
+  EXPECT_TRUE(frees(kDown, kPushed));
+}
+
+TEST_F(SeenAtRest, SamplesThatComeTooLateToCountAreNoSilence) {
+  (void)frees(kDown, kAtRest);
+  for (double t = 0.0; t < 2.0; t += 0.05) check_.keep("pad", t_ += 0.05);
+  EXPECT_TRUE(frees(kDown, kPushed));
+  t_ += 2.0;
+  check_.keep("pad", t_);
+  EXPECT_FALSE(frees(kDown, kPushed)) << "it was silent before";
+}
+
+TEST_F(SeenAtRest, ASenderThatIsGoneMustBeSeenAgain) {
+  (void)frees(kDown, kAtRest);
+  check_.forget("pad");
+  EXPECT_FALSE(frees(kDown, kPushed));
+}
+
+TEST_F(SeenAtRest, OneSenderAtRestFreesNoOther) {
+  (void)frees(kDown, kAtRest);
+  EXPECT_FALSE(check_.frees("other", kDown, kPushed, t_));
+}
+
+TEST_F(SeenAtRest, WhatWasSeenBeforeTheClockWasSetBackDoesNotCount) {
+  (void)frees(kDown, kAtRest);
+  t_ -= 5.0;
+  EXPECT_FALSE(frees(kDown, kPushed));
+}
+
+TEST_F(SeenAtRest, WithoutADeadManOnceIsEnough) {
+  check_ = RestCheck{0.12, false};
+  EXPECT_FALSE(frees(kDown, kPushed, 2.0));
+  EXPECT_TRUE(frees(kDown, kAtRest));
+  (void)frees(kUp, kPushed, 1.0);
+  EXPECT_TRUE(frees(kDown, kPushed, 1.0));
+}
+
+// Its dead zone is its owner's to set.
+TEST_F(SeenAtRest, AStickThatRestsOffItsCentreNeedsALargerDeadZone) {
+  const std::vector<float> axes{0.0f, 0.08f};
+  EXPECT_FALSE(frees(kDown, check_of(axes, {1, 0}).at_rest));
+  EXPECT_TRUE(frees(kDown, check_of(axes, {1, 0}, {.gains = {.deadzone = 0.1}}).at_rest));
 }
 
 }  // namespace

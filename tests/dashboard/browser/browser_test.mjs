@@ -297,6 +297,13 @@ async function driveAndDisturb() {
       window.pad = { connected: true, id: "pad", axes: [0, -0.6], buttons: [{ pressed: true }] };
       navigator.getGamepads = () => [window.pad];
     });
+    // It may lie on the table, or not have reported where its stick is.
+    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "stick is not at rest");
+    await until(page, () => document.getElementById("notice").textContent.startsWith("The stick is not at rest"));
+    assert.ok((await speed(page)) < STANDS);
+    await page.evaluate(() => (window.pad.axes = [0.02, -0.03]));
+    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason !== "stick is not at rest");
+    await page.evaluate(() => (window.pad.axes = [0, -0.6]));
     await moves(page);
     await page.evaluate(() => (window.pad.buttons[0].pressed = false));
     await stands(page);

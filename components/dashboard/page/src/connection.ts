@@ -97,9 +97,9 @@ export class Connection {
     return [...this.services.keys()];
   }
 
-  /** Publishes a message unless older ones still wait in this machine: for what ages. */
-  publishFresh(topic: string, type: string, message: Message): void {
-    if (this.socket?.bufferedAmount === 0) this.publish(topic, type, message);
+  /** Publishes a message unless older ones still wait in this machine: for what ages. False: not sent. */
+  publishFresh(topic: string, type: string, message: Message): boolean {
+    return this.socket?.bufferedAmount === 0 && this.publish(topic, type, message);
   }
 
   /** Publishes a message; false: there is no connection. */

@@ -6,18 +6,29 @@ export interface Stick {
   linear: number; // [-1, 1] forward
   angular: number; // [-1, 1] left
 }
-/** Which axes and button of joy teleop reads, and what it multiplies the axes by. */
+/** Which axes and buttons of joy teleop reads, and what it makes of the axes. */
 export interface Layout {
   axisLinear: number;
   axisAngular: number;
   deadmanButton: number; // -1: none
+  endButton: number; // -1: none
+  axisRange: number; // of an axis at full stick
   scaleLinear: number;
   scaleAngular: number;
 }
-export const USUAL: Layout = { axisLinear: 1, axisAngular: 0, deadmanButton: 0, scaleLinear: 1, scaleAngular: 1 };
+export const USUAL: Layout = {
+  axisLinear: 1, axisAngular: 0, deadmanButton: 0, endButton: 1, axisRange: 1, scaleLinear: 1, scaleAngular: 1,
+};
 
 /** Says what the stick is while it is held; nothing once it is let go. */
-export type Source = () => Stick | undefined;
+export interface Source {
+  (): Stick | undefined;
+  /**
+   * It has a rest of its own, which must be seen before it drives. The others (keys, a finger) bring stick and
+   * dead-man at once: their presses begin with a stick at rest.
+   */
+  rests?: boolean;
+}
 
 const PERIOD = 40; // [ms]
 const RELEASES = 3; // messages that say "let go", for one may be lost
@@ -31,6 +42,8 @@ export class Driver {
   layout?: Layout = USUAL;
   private releases = 0;
   private dropped = false;
+  private source?: Source; // that holds the stick
+  private begun = false; // teleop has heard of this press
 
   constructor(
     private connection: Connection,
@@ -46,36 +59,43 @@ export class Driver {
   }
 
   private beat(): void {
-    const before = this.stick, held = this.held();
+    const before = this.stick, hand = this.source;
+    const held = this.held();
     if (!held) this.dropped = false;
-    this.stick = document.hidden || !this.enabled || this.dropped ? undefined : held;
+    const changes = hand !== undefined && hand !== this.source; // then it is let go of for a beat
+    this.stick = document.hidden || !this.enabled || this.dropped || changes ? undefined : held;
     if (this.stick) this.releases = RELEASES;
+    else this.begun = false;
     if (this.stick || this.releases-- > 0) this.send();
     if (this.stick || before) this.onChange();
   }
 
   private held(): Stick | undefined {
-    for (const source of this.sources) {
-      const stick = source();
+    for (this.source of this.sources) {
+      const stick = this.source();
       if (stick) return stick;
     }
+    this.source = undefined;
     return undefined;
   }
 
   private send(): void {
     const layout = this.layout;
     if (!layout) return;
-    const { linear, angular } = this.stick ?? { linear: 0, angular: 0 };
+    const begins = this.stick !== undefined && !this.begun && !this.source?.rests;
+    const { linear, angular } = begins || !this.stick ? { linear: 0, angular: 0 } : this.stick;
     const axes: number[] = [], buttons: number[] = [];
     // Forward stays forward where a joystick's axis is turned round.
-    axes[layout.axisLinear] = layout.scaleLinear < 0 ? -linear : linear;
-    axes[layout.axisAngular] = layout.scaleAngular < 0 ? -angular : angular;
+    axes[layout.axisLinear] = layout.axisRange * (layout.scaleLinear < 0 ? -linear : linear);
+    axes[layout.axisAngular] = layout.axisRange * (layout.scaleAngular < 0 ? -angular : angular);
+    if (layout.endButton >= 0) buttons[layout.endButton] = 0;
     if (layout.deadmanButton >= 0) buttons[layout.deadmanButton] = this.stick ? 1 : 0;
-    this.connection.publishFresh(this.topic(), "sensor_msgs/msg/Joy", {
+    const sent = this.connection.publishFresh(this.topic(), "sensor_msgs/msg/Joy", {
       header: { stamp: this.connection.stamp(), frame_id: "dashboard" },
       axes: Array.from(axes, (value) => value ?? 0),
       buttons: Array.from(buttons, (value) => value ?? 0),
     });
+    if (sent) this.begun = this.stick !== undefined;
   }
 }
 
@@ -203,11 +223,13 @@ function clamp(value: number, most: number): number {
 /** A gamepad: left stick, held button 0 or a shoulder button. */
 export function gamepad(onName: (name: string) => void): Source {
   let name = "";
-  return () => {
+  const source: Source = () => {
     const pad = navigator.getGamepads().find((p) => p?.connected);
     if ((pad?.id ?? "") !== name) onName((name = pad?.id ?? ""));
     if (!pad || !document.hasFocus()) return undefined;
     if (![0, 4, 5].some((i) => pad.buttons[i]?.pressed)) return undefined;
     return { linear: -(pad.axes[1] ?? 0), angular: -(pad.axes[0] ?? 0) };
   };
+  source.rests = true;
+  return source;
 }

@@ -76,9 +76,11 @@ async function readOutline(): Promise<void> {
   view.change();
 }
 
-// Where teleop tells which axes and button it reads; else it is spoken to as ours is by default.
+// Where teleop tells which axes and buttons it reads; else it is spoken to as ours is by default.
 async function readLayout(): Promise<void> {
-  const names = ["axis_linear", "axis_angular", "deadman_button", "scale_linear", "scale_angular"];
+  const names = [
+    "axis_linear", "axis_angular", "deadman_button", "scale_linear", "scale_angular", "end_button", "axis_range",
+  ];
   driver.layout = undefined;
   const { values } = await connection.call(`${namespace}/teleop/get_parameters`, { names });
   const index = (i: number) => Number(values[i].integer_value);
@@ -88,6 +90,8 @@ async function readLayout(): Promise<void> {
     deadmanButton: index(2),
     scaleLinear: values[3].double_value,
     scaleAngular: values[4].double_value,
+    endButton: values[5].type ? index(5) : USUAL.endButton,
+    axisRange: values[6].double_value || USUAL.axisRange,
   };
 }
 
@@ -206,7 +210,7 @@ function showNumbers(): void {
   at("collisions").classList.toggle("near", robot.inContact);
   const stopped = arbitration?.emergency_stop ?? false;
   document.body.classList.toggle("stopped", stopped);
-  showNotice(stopped);
+  showNotice(stopped, arbitration?.reason);
   at("release").hidden = !stopped;
   for (const button of document.querySelectorAll<HTMLInputElement>("input[name=mode]"))
     button.checked = button.value === arbitration?.policy;
@@ -216,13 +220,15 @@ function showNumbers(): void {
   drawPlot(at<HTMLCanvasElement>("plot"), robot);
 }
 // Why the stick in one's hand moves nothing.
-function showNotice(stopped: boolean): void {
+function showNotice(stopped: boolean, reason?: string): void {
   let text = "";
   if (!connection.connected) text = "No connection. The robot stops by itself.";
   else if (stopped) text = "Emergency stop. The robot stands until the stop is released.";
+  else if (driver.stick && reason === NOT_AT_REST) text = "The stick is not at rest. Let go of it, then drive.";
   write("notice", text);
   at("notice").hidden = text === "";
 }
+const NOT_AT_REST = "stick is not at rest"; // as teleop says it
 const SOURCES: Record<string, string> = {
   none: "nobody", user: "the person", shared: "the planner, for the person",
   blend: "person and planner", nav: "autonomy",
