@@ -3,6 +3,7 @@
 // ros2-client. Built by tests/interop/build_peers; where that could not be, they are skipped.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <memory>
@@ -26,18 +27,30 @@ const std::string kSystem = test::source_path("bringup/systems/teleop.yaml");
 const fs::path kPython = kPeers / "python" / "bin" / "python";
 const std::string kScript = test::source_path("tests/interop/python_peer/peer.py");
 
-// Policy manual behind the filter: the peer's Twist is the person's command.
-void expect_python_does(const std::string& check) {
-  if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
-  test::ChildProcess robot{"../tandem",
-                           {"run", kSystem, "--ros-args", "-p", "arbitration:policy:=manual"}};
-  test::ChildProcess peer{kPython, {kScript, check}};
+// Beside the system as it ships, but for one parameter.
+void expect_python_does(const std::string& script, const std::string& check,
+                        const std::string& parameter, const fs::path& python = kPython) {
+  if (!fs::exists(python)) GTEST_SKIP() << python << " was not built";
+  test::ChildProcess robot{"../tandem", {"run", kSystem, "--ros-args", "-p", parameter}};
+  test::ChildProcess peer{python, {script, check}};
   EXPECT_EQ(peer.wait(kTimeout), 0);
   robot.send(SIGTERM);
   EXPECT_EQ(robot.wait(10.0), 0);
 }
 
+// Policy manual behind the filter: the peer's Twist is the person's command.
+void expect_python_does(const std::string& check) {
+  expect_python_does(kScript, check, "arbitration:policy:=manual");
+}
+
 TEST(PythonPeer, DrivesOurRobot) { expect_python_does("drive"); }
+// The planner drives for the person, behind the leader that their Twist moves.
+TEST(PythonPeer, DrivesByTheLeader) {
+  expect_python_does(kScript, "lead", "local_planner:method:=leader");
+}
+TEST(PythonPeer, DrivesByTheLeadersPath) {
+  expect_python_does(kScript, "lead", "local_planner:method:=path");
+}
 TEST(PythonPeer, SeesOurNodes) { expect_python_does("graph"); }
 
 TEST(PythonPeer, ReadsOurRecordings) {
@@ -58,6 +71,30 @@ TEST(PythonPeer, ReadsOurRecordings) {
   test::ChildProcess peer{kPython, {kScript, "bag", folder}};
   EXPECT_EQ(peer.wait(kTimeout), 0);
   fs::remove_all(root);
+}
+
+// ROS 2's own library for Python.
+const fs::path kRclpy = kPeers / "rclpy" / "bin" / "python";
+const std::string kUserScript = test::source_path("tests/interop/rclpy/user_script.py");
+
+// Newer releases of ROS 2 do not know ROS_LOCALHOST_ONLY any more.
+class RclpyScript : public testing::Test {
+ protected:
+  RclpyScript() {
+    unsetenv("ROS_LOCALHOST_ONLY");
+    setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST", 1);
+  }
+  ~RclpyScript() override {
+    unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+    setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  }
+};
+
+TEST_F(RclpyScript, DrivesByTheLeader) {
+  expect_python_does(kUserScript, "", "local_planner:method:=leader", kRclpy);
+}
+TEST_F(RclpyScript, DrivesByTheLeadersPath) {
+  expect_python_does(kUserScript, "", "local_planner:method:=path", kRclpy);
 }
 
 const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";

@@ -2,6 +2,7 @@
 """A peer that shares no code with Tandem: Python on Cyclone DDS, without ROS.
 
     peer.py drive    publishes /cmd_vel_user and watches /cmd_vel until the robot is told so
+    peer.py lead     the same where a planner drives; then it is silent until the robot is told to stand
     peer.py graph    reads ros_discovery_info until it names the robot's nodes
     peer.py bag DIR  reads a recording with the `rosbags` library
 
@@ -84,7 +85,8 @@ def qos(*policies):
     return Qos(Policy.DataRepresentation(use_cdrv0_representation=True), *policies)
 
 
-def drive():
+def user_and_command():
+    """A writer of /cmd_vel_user, a reader of /cmd_vel, and what they live in."""
     from cyclonedds.core import Policy
     from cyclonedds.pub import DataWriter
     from cyclonedds.sub import DataReader
@@ -92,19 +94,32 @@ def drive():
     from cyclonedds.util import duration
 
     Twist, _ = types()
-    _domain, me = participant()
+    domain, me = participant()
     reliable = qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(10))
     user = DataWriter(me, Topic(me, "rt/cmd_vel_user", Twist, qos=reliable), qos=reliable)
     command = DataReader(me, Topic(me, "rt/cmd_vel", Twist, qos=reliable), qos=reliable)
     twist = Twist()
     twist.linear.x = 0.3
+    return domain, user, command, twist
+
+
+def drive(obeys=lambda got: math.isclose(got.linear.x, 0.3)):
+    domain, user, command, twist = user_and_command()
     obeyed = 0
     end = time.monotonic() + TIMEOUT
     while time.monotonic() < end and obeyed < 20:
         user.write(twist)
-        obeyed += sum(math.isclose(got.linear.x, 0.3) for got in command.take(100))
+        obeyed += sum(map(obeys, command.take(100)))
         time.sleep(0.05)  # the beat of a stick
     assert obeyed >= 20, f"the robot was told our 0.3 m/s {obeyed} times only"
+    return domain, command, end
+
+
+def lead():
+    _domain, command, end = drive(lambda got: got.linear.x > 0.2)
+    while not any(got.linear.x == 0.0 for got in command.take(100)):
+        assert time.monotonic() < end, "the robot drives on without us"
+        time.sleep(0.01)
 
 
 def graph():
@@ -143,6 +158,8 @@ def bag(folder):
 if __name__ == "__main__":
     if sys.argv[1:2] == ["drive"]:
         drive()
+    elif sys.argv[1:2] == ["lead"]:
+        lead()
     elif sys.argv[1:2] == ["graph"]:
         graph()
     elif sys.argv[1:2] == ["bag"] and len(sys.argv) == 3:
