@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <octomap/ColorOcTree.h>
+
 #include <algorithm>
+#include <sstream>
 
 #include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
@@ -110,6 +113,23 @@ TEST_F(ExtractorOverDds, DrawsWhatItLists) {
   EXPECT_EQ(drawn, seen_.size() + 1);  // one deletes the old ones
 }
 
+TEST_F(ExtractorOverDds, TakesTheColoredTreeThatRtabMapSends) {
+  const auto plain = load_octomap(source_path("maps/forest.bt"));
+  octomap::ColorOcTree colored(plain->getResolution());
+  for (auto leaf = plain->begin_leafs_bbx(octomap::point3d(-4, -4, 0), octomap::point3d(0, 0, 1));
+       leaf != plain->end_leafs_bbx(); ++leaf)
+    colored.setNodeValue(leaf.getKey(), leaf->getLogOdds());
+  std::ostringstream bytes;
+  colored.writeData(bytes);
+  const std::string data = bytes.str();
+  auto msg = octomap({data.begin(), data.end()});
+  msg.id("ColorOcTree");
+  msg.binary(false);
+  map_.publish(msg);
+  ASSERT_TRUE(wait_for_lists(1));
+  EXPECT_TRUE(covered(kPole));
+}
+
 TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
   map_.publish(forest());
   ASSERT_TRUE(wait_for_lists(1));
@@ -171,7 +191,8 @@ TEST_P(BrokenMap, IsRefusedWithOneErrorAndTheOldOneStays) {
 INSTANTIATE_TEST_SUITE_P(Damages, BrokenMap,
                          ::testing::Values(Damage{"other_type",
                                                   [](auto map) {
-                                                    map.id("ColorOcTree");
+                                                    map.id("CountingOcTree");
+                                                    map.binary(false);
                                                     return map;
                                                   }},
                                            Damage{"resolution_nan",
