@@ -15,6 +15,7 @@ struct RobotState {
   Pose2 X_MB;
   Twist2 twist;
   double t = 0.0;
+  std::optional<Pose2> X_WB{};  ///< as odometry said, before the localiser's correction; if known
 };
 
 struct LocalizationParams {
@@ -67,9 +68,9 @@ class Localization {
   [[nodiscard]] std::optional<RobotState> state(double now) {
     watch_clock(now);
     if (now - odom_time_ > params_.odom_timeout) return std::nullopt;
-    if (params_.map_is_odom) return RobotState{X_WB_, twist_, odom_time_};
+    if (params_.map_is_odom) return RobotState{X_WB_, twist_, odom_time_, X_WB_};
     if (!is_static_ && now - transform_time_ > params_.transform_timeout) return std::nullopt;
-    return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_};
+    return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_, X_WB_};
   }
 
  private:

@@ -20,6 +20,8 @@ constexpr int kMaxSteps = 16;  // of odometry's age, and of the time at which ze
 
 constexpr double kMoves = 0.005;  // [m/s, rad/s] a command from here on moves the robot
 
+constexpr double kTooFastFactor = 1.5, kTooFastMore = 0.2;  // times the limit, and [m/s, rad/s]
+
 constexpr Twist2 kRest{};
 
 bool moves(const Twist2& twist) {
@@ -54,6 +56,8 @@ const char* name(FilterReason reason) {
       return "backing out";
     case FilterReason::kStopped:
       return "stopped";
+    case FilterReason::kStoppedInDoubt:
+      return "stopped: odom's twist contradicts its poses";
     case FilterReason::kNoCommand:
       return "no command";
     case FilterReason::kNotFinite:
@@ -62,6 +66,8 @@ const char* name(FilterReason reason) {
       return "not localized";
     case FilterReason::kPoseJumped:
       return "pose jumped";
+    case FilterReason::kTooFast:
+      return "odom is faster than the robot can be (v_max, v_min, w_max)";
     case FilterReason::kNoMap:
       return "no map";
     case FilterReason::kNoPeople:
@@ -82,7 +88,12 @@ struct SafetyFilter::Scene {
 };
 
 SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot)
-    : params_{params}, robot_{robot} {
+    : params_{params},
+      robot_{robot},
+      twist_check_{{.resolution = params.odom_resolution,
+                    .age = robot.sensor_delay,
+                    .slip = params.slip,
+                    .command_delay = robot.command_delay}} {
   check(params);
   check(robot);
   if (params.survive_silence && robot.base_timeout == 0.0)
@@ -110,6 +121,7 @@ Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now
   const bool drives =
       out.reason != FilterReason::kNoCommand && out.reason != FilterReason::kNotFinite;
   out.twist = !params_.enforce && drives ? out.requested : out.safe;
+  out.doubted = twist_check_.is_contradicted();
   out.refused = out.reason < FilterReason::kNoCommand && moves(out.requested) && !moves(out.twist);
   remember(out.twist, now);
   return out;
@@ -126,6 +138,7 @@ Filtered SafetyFilter::stop(FilterReason reason, double now) {
 void SafetyFilter::watch_clock(double now) {
   if (std::exchange(updated_, now) <= now) return;
   if (command_ && command_->t > now) command_.reset();
+  twist_check_.clear();
   if (people_.t > now) people_.t = -std::numeric_limits<double>::infinity();
   jumped_until_ = std::min(jumped_until_, now + params_.jump_rest);
   if (!sent_.empty()) sent_.assign(1, TimedTwist{sent_.back().twist, now});
@@ -135,6 +148,7 @@ void SafetyFilter::watch_clock(double now) {
 // for what they may have done in a silence that was longer.
 void SafetyFilter::on_state(const RobotState& state, double now) {
   if (!is_finite(state.X_MB) || !is_finite(state.twist)) return;
+  if (state.X_WB) twist_check_.on_odometry(*state.X_WB, state.twist, state.t);
   const auto last = std::exchange(last_state_, state);
   if (!last || state.t < last->t) return;
   const double dt = state.t - last->t;
@@ -160,6 +174,8 @@ Filtered SafetyFilter::decide(const std::optional<RobotState>& state, double now
     out.reason = FilterReason::kNotLocalized;
   } else if (now < jumped_until_) {
     out.reason = FilterReason::kPoseJumped;
+  } else if (is_too_fast(state->twist)) {
+    out.reason = FilterReason::kTooFast;
   } else if (params_.people.watched && !(now - people_.t <= params_.people.people_timeout)) {
     out.reason = FilterReason::kNoPeople;
   } else {
@@ -200,6 +216,9 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   scene.X_MB = state.X_MB;
   scene.measured_by = std::min(state.t, now);
   scene.start.measured = state.twist;
+  const TwistDoubt doubt = twist_check_.doubt(state.twist);
+  scene.start.below = doubt.below;
+  scene.start.above = doubt.above;
   scene.start.now = now;
   scene.start.sent = sent_;
   scene.map = &map;
@@ -209,6 +228,17 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   if (scene.clearance < level)
     scene.required = required_clearance(level, state.X_MB, body_, map, drift_);
   return scene;
+}
+
+// Far beyond: a base may overshoot, and a lower limit may have been set than the base can do.
+bool SafetyFilter::is_too_fast(const Twist2& measured) const {
+  const auto beyond = [](double speed, double limit) {
+    return std::abs(speed) > kTooFastFactor * limit + kTooFastMore;
+  };
+  const double v_max = std::max(robot_.v_max, -robot_.v_min);
+  const Twist2 posed = twist_check_.least_speed();
+  return beyond(measured.v, v_max) || beyond(posed.v, v_max) || beyond(measured.w, robot_.w_max) ||
+         beyond(posed.w, robot_.w_max);
 }
 
 double SafetyFilter::required_level(const Twist2& wanted, double clearance) const {
@@ -263,11 +293,14 @@ bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) co
       !params_.people.watched ||
       people_check_->is_far(people_, scene.X_MB, hard_margin_ + away, start.t_measured, way.time);
   if (walls_far && people_far) return true;
+  const Twist2 low = start.lowest(), high = start.highest();
+  const Twist2 fastest{std::max(std::abs(low.v), std::abs(high.v)),
+                       std::max(std::abs(low.w), std::abs(high.w))};
   const auto is_clear = [&](const ShareCell& cell) {
     return (walls_far ||
             stays_clear(envelope, cell, scene.X_MB, body_, *scene.map, scene.required)) &&
            (people_far ||
-            people_check_->keeps_away(envelope, cell, start.measured, scene.X_MB, start.t_measured,
+            people_check_->keeps_away(envelope, cell, fastest, scene.X_MB, start.t_measured,
                                       people_, hard_margin_, drift_));
   };
   return all_motions_clear(way, way.path + body_.radius, is_clear);
@@ -284,7 +317,8 @@ double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scen
 }
 
 void SafetyFilter::reduce(Filtered& out, const Twist2& command, const Scene& scene) const {
-  out.reason = FilterReason::kStopped;
+  out.reason =
+      twist_check_.is_contradicted() ? FilterReason::kStoppedInDoubt : FilterReason::kStopped;
   if (!is_safe(kRest, scene)) return;  // zero now, or nobody knows where it ends
 
   Twist2 along = command;
@@ -313,6 +347,7 @@ void SafetyFilter::remember(const Twist2& twist, double now) {
   while (old + 1 < sent_.size() && sent_[old + 1].t < now - horizon) ++old;
   sent_.erase(sent_.begin(), sent_.begin() + static_cast<std::ptrdiff_t>(old));
   if (sent_.empty() || sent_.back().twist != twist) sent_.push_back({twist, now});
+  twist_check_.on_command(twist, now);
 }
 
 }  // namespace tandem

@@ -11,6 +11,7 @@
 #include "map/static_map.hpp"
 #include "model/localization.hpp"
 #include "model/robot.hpp"
+#include "model/twist_check.hpp"
 #include "params.hpp"
 #include "safety_filter/clearance_check.hpp"
 #include "safety_filter/people_check.hpp"
@@ -48,6 +49,7 @@ struct SafetyFilterParams {
   double jump_distance = 0.2;
   double jump_angle = 0.3;
   double jump_rest = 1.0;
+  double odom_resolution = 0.01;
   PeopleParams people{};
 
   template <class Visitor>
@@ -75,21 +77,27 @@ struct SafetyFilterParams {
           "[m] a pose this far from where the wheels lead is not believed at first …");
     field("jump_angle", jump_angle, Range{0.02, 4.0}, "[rad] … nor one turned by this …");
     field("jump_rest", jump_rest, Range{0.0, 60.0}, "[s] … but only after standing this long");
+    field(
+        "odom_resolution", odom_resolution, Range{0.0, 0.5},
+        "[m, rad] to which odometry gives its pose; what its twist and its poses differ by beyond "
+        "that is doubted");
     people.visit(field);
   }
 };
 
 /// Why the command is what it is. From kNoCommand on: not driving at all.
 enum class FilterReason {
-  kClear,       ///< passed unchanged
-  kSlowed,      ///< a fraction of it, on the same arc
-  kDeflected,   ///< the arc is blocked; a fraction of its turn or of its forward part passed
-  kBackingOut,  ///< inside the margin; it does not reduce clearance
-  kStopped,     ///< no part of it is safe
-  kNoCommand,   ///< silent, or never heard
-  kNotFinite,   ///< the command is not a number
+  kClear,           ///< passed unchanged
+  kSlowed,          ///< a fraction of it, on the same arc
+  kDeflected,       ///< the arc is blocked; a fraction of its turn or of its forward part passed
+  kBackingOut,      ///< inside the margin; it does not reduce clearance
+  kStopped,         ///< no part of it is safe
+  kStoppedInDoubt,  ///< no part of it is safe at the speed that odometry's twist or poses tell
+  kNoCommand,       ///< silent, or never heard
+  kNotFinite,       ///< the command is not a number
   kNotLocalized,
   kPoseJumped,  ///< the pose is not where the wheels lead
+  kTooFast,     ///< odometry tells of a speed that the robot does not have
   kNoMap,
   kNoPeople,     ///< they are watched, and nobody says where they are
   kClockSilent,  ///< the node's word: nobody knows what is old
@@ -106,6 +114,7 @@ struct Filtered {
   /// Of the outline at the measured pose [m], at most 1; NaN where it was not looked.
   double clearance = std::numeric_limits<double>::quiet_NaN();
   bool refused = false;  ///< it would move the robot, and for what is near nothing of it passed
+  bool doubted = false;  ///< odometry's twist contradicts its poses: braking is for the worse
 };
 
 /// The last word before the wheels: trusts nobody upstream.
@@ -159,6 +168,7 @@ class SafetyFilter {
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
                               double now) const;
   [[nodiscard]] double required_level(const Twist2& wanted, double clearance) const;
+  [[nodiscard]] bool is_too_fast(const Twist2& measured) const;
   [[nodiscard]] bool is_safe(const Twist2& command, const Scene& scene) const;
   [[nodiscard]] bool is_safe_at_any_age(MotionStart start, int steps, const Scene& scene) const;
   [[nodiscard]] bool are_walls_far(double path, double turn, const Scene& scene) const;
@@ -176,6 +186,7 @@ class SafetyFilter {
   std::optional<PeopleCheck> people_check_;
   std::shared_ptr<const StaticMap> map_;
   PeopleSeen people_;
+  TwistCheck twist_check_;
   std::optional<TimedTwist> command_;
   std::vector<TimedTwist> sent_;  // oldest first
   std::optional<RobotState> last_state_;

@@ -46,6 +46,12 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
 void SafetyFilterNode::update() {
   const Filtered out = next();
   if (out.reason != last_.reason) node_.log().debug("{}", why(out));
+  if (out.doubted)
+    node_.log().warn_every(
+        5.0,
+        "odom's twist contradicts the way of its poses: braking is for the worse "
+        "of the two; nav_msgs/Odometry wants the twist in child_frame_id, "
+        "forward positive");
   last_ = out;
   updated_ = node_.steady_now();
   send(out.twist);

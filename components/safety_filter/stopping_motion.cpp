@@ -82,8 +82,8 @@ class HighEnd {
 // The range of one speed.
 class SpeedRange {
  public:
-  SpeedRange(double speed, const SpeedBounds& bounds)
-      : high_{speed, bounds}, low_{-speed, bounds} {}
+  SpeedRange(double low, double high, const SpeedBounds& bounds)
+      : high_{high, bounds}, low_{-low, bounds} {}
 
   void forget_targets() {
     high_.forget_targets();
@@ -110,9 +110,9 @@ class SpeedRange {
 
 class Builder {
  public:
-  Builder(const Twist2& measured, const StoppingBounds& bounds)
-      : v_{measured.v, speed_bounds(bounds.a_brake, bounds)},
-        w_{measured.w, speed_bounds(bounds.alpha_brake, bounds)},
+  Builder(const Twist2& low, const Twist2& high, const StoppingBounds& bounds)
+      : v_{low.v, high.v, speed_bounds(bounds.a_brake, bounds)},
+        w_{low.w, high.w, speed_bounds(bounds.alpha_brake, bounds)},
         lag_{bounds.motor_lag} {
     envelope_.reserve(4 * kSteps);
   }
@@ -189,7 +189,9 @@ struct Commands {
   void add_possible(Builder& builder, double t) const {
     for (std::size_t i = 0; i < size(); ++i)
       if (at(i).t <= t && t < expiry(i)) builder.add_target(at(i).twist);
-    if (t < at(0).t + delay) builder.add_target(start.measured);  // of the command before them
+    if (t >= at(0).t + delay) return;
+    builder.add_target(start.lowest());  // of the command before them
+    builder.add_target(start.highest());
   }
 };
 
@@ -207,7 +209,8 @@ Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds)
     out.speed = std::max(out.speed, std::abs(twist.v));
     out.turn_rate = std::max(out.turn_rate, std::abs(twist.w));
   };
-  include(start.measured);
+  include(start.lowest());
+  include(start.highest());
   include(start.command);
   for (const auto& sent : start.sent) include(sent.twist);
   const double time = start.now - start.t_measured + start.end;
@@ -218,7 +221,7 @@ Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds)
 }
 
 StoppingEnvelope stopping_envelope(const MotionStart& start, const StoppingBounds& bounds) {
-  Builder builder(start.measured, bounds);
+  Builder builder(start.lowest(), start.highest(), bounds);
   const Commands commands{start, bounds.command_delay};
   for (double t = start.t_measured; t < commands.end();) {
     const double next = commands.next_change(t);

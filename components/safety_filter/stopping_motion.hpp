@@ -36,7 +36,11 @@ struct MotionStart {
   double now = 0.0;
   std::span<const TimedTwist> sent;  ///< earlier commands, oldest first
   Twist2 command;
-  double end = 0.0;  ///< [s]
+  double end = 0.0;     ///< [s]
+  Twist2 below, above;  ///< how far the true twist may lie below and above the measured one, ≥ 0
+
+  [[nodiscard]] Twist2 lowest() const { return {measured.v - below.v, measured.w - below.w}; }
+  [[nodiscard]] Twist2 highest() const { return {measured.v + above.v, measured.w + above.w}; }
 };
 
 /// Mean of the ends of the ranges of v and w over the next dt.
@@ -48,7 +52,8 @@ struct TwistRange {
 /// Ranges in order of time; after the last one the robot stands.
 using StoppingEnvelope = std::vector<TwistRange>;
 
-/// The ranges of v and w from t_measured until the robot stands.
+/// The ranges of v and w from t_measured until the robot stands. They begin with the measured twist
+/// and what it may be off by.
 ///
 /// At time t any command can be in force that was sent in [t − command_delay, t], or the last one
 /// before. Let T be the highest of them. The high end

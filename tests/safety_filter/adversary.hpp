@@ -197,8 +197,10 @@ class ClosedLoop {
     const OdometryReport report = sim_.odometry();
     if (fresh_error_) draw_pose_error(true, multiple_);
     const Pose2 X_MB = compose(report.X_MW, report.X_WB);
-    measured_ = RobotState{
-        {X_MB.x + error_.x, X_MB.y + error_.y, X_MB.theta + error_.theta}, report.twist, t};
+    measured_ = RobotState{{X_MB.x + error_.x, X_MB.y + error_.y, X_MB.theta + error_.theta},
+                           report.twist,
+                           t,
+                           report.X_WB};
   }
 
   SafetyFilterParams params_;

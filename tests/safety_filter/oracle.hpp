@@ -188,6 +188,7 @@ class Base {
     double t = 0.0;
     Placement at;
     double v = 0.0, w = 0.0;  // as the wheels' encoders tell
+    Placement odometry;       // by the encoders alone
   };
   /// What was `age` ago.
   [[nodiscard]] const State& ago(double age) const {
@@ -218,6 +219,7 @@ class Base {
     const double v = follow(v_, u_v_, behaviour_.brake, behaviour_.drive, dt);
     const double w = follow(w_, u_w_, behaviour_.turn_brake, behaviour_.turn_drive, dt);
     move(0.5 * (v_ + v), 0.5 * (w_ + w), dt);
+    count_wheels(0.5 * (v_ + v), 0.5 * (w_ + w), dt);
     v_ = v;
     w_ = w;
     t_ += dt;
@@ -229,8 +231,7 @@ class Base {
       u_w_ = pending_.front().w;
       heard_ = t_;
     }
-    if (behaviour_.timeout > 0.0 && t_ - heard_ > behaviour_.timeout)
-      u_v_ = u_w_ = 0.0;
+    if (behaviour_.timeout > 0.0 && t_ - heard_ > behaviour_.timeout) u_v_ = u_w_ = 0.0;
   }
   [[nodiscard]] double follow(double speed, double target, double brake, double drive,
                               double dt) const {
@@ -257,8 +258,13 @@ class Base {
     min_clearance_ = std::min(min_clearance_, spare_);
     touched_ = touched_ || spare_ < -kTouch;
   }
+  void count_wheels(double v, double w, double dt) {
+    odometry_.x += v * dt * std::cos(odometry_.heading + 0.5 * w * dt);
+    odometry_.y += v * dt * std::sin(odometry_.heading + 0.5 * w * dt);
+    odometry_.heading += w * dt;
+  }
   void remember() {
-    past_.push_back({t_, at_, v_, w_});
+    past_.push_back({t_, at_, v_, w_, odometry_});
     while (past_.front().t < t_ - kMemory) past_.pop_front();
   }
 
@@ -267,7 +273,7 @@ class Base {
   BaseBehaviour behaviour_;
   const CellWorld& world_;
   Random& random_;
-  Placement at_;
+  Placement at_, odometry_;
   double v_ = 0.0, w_ = 0.0, u_v_ = 0.0, u_w_ = 0.0, t_ = 0.0, heard_ = 0.0;
   std::deque<Pending> pending_;
   std::deque<State> past_;

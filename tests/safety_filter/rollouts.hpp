@@ -242,7 +242,8 @@ class Loop {
     measured_ = RobotState{
         {state.at.x + error_x_, state.at.y + error_y_, state.at.heading + error_heading_},
         {state.v, state.w},
-        t};
+        t,
+        Pose2{state.odometry.x, state.odometry.y, state.odometry.heading}};
   }
   void draw_errors() {
     const double angle = uniform(random_, -std::numbers::pi, std::numbers::pi);
