@@ -10,6 +10,7 @@
 
 namespace tandem::topics {
 
+using runtime::Hears;
 using runtime::kDefault;
 using runtime::kLatched;
 using runtime::kSensorData;
@@ -39,17 +40,20 @@ inline constexpr runtime::QoS kStickInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 10, .lifespan = 0.2};
 
 // the map
-inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched};
+inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched,
+                                                                  Hears::kEvery};
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
     "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
 /// Whoever walks about, with velocity; everybody near, in each message.
-inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{"people", {.depth = 1}};
+inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
+    "people", {.depth = 1}, Hears::kEvery};
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"obstacles/markers"};
 
 // the planner
-inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose"};
+inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose", kDefault,
+                                                                  Hears::kEvery};
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_shared{"cmd_vel_shared", kCommand};
 inline constexpr Topic<nav_msgs::msg::Path> plan{"plan"};
 inline constexpr Topic<nav_msgs::msg::Path> user_path{"user_path"};
@@ -68,19 +72,22 @@ inline constexpr Topic<tandem_msgs::msg::FilterStatus> filter_status{"safety_fil
 inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> diagnostics{"/diagnostics"};
 
 // the robot
-inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom"};
+inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
-    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}};
+    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Hears::kEvery};
 /// What is fixed to what: said once, kept for those who come later; each who says it keeps their
 /// own.
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
-    "/tf_static", {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100}};
+    "/tf_static",
+    {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100},
+    Hears::kEvery};
 inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
 inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
 inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};
 inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
 inline constexpr Topic<rosgraph_msgs::msg::Clock> clock{"/clock", runtime::kClock};
-inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{"initialpose"};
+inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
+    "initialpose", kDefault, Hears::kEvery};
 
 }  // namespace tandem::topics
 

@@ -91,7 +91,7 @@ Domain DomainView::look() const {
   domain.malformed = static_cast<int>(state_->reader->malformed());
   std::map<std::string, DomainParticipantInfo> participants;
   const rtps::GUID_t own = state_->reader->guid();
-  for (const auto& endpoint : state_->core->discovered()) {
+  for (const auto& endpoint : state_->core->discovery().endpoints()) {
     const std::string id = hex(endpoint.guid.guidPrefix.value, kPrefix);
     auto& participant = participants[id];
     participant.id = id;

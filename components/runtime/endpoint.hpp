@@ -22,6 +22,8 @@ struct Endpoint {
   std::string type;
   QoS qos;
   std::string type_hash{};  ///< if empty: the one that the IDL gives
+  std::string
+      parameter{};  ///< "qos_overrides./odom.subscription"; empty: nothing overrides its QoS
 
   /// What ROS 2 from Iron on reads in USER_DATA: "typehash=RIHS01_…;". Humble knows no hashes.
   [[nodiscard]] std::string user_data(bool humble) const;
@@ -52,7 +54,6 @@ class Reader {
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
-  [[nodiscard]] const rtps::GUID_t& sender() const { return sender_; }  ///< of the last sample
   [[nodiscard]] long malformed() const { return malformed_; }
 
  private:

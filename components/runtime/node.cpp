@@ -2,6 +2,7 @@
 #include "runtime/node.hpp"
 
 #include "runtime/node_core.hpp"
+#include "runtime/reader_set.hpp"
 #include "runtime/service_core.hpp"
 
 namespace tandem::runtime {
@@ -31,11 +32,13 @@ AnyPublisher Node::make_publisher(const char* topic, TypeRef type, const QoS& qo
   auto codec = std::make_shared<Codec>(type);
   const std::string name = core_->resolve(topic);
   const QoS wanted = core_->qos_overrides.apply(qos, name, "publisher");
-  auto writer = core_->open_writer({dds_topic_name(name), codec->dds_name(), wanted});
+  auto writer = core_->open_writer(
+      {dds_topic_name(name), codec->dds_name(), wanted, {}, qos_prefix(name, "publisher")});
   return {core_, std::move(codec), std::move(writer)};
 }
 
-Subscription Node::make_subscription(const char* topic, const QoS& qos, Receiver receiver) {
+Subscription Node::make_subscription(const char* topic, const QoS& qos, Receiver receiver,
+                                     Hears hears) {
   const auto codec = std::make_shared<Codec>(receiver.type);
   auto deliver = [codec, receiver = std::move(receiver)](const Bytes& bytes, const auto&) {
     if (!codec->decode(bytes, receiver.message())) {
@@ -46,9 +49,14 @@ Subscription Node::make_subscription(const char* topic, const QoS& qos, Receiver
     return true;
   };
   const std::string name = core_->resolve(topic);
-  const QoS wanted = core_->qos_overrides.apply(qos, name, "subscription");
-  return {core_, core_->open_reader({dds_topic_name(name), codec->dds_name(), wanted},
-                                    std::move(deliver))};
+  const auto tuned = [&core = *core_, name](const QoS& wanted) {
+    return core.qos_overrides.apply(wanted, name, "subscription");
+  };
+  const Endpoint endpoint{
+      dds_topic_name(name), codec->dds_name(), tuned(qos), {}, qos_prefix(name, "subscription")};
+  auto readers = std::make_shared<ReaderSet>(*core_, endpoint, std::move(deliver));
+  if (hears == Hears::kEvery) readers->hear_every_publisher(tuned);
+  return {core_, std::move(readers)};
 }
 
 GenericPublisher Node::create_generic_publisher(const std::string& topic, const std::string& type,
@@ -65,9 +73,12 @@ Subscription Node::create_generic_subscription(
     fn(bytes);
     return true;
   };
-  return {core_,
-          core_->open_reader({dds_topic_name(core_->resolve(topic.c_str())), dds_type(type), qos},
-                             std::move(deliver))};
+  const Endpoint endpoint{dds_topic_name(core_->resolve(topic.c_str())), dds_type(type), qos};
+  return {core_, std::make_shared<ReaderSet>(*core_, endpoint, std::move(deliver))};
+}
+
+bool Node::is_present(const PublisherId& publisher) const {
+  return core_->discovery().policies(to_guid(publisher)).has_value();
 }
 
 std::size_t Node::count_publishers(const std::string& topic) const {
@@ -79,7 +90,7 @@ std::size_t Node::count_publishers(const std::string& topic) const {
 
 std::vector<TopicInfo> Node::topics() const {
   std::map<std::pair<std::string, std::string>, TopicInfo> topics;
-  for (const auto& endpoint : core_->discovered()) {
+  for (const auto& endpoint : core_->discovery().endpoints()) {
     if (!endpoint.topic.starts_with("rt/")) continue;
     auto& info = topics[{endpoint.topic, endpoint.type}];
     info.name = ros_name(endpoint.topic);
@@ -119,7 +130,7 @@ GenericClient Node::create_generic_client(const std::string& service, const std:
 
 std::vector<ServiceInfo> Node::services() const {
   std::map<std::string, std::string> services;  // type by name: a second server adds nothing
-  for (const auto& endpoint : core_->discovered()) {
+  for (const auto& endpoint : core_->discovery().endpoints()) {
     const std::string type = ros_type(endpoint.type);
     if (endpoint.writes || !endpoint.topic.starts_with("rq/") || !type.ends_with(kRequest) ||
         !endpoint.topic.ends_with("Request"))

@@ -58,9 +58,11 @@ class Node {
     return Publisher<M>{make_publisher(topic.name, type_ref<M>(), qos)};
   }
 
+  /// Hears every publisher of a topic with Hears::kEvery: whatever offers less than the topic's QoS
+  /// is heard at most 0.1 s after it is discovered.
   template <class M, class Fn>
   [[nodiscard]] Subscription create_subscription(const Topic<M>& topic, Fn fn) {
-    return make_subscription(topic.name, topic.qos, make_receiver<M>(std::move(fn)));
+    return make_subscription(topic.name, topic.qos, make_receiver<M>(std::move(fn)), topic.hears);
   }
   template <class M, class Fn>
   [[nodiscard]] Subscription create_subscription(const Topic<M>& topic, const QoS& qos, Fn fn) {
@@ -78,6 +80,8 @@ class Node {
   /// ROS 2's topics on the domain now, as far as they are discovered; by name and type.
   [[nodiscard]] std::vector<TopicInfo> topics() const;
 
+  /// Whether that publisher is on the domain now: one that died is until DDS notices.
+  [[nodiscard]] bool is_present(const PublisherId& publisher) const;
   /// Publishers of a topic on the domain now, of whatever type, own ones included.
   [[nodiscard]] std::size_t count_publishers(const std::string& topic) const;
 
@@ -158,8 +162,8 @@ class Node {
 
  private:
   [[nodiscard]] AnyPublisher make_publisher(const char* topic, TypeRef type, const QoS& qos);
-  [[nodiscard]] Subscription make_subscription(const char* topic, const QoS& qos,
-                                               Receiver receiver);
+  [[nodiscard]] Subscription make_subscription(const char* topic, const QoS& qos, Receiver receiver,
+                                               Hears hears = Hears::kFitting);
   [[nodiscard]] std::shared_ptr<void> await_publisher(const char* topic, TypeRef type,
                                                       std::function<void()> fn);
   [[nodiscard]] Service make_service(const char* service, Responder responder);

@@ -51,9 +51,7 @@ class NodeCore {
   void remove(Poller& poller);
 
   [[nodiscard]] PeerWatch& peers() { return peers_; }
-  [[nodiscard]] std::vector<KnownEndpoint> discovered() const {
-    return participant_->discovery().endpoints();
-  }
+  [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
 
   /// Keeps `part` until no callback is running: a callback may close what called it.
   void retire(std::shared_ptr<void> part);

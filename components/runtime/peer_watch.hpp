@@ -30,6 +30,12 @@ class PeerWatch {
                                                      const std::string& type,
                                                      std::function<void()> fn);
 
+  /// Calls `fn` with what each publisher of that type on that topic offers, once per publisher; not
+  /// after the result is destroyed.
+  [[nodiscard]] std::shared_ptr<void> each_publisher(const std::string& topic,
+                                                     const std::string& type,
+                                                     std::function<void(const Policies&)> fn);
+
   /// Does what is due at `now` [s]; when to be polled next.
   double poll(double now);
 
@@ -37,15 +43,16 @@ class PeerWatch {
   struct Own {
     rtps::GUID_t guid;
     bool writes;
-    std::string topic, type;
-    Policies policies;
+    Endpoint endpoint;
   };
   struct Wish {
     std::string topic, type;
-    std::function<void()> fn;
+    std::function<void(const Policies&)> fn;
+    std::set<rtps::GUID_t> told;  // publishers of which it knows
   };
 
   void grant_wishes(const std::vector<KnownEndpoint>& known);
+  static void grant(Wish& wish, const std::vector<KnownEndpoint>& known);
   void judge(const std::vector<KnownEndpoint>& known, double now);
   void judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known);
   [[nodiscard]] bool hears_other_type(const KnownEndpoint& peer,

@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/pubsub.hpp"
 
-#include <algorithm>
-
 #include "runtime/node_core.hpp"
+#include "runtime/reader_set.hpp"
 
 namespace tandem::runtime {
-namespace {
-
-PublisherId id_of(const rtps::GUID_t& guid) {
-  PublisherId id{};
-  std::copy_n(guid.guidPrefix.value, guid.guidPrefix.size, id.begin());
-  std::copy_n(guid.entityId.value, guid.entityId.size, id.begin() + guid.guidPrefix.size);
-  return id;
-}
-
-}  // namespace
 
 AnyPublisher::AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<Codec> codec,
                            std::shared_ptr<Writer> writer)
@@ -53,7 +42,7 @@ void AnyPublisher::warn_not_sent(std::size_t size) const {
 
 int AnyPublisher::matched() const { return writer_ ? writer_->matched() : 0; }
 
-PublisherId AnyPublisher::id() const { return writer_ ? id_of(writer_->guid()) : PublisherId{}; }
+PublisherId AnyPublisher::id() const { return writer_ ? to_id(writer_->guid()) : PublisherId{}; }
 
 void AnyPublisher::close() {
   if (writer_) node_->close_writer(*writer_);
@@ -61,8 +50,8 @@ void AnyPublisher::close() {
   node_.reset();
 }
 
-Subscription::Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<Reader> reader)
-    : node_{std::move(node)}, reader_{std::move(reader)} {}
+Subscription::Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<ReaderSet> readers)
+    : node_{std::move(node)}, readers_{std::move(readers)} {}
 
 Subscription::~Subscription() { close(); }
 
@@ -70,21 +59,21 @@ Subscription& Subscription::operator=(Subscription&& other) noexcept {
   if (this == &other) return *this;
   close();
   node_ = std::move(other.node_);
-  reader_ = std::move(other.reader_);
+  readers_ = std::move(other.readers_);
   return *this;
 }
 
-int Subscription::matched() const { return reader_ ? reader_->matched() : 0; }
+int Subscription::matched() const { return readers_ ? readers_->matched() : 0; }
 
-PublisherId Subscription::sender() const {
-  return reader_ ? id_of(reader_->sender()) : PublisherId{};
-}
+PublisherId Subscription::sender() const { return readers_ ? readers_->sender() : PublisherId{}; }
 
-long Subscription::malformed() const { return reader_ ? reader_->malformed() : 0; }
+std::uint64_t Subscription::sequence() const { return readers_ ? readers_->sequence() : 0; }
+
+long Subscription::malformed() const { return readers_ ? readers_->malformed() : 0; }
 
 void Subscription::close() {
-  if (reader_) node_->close_reader(*reader_);
-  reader_.reset();
+  if (readers_) readers_->close();
+  readers_.reset();
   node_.reset();
 }
 

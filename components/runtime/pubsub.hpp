@@ -25,14 +25,21 @@ struct TopicInfo {
 
 class Codec;
 class NodeCore;
-class Reader;
+class ReaderSet;
 class Writer;
+
+/// Which publishers a subscription to a topic hears.
+enum class Hears {
+  kFitting,  ///< those that offer the topic's QoS
+  kEvery,    ///< all: drivers of other makes publish it too, and may offer less
+};
 
 /// A topic: its name (ROS 2 form), its type, its QoS.
 template <class M>
 struct Topic {
   const char* name;
   QoS qos = kDefault;
+  Hears hears = Hears::kFitting;
 };
 
 /// What the untyped side of the runtime knows about a message type.
@@ -109,7 +116,7 @@ class GenericPublisher {
 class Subscription {
  public:
   Subscription() = default;
-  Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<Reader> reader);
+  Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<ReaderSet> readers);
   ~Subscription();
   Subscription(Subscription&&) noexcept = default;
   Subscription& operator=(Subscription&& other) noexcept;
@@ -118,6 +125,8 @@ class Subscription {
   [[nodiscard]] int matched() const;
   /// Who sent the last message.
   [[nodiscard]] PublisherId sender() const;
+  /// The last message's number among those of its sender: 1, 2, …
+  [[nodiscard]] std::uint64_t sequence() const;
   /// Samples dropped since the start because their bytes were no message of the type.
   [[nodiscard]] long malformed() const;
 
@@ -125,7 +134,7 @@ class Subscription {
   void close();
 
   std::shared_ptr<NodeCore> node_;
-  std::shared_ptr<Reader> reader_;
+  std::shared_ptr<ReaderSet> readers_;
 };
 
 /// One reused message of a type and the function that wants it; what a Subscription needs of M.

@@ -58,4 +58,12 @@ std::vector<Misfit> misfits(const Policies& offered, const Policies& requested) 
   return found;
 }
 
+std::string override_for(const Misfit& misfit, bool at_subscription) {
+  std::string value = at_subscription ? misfit.offered : misfit.requested;
+  std::replace(value.begin(), value.end(), ' ', '_');
+  const bool settable = value == "best_effort" || value == "reliable" || value == "volatile" ||
+                        value == "transient_local";
+  return settable ? misfit.policy + ": " + value : "";
+}
+
 }  // namespace tandem::runtime

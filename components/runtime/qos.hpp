@@ -50,6 +50,11 @@ struct Misfit {
   std::string policy, offered, requested;
 };
 
+/// What to set the policy to at the end that requests too much (`at_subscription`), or at the one
+/// that offers too little: "reliability: best_effort", a parameter below `qos_overrides.<topic>.`
+/// Empty: no parameter mends it.
+[[nodiscard]] std::string override_for(const Misfit& misfit, bool at_subscription);
+
 /// A subscription of that depth that hears every one of these publishers.
 [[nodiscard]] QoS request_for(const std::vector<Policies>& offered, int depth);
 

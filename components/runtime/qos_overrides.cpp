@@ -23,13 +23,17 @@ struct QosParams {
 
 }  // namespace
 
+std::string qos_prefix(const std::string& topic, const std::string& kind) {
+  return "qos_overrides." + topic + "." + kind;
+}
+
 struct QosOverrides::Applied {
   QoS first;  // as the node would have had it
   std::shared_ptr<const QosParams> params;
 };
 
 QoS QosOverrides::apply(const QoS& qos, const std::string& topic, const std::string& kind) {
-  const std::string prefix = "qos_overrides." + topic + "." + kind + ".";
+  const std::string prefix = qos_prefix(topic, kind) + ".";
   if (!store_.gives_any(prefix)) return qos;
   auto& applied = applied_[prefix];
   if (!applied) {

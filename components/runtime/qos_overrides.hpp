@@ -12,6 +12,9 @@
 
 namespace tandem::runtime {
 
+/// "qos_overrides./odom.subscription", whose parameters are the policies.
+[[nodiscard]] std::string qos_prefix(const std::string& topic, const std::string& kind);
+
 /// qos_overrides.<topic>.<publisher|subscription>.{reliability, durability, depth} of a node.
 class QosOverrides {
  public:

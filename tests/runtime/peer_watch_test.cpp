@@ -63,6 +63,37 @@ TEST(PeerWatch, SaysOnceThatQosDoesNotFit) {
   EXPECT_EQ(log.lines("incompatible QoS"), 1);
 }
 
+TEST(PeerWatch, NamesTheParametersThatMendAMisfit) {
+  test::CapturedLog log;
+  rt::Node node{"strict"}, other{"careless"};
+  const auto subscription = node.create_subscription(kStop, [](const auto&) {});
+  const auto publisher = node.create_publisher(kTwist, rt::kBestEffort(1));
+  const auto weak = other.create_publisher(kStop, rt::kBestEffort(1));
+  const auto deaf = other.create_subscription(kTwist, rt::kLatched, [](const auto&) {});
+  const std::string mends_subscription =
+      "; set qos_overrides./e_stop.subscription.reliability: best_effort and "
+      "qos_overrides./e_stop.subscription.durability: volatile";
+  const std::string mends_publisher =
+      "; set qos_overrides./cmd_vel.publisher.reliability: reliable and "
+      "qos_overrides./cmd_vel.publisher.durability: transient_local";
+  EXPECT_TRUE(spin_until(
+      [&] { return log.lines(mends_subscription) == 1 && log.lines(mends_publisher) == 1; },
+      kTimeout, node));
+}
+
+TEST(PeerWatch, NamesNoParameterWhereNoneMendsIt) {
+  EXPECT_EQ(rt::override_for({"deadline", "none", "0.1 s"}, false), "");
+  EXPECT_EQ(rt::override_for({"liveliness", "automatic", "manual by topic"}, false), "");
+  EXPECT_EQ(rt::override_for({"durability", "transient local", "persistent"}, false), "");
+  test::CapturedLog log;
+  rt::Node node{"untyped"}, other{"careless"};
+  const auto generic = node.create_generic_subscription("/cmd_vel", "geometry_msgs/msg/Twist",
+                                                        rt::kDefault, [](const auto&) {});
+  const auto publisher = other.create_publisher(kTwist, rt::kBestEffort(5));
+  EXPECT_TRUE(spin_until([&] { return log.lines("incompatible QoS") == 1; }, kTimeout, node));
+  EXPECT_EQ(log.lines("qos_overrides"), 0) << "it reads no such parameters";
+}
+
 TEST(PeerWatch, NoticesWhoComesAfterAllWasSettled) {
   test::CapturedLog log;
   rt::Node node{"patient"}, other{"late"};
