@@ -22,7 +22,7 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
             [this](const Twist2& twist) { on_command(twist, Source::kUser); }},
       shared_{node, topics::cmd_vel_shared, params_->input,
               [this](const Twist2& twist) { on_command(twist, Source::kShared); }},
-      nav_{node, topics::cmd_vel_nav, params_->input,
+      nav_{node, topics::cmd_vel_nav, topics::kUserInput, params_->input,
            [this](const Twist2& twist) { on_command(twist, Source::kNav); }},
       stick_{node.create_subscription(
           topics::teleop_status,
@@ -51,15 +51,32 @@ void ArbitrationNode::on_command(const Twist2& twist, Source source) {
   decide(source);
 }
 
-// Read twice: a latched reader never matches a volatile writer, and a stop must be heard from both.
+// A reader hears no sender that offers less than it requests, and one that requests less loses what
+// was sent before it knew the sender; so three read. The first is matched first: a program that
+// presses once sends as soon as one is.
 void ArbitrationNode::subscribe_emergency_stop() {
-  const auto on_stop = [this](const std_msgs::msg::Bool& msg) {
-    if (msg.data() && !arbiter_.emergency_stopped()) node_.log().warn("emergency stop");
-    arbiter_.on_emergency_stop(msg.data());
-    decide(Source::kNone);
-  };
-  stop_latched_ = node_.create_subscription(topics::e_stop, on_stop);
-  stop_any_ = node_.create_subscription(topics::e_stop, rt::kBestEffort(10), on_stop);
+  using enum rt::Reliability;
+  using enum rt::Durability;
+  constexpr std::array<rt::QoS, 3> kReaders{{{kReliable, kVolatile, kStopDepth},
+                                             {kReliable, kTransientLocal, kStopDepth},
+                                             {kBestEffort, kVolatile, kStopDepth}}};
+  for (std::size_t i = 0; i < stops_.size(); ++i)
+    stops_[i] = node_.create_subscription(topics::e_stop, kReaders[i], [this, i](const auto& msg) {
+      on_stop(stops_[i].sender(), stops_[i].sequence(), msg.data());
+    });
+}
+
+void ArbitrationNode::on_stop(const rt::PublisherId& sender, std::uint64_t sequence, bool pressed) {
+  update_stop_senders();  // a `false` takes back the presses of those that have left
+  if (!stop_words_.on_word(sender, sequence, pressed)) return;
+  if (pressed && !arbiter_.emergency_stopped()) node_.log().warn("emergency stop");
+  if (pressed) arbiter_.on_emergency_stop(true);
+  arbiter_.on_emergency_stop(stop_words_.pressed());
+  decide(Source::kNone);
+}
+
+void ArbitrationNode::update_stop_senders() {
+  stop_words_.update_presence([this](const auto& sender) { return node_.is_present(sender); });
 }
 
 void ArbitrationNode::offer_services() {
@@ -78,7 +95,7 @@ void ArbitrationNode::offer_services() {
   release_ =
       node_.create_service(services::release_emergency_stop, [this](const auto&, auto& response) {
         response.success(arbiter_.release_emergency_stop());
-        response.message(response.success() ? "released" : "e_stop still says true");
+        response.message(response.success() ? "released" : "a sender of e_stop still says true");
         node_.log().info("release of the emergency stop: {}", response.message());
       });
 }
@@ -114,6 +131,7 @@ bool ArbitrationNode::stands_without_clock() {
 }
 
 void ArbitrationNode::watch() {
+  update_stop_senders();
   if (stands_without_clock()) return;
   const Source in_charge = arbiter_.decide(node_.now()).source;
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;

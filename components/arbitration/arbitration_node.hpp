@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "arbitration/arbiter.hpp"
+#include "arbitration/stop_words.hpp"
 #include "convert.hpp"
 #include "diagnostics.hpp"
 #include "runtime/node.hpp"
@@ -34,6 +38,8 @@ class ArbitrationNode {
   static constexpr double kStatusPeriod = 0.05;  // [s]
   static constexpr double kClockSilence = 0.5;   // [s] of steady time
 
+  static constexpr int kStopDepth = 100;  // words that may wait while the process is stalled
+
   static constexpr double kTellPerformance = 0.1;  // change that is logged
 
   explicit ArbitrationNode(rt::Node& node);
@@ -41,6 +47,8 @@ class ArbitrationNode {
  private:
   void on_command(const Twist2& twist, Source source);
   void subscribe_emergency_stop();
+  void on_stop(const rt::PublisherId& sender, std::uint64_t sequence, bool pressed);
+  void update_stop_senders();
   void offer_services();
   void decide(Source arrived);
   [[nodiscard]] bool stands_without_clock();
@@ -60,7 +68,9 @@ class ArbitrationNode {
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;
   Diagnostics diagnostics_;
   TwistInput user_, shared_, nav_;
-  rt::Subscription stick_, planner_, filter_, stop_latched_, stop_any_;
+  StopWords stop_words_;
+  rt::Subscription stick_, planner_, filter_;
+  std::array<rt::Subscription, 3> stops_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
 };

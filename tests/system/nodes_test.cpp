@@ -137,6 +137,85 @@ TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
   }
 }
 
+// Two buttons and the service that releases.
+class EmergencyStopOverDds : public ArbitrationOverDds {
+ protected:
+  [[nodiscard]] rt::Publisher<std_msgs::msg::Bool> button(const rt::QoS& qos) {
+    return node_.create_publisher(topics::e_stop, qos);
+  }
+  // Three readers, of which a volatile publisher matches two, a best effort one one.
+  [[nodiscard]] bool is_known(const rt::Publisher<std_msgs::msg::Bool>& button, int readers) {
+    return wait_until([&] { return button.matched() == readers; });
+  }
+  static void say(const rt::Publisher<std_msgs::msg::Bool>& button, bool pressed) {
+    std_msgs::msg::Bool msg;
+    msg.data(pressed);
+    button.publish(msg);
+  }
+  // The answer to one request.
+  [[nodiscard]] bool is_released() {
+    std::optional<bool> released;
+    client_.call({}, [&](const auto& response) { released = response.success(); });
+    return wait_until([&] { return released.has_value(); }) && *released;
+  }
+  // The word and the request travel on different topics.
+  [[nodiscard]] bool is_released_soon() {
+    return wait_until([&] { return is_released(); });
+  }
+
+  rt::Client<std_srvs::srv::Trigger> client_ = node_.create_client(
+      rt::ServiceName<std_srvs::srv::Trigger>{"/arbitration/release_emergency_stop"});
+};
+
+TEST_F(EmergencyStopOverDds, IsNotTakenBackByAnotherSenderWhileOneThatIsThereSaysTrue) {
+  const auto pressed = button(rt::kLatched), other = button(rt::kDefault);
+  ASSERT_TRUE(is_known(pressed, 3) && is_known(other, 2));
+  say(pressed, true);
+  ASSERT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+  say(other, true);
+  for (int i = 0; i < 20; ++i) {
+    say(other, false);
+    ASSERT_FALSE(is_released());
+  }
+  say(pressed, false);
+  EXPECT_TRUE(is_released_soon());
+}
+
+TEST_F(EmergencyStopOverDds, OfAProgramThatHasLeftStaysUntilAnySenderSaysFalse) {
+  auto pressed = button(rt::kDefault);
+  const auto other = button(rt::kBestEffort(10));
+  ASSERT_TRUE(is_known(pressed, 2) && is_known(other, 1));
+  say(pressed, true);
+  ASSERT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+  say(other, false);
+  EXPECT_FALSE(is_released());
+  pressed = {};
+  EXPECT_FALSE(is_released());
+  EXPECT_TRUE(wait_until([&] {
+    say(other, false);
+    return is_released();
+  }));
+}
+
+// One that presses, takes it back and leaves, 30 times: every `false` is taken, and no reader
+// brings an older `true` after it.
+TEST_F(EmergencyStopOverDds, OfAShortLivedSenderIsTakenBackByOneFalseEachTime) {
+  for (int i = 0; i < 30; ++i) {
+    const rt::QoS qos = i % 2 == 0 ? rt::kLatched : rt::kDefault;
+    {
+      const auto pressed = button(qos);
+      ASSERT_TRUE(wait_until([&] { return pressed.matched() > 0; }));
+      say(pressed, true);
+      ASSERT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+    }
+    const auto other = button(qos);
+    ASSERT_TRUE(wait_until([&] { return other.matched() > 0; }));
+    say(other, false);
+    ASSERT_TRUE(is_released_soon()) << i;
+    ASSERT_TRUE(wait_until([&] { return reason_ != "emergency stop"; })) << i;
+  }
+}
+
 TEST_F(ArbitrationOverDds, PolicyChangesByServiceAndABadOneIsRefused) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   const auto client =
