@@ -51,6 +51,16 @@ bool heard_otherwise(const Domain& domain, const DomainEndpoint& writer,
   });
 }
 
+// The parameter where there is one: rclcpp's nodes have it too, if they allow it.
+std::string mend(const DomainEndpoint& endpoint, const rt::Misfit& misfit) {
+  const std::string value = rt::override_for(misfit, !endpoint.writes);
+  if (value.empty())
+    return endpoint.writes ? "let the publisher offer " + misfit.requested
+                           : "let the subscription request " + misfit.offered;
+  return "set qos_overrides." + endpoint.topic +
+         (endpoint.writes ? ".publisher." : ".subscription.") + value + " at " + who(endpoint);
+}
+
 void examine_qos(const Domain& domain, std::vector<Finding>& found) {
   for_each_pair(domain, [&](const auto& writer, const auto& reader) {
     if (writer.type != reader.type || heard_otherwise(domain, writer, reader)) return;
@@ -58,8 +68,7 @@ void examine_qos(const Domain& domain, std::vector<Finding>& found) {
       found.push_back({writer.topic + ": " + who(writer) + " offers " + misfit.policy + " " +
                            misfit.offered + ", " + who(reader) + " requests " + misfit.requested +
                            ": no message passes",
-                       "let the subscription request " + misfit.offered +
-                           ", or the publisher offer " + misfit.requested});
+                       mend(reader, misfit) + ", or " + mend(writer, misfit)});
   });
 }
 

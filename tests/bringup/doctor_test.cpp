@@ -40,6 +40,9 @@ TEST(Doctor, NamesBothSidesOfQosThatDoesNotFit) {
   EXPECT_EQ(found[0].what,
             "/odom: /robot offers reliability best effort, /tandem requests reliable: no message "
             "passes");
+  EXPECT_EQ(found[0].remedy,
+            "set qos_overrides./odom.subscription.reliability: best_effort at /tandem, or set "
+            "qos_overrides./odom.publisher.reliability: reliable at /robot");
 }
 
 TEST(Doctor, LetsPassWhatASecondSubscriptionHears) {
