@@ -36,7 +36,7 @@ def stop(process):
     return process.wait(20)
 
 
-def until(condition, what):
+def until(condition, what, turn=0.05):
     """The first true value of condition(); fails after PATIENCE."""
     end = time.monotonic() + PATIENCE
     while True:
@@ -45,7 +45,7 @@ def until(condition, what):
             return value
         if time.monotonic() > end:
             raise AssertionError(f'{what}: not within {PATIENCE} s')
-        time.sleep(0.05)
+        time.sleep(turn)
 
 
 def ros2(*arguments):
