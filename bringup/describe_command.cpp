@@ -60,7 +60,8 @@ const std::map<std::string, const char*>& topics_of_components() {
       {"teleop",
        "joy, cmd_vel_user, odom, tf -> cmd_vel_user, leader_pose, leader/markers, teleop/status, "
        "end_sim"},
-      {"octomap_builder", "scan, cloud_in, odom, tf -> octomap_local; service ~/reset"},
+      {"octomap_builder",
+       "scan, cloud_in, odom, tf -> octomap_local, sensing_status, /diagnostics; service ~/reset"},
       {"obstacle_extractor",
        "octomap_binary, octomap_local, odom, tf -> obstacles, obstacles/markers"},
       {"shared_dwa",
@@ -78,7 +79,7 @@ const std::map<std::string, const char*>& topics_of_components() {
        "arbitration/status, /diagnostics; services ~/set_policy, "
        "~/release_emergency_stop"},
       {"safety_filter",
-       "cmd_vel_arbitrated, octomap_binary, octomap_local, odom, tf "
+       "cmd_vel_arbitrated, octomap_binary, octomap_local, sensing_status, odom, tf "
        "-> cmd_vel, safety_filter/status, /diagnostics"},
       {"dashboard",
        "every topic and service -> web clients; web clients -> joy, cmd_vel_user, "

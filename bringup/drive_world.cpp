@@ -2,6 +2,7 @@
 #include "bringup/drive_world.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <ranges>
 #include <utility>
@@ -70,19 +71,25 @@ Grid base_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params) {
 LiveSensing::LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder)
     : sim_{sim},
       X_BS_{mounting("scan_pose", builder.scan_pose).value_or(scanner_place())},
-      map_{builder.map} {}
+      map_{builder.map},
+      body_{footprint_of(builder.robot)},
+      reader_{builder.scan, builder.map.min_range},
+      watch_{"scan", builder.watch, builder.map.resolution} {}
 
-void LiveSensing::on_odometry(const RobotState& robot, double stamp) {
+void LiveSensing::on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp) {
   poses_.add(robot.X_MB, robot.twist, stamp);
+  odometry_.add(X_WB, robot.twist, stamp);
 }
 
 std::optional<Grid> LiveSensing::look(const DiffDriveSim& sim, const SliceParams& params,
                                       double t) {
   auto before = std::exchange(seen_, std::nullopt);
   std::vector<float> ranges;
-  for (int i = 0; i < sim_.scan_beams; ++i)
-    ranges.push_back(
-        static_cast<float>(sim.beam(sim.state().X_MB, i, sim_.scan_beams, sim_.scan_range)));
+  for (int i = 0; i < sim_.scan_beams; ++i) {
+    const double range = sim.beam(sim.state().X_MB, i, sim_.scan_beams, sim_.scan_range);
+    ranges.push_back(range < sim_.scan_range ? static_cast<float>(range)
+                                             : std::numeric_limits<float>::infinity());
+  }
   const RangeScan scan{.angle_min = -std::numbers::pi,
                        .angle_increment = 2.0 * std::numbers::pi / sim_.scan_beams,
                        .range_min = 0.0,
@@ -90,8 +97,18 @@ std::optional<Grid> LiveSensing::look(const DiffDriveSim& sim, const SliceParams
                        .ranges = ranges};
   const auto X_MB = poses_.at(t);
   if (!X_MB) return before;
-  const Look look{echoes_of(scan), in_space(*X_MB) * X_BS_};
-  if (map_.insert({&look, 1}, t)) seen_ = slice(map_.tree(), params);
+  const ScanReading reading = reader_.read(scan, X_BS_, body_);
+  if (!reading.error.empty()) {
+    watch_.on_trouble(reading.error, t);
+    return before;
+  }
+  const LookUse use = watch_.judge({reading.seen, X_BS_, odometry_.at(t), reading.valid_share},
+                                   reading.composition, t);
+  if (use == LookUse::kNone) return before;
+  const Look look{reading.seen, in_space(*X_MB) * X_BS_};
+  if (use == LookUse::kTake && !map_.insert({&look, 1}, t)) return before;
+  watch_.on_taken(t);
+  seen_ = slice(map_.tree(), params);
   return before;
 }
 

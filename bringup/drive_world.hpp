@@ -29,15 +29,21 @@ class LiveSensing {
  public:
   LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder);
 
-  void on_odometry(const RobotState& robot, double stamp);
+  /// X_WB: odometry's own pose.
+  void on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp);
   /// Takes in a scan; the result is what the robot has seen before it.
   std::optional<Grid> look(const DiffDriveSim& sim, const SliceParams& params, double t);
+  /// Why the robot must stand, as the octomap_builder says it; empty if the scanner sees.
+  [[nodiscard]] std::string trouble(double t) { return watch_.reason(t); }
 
  private:
   DiffDriveSimNodeParams sim_;
   Eigen::Isometry3d X_BS_;
   LocalMap map_;
-  PoseHistory poses_;
+  OwnBody body_;
+  ScanReader reader_;
+  SensorWatch watch_;
+  PoseHistory poses_, odometry_;
   std::optional<Grid> seen_;
 };
 

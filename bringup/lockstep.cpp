@@ -172,12 +172,13 @@ class Loop {
     localization_.on_transform(report.X_MW, t_);
     filter_.on_people(sim_.people().all(), t_);
     if (const auto robot = localization_.state(t_); live_ && robot)
-      live_->on_odometry(*robot, report.t);
+      live_->on_odometry(*robot, report.X_WB, report.t);
   }
 
   void look() {
     const auto seen = live_->look(sim_, filter_params_.map.slice, t_);
     const auto robot = localization_.state(t_);
+    if (!live_->trouble(t_).empty()) return filter_.on_map(nullptr);
     if (!seen || !robot) return;
     const auto map = local_map_over(base_, *seen, robot->X_MB.position(), filter_params_.map);
     filter_.on_map(map);

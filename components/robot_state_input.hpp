@@ -39,6 +39,9 @@ class RobotStateInput {
   /// Nothing while odometry or transform is missing or too old.
   [[nodiscard]] std::optional<RobotState> state();
 
+  /// X_WB of the newest odometry, as Localization has it.
+  [[nodiscard]] const Pose2& odometry() const { return localization_.odometry(); }
+
  private:
   [[nodiscard]] double lateness(const Stamp& stamp) const;
   void tell();

@@ -44,6 +44,9 @@ inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binar
                                                                   Hears::kEvery};
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
     "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
+/// Whether the sensors behind octomap_local see; from the node that publishes that.
+inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
+    "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
 inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
 /// Whoever walks about, with velocity; everybody near, in each message.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{

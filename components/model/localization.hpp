@@ -73,6 +73,9 @@ class Localization {
     return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_, X_WB_};
   }
 
+  /// X_WB of the newest odometry: what the wheels say, without the localiser.
+  [[nodiscard]] const Pose2& odometry() const { return X_WB_; }
+
  private:
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
 

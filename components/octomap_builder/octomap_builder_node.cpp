@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "octomap_builder/octomap_builder_node.hpp"
 
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
 #include "map/octomap_file.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
@@ -8,8 +14,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kRest = 2.0;      // times as long as the last map took: to hear odometry meanwhile
-constexpr double kPatience = 1.0;  // [s] /tf_static may come later than the first scan
+constexpr double kRest = 2.0;  // times as long as the last map took: to hear odometry meanwhile
+constexpr double kReminder = 30.0;  // [s] what is wrong with a sensor is said again
+constexpr double kPatience = 1.0;   // [s] /tf_static may come later than the first scan
+
+constexpr const char *kRefused = "refused", *kDropped = "dropped";  // what became of a message
 
 bool is_zero(const Stamp& stamp) { return stamp.sec() == 0 && stamp.nanosec() == 0; }
 
@@ -20,12 +29,19 @@ OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
       params_{node.declare_parameters<OctomapBuilderNodeParams>()},
       outline_{footprint_of(params_->robot)},
       map_{params_->map},
-      scanner_{"scan", "scan_pose", mounting("scan_pose", params_->scan_pose)},
-      camera_{"cloud_in", "cloud_pose", mounting("cloud_pose", params_->cloud_pose)},
+      body_{outline_},
+      reader_{params_->scan, params_->map.min_range},
+      scanner_{"scan", "scan_pose", mounting("scan_pose", params_->scan_pose),
+               SensorWatch{"scan", params_->watch, params_->map.resolution}},
+      camera_{"cloud_in", "cloud_pose", mounting("cloud_pose", params_->cloud_pose),
+              SensorWatch{"cloud_in", params_->watch, params_->map.resolution}},
       robot_{node, params_->input, [this](double stamp) { on_odometry(stamp); }},
-      octomap_{node.create_publisher(topics::octomap_local)} {
+      octomap_{node.create_publisher(topics::octomap_local)},
+      status_{node.create_publisher(topics::sensing_status)},
+      diagnostics_{node} {
   subscribe();
   timer_ = node.create_timer(params_->period, [this] { publish_if_due(); });
+  status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
 }
 
 void OctomapBuilderNode::subscribe() {
@@ -41,6 +57,9 @@ void OctomapBuilderNode::subscribe() {
   cloud_ = node_.create_subscription(topics::cloud_in, [this](const auto& msg) { on_cloud(msg); });
   reset_ = node_.create_service(services::reset, [this](const auto&, auto& response) {
     map_.clear();
+    reader_.forget();
+    scanner_.watch.forget();
+    camera_.watch.forget();
     response.success(true);
     response.message("all that was seen is forgotten");
   });
@@ -50,34 +69,40 @@ void OctomapBuilderNode::on_odometry(double stamp) {
   const auto robot = robot_.state();
   if (!robot) return;
   poses_.add(robot->X_MB, robot->twist, stamp);
+  odometry_.add(robot_.odometry(), robot->twist, stamp);
   map_.stand(outline_, robot->X_MB, sweep_height(*params_), node_.now());
 }
 
 void OctomapBuilderNode::on_scan(const sensor_msgs::msg::LaserScan& msg) {
-  const RangeScan scan = from_msg(msg);
-  if (const std::string error = error_of(scan); !error.empty()) {
-    node_.log().error_every(1.0, "scan refused: {}", error);
-    return;
-  }
+  const auto X_BS = place_of(scanner_, msg.header().frame_id());
+  if (!X_BS) return;
+  RangeScan scan = from_msg(msg);
+  const ScanReading reading = reader_.read(scan, *X_BS, body_);
+  if (!reading.error.empty()) return give_up(scanner_, kRefused, reading.error);
+  check_oddities(scan);
+  note_own_body(scanner_, reading.own_body);
   const Stamp& stamp = msg.header().stamp();
   const auto pose_after = [&](double t) { return pose_at(stamp, t); };
-  if (const auto X_BS = place_of(scanner_, msg.header().frame_id()))
-    insert(scanner_, looks_of(scan, *X_BS, pose_after), stamp);
+  auto looks = looks_of(scan, *X_BS, pose_after, reader_.no_return());
+  if (!looks) return give_up(scanner_, kDropped, why_no_pose(stamp));
+  for (Look& look : *looks) body_.drop(look.echoes, *X_BS);
+  take(scanner_, {{reading.seen, *X_BS, odometry_at(stamp), reading.valid_share},
+                  reading.composition,
+                  std::move(*looks),
+                  stamp});
 }
 
 void OctomapBuilderNode::on_cloud(const sensor_msgs::msg::PointCloud2& msg) {
   Echoes echoes = from_msg(msg);
-  if (!echoes.error.empty()) {
-    node_.log().error_every(1.0, "cloud_in refused: {}", echoes.error);
-    return;
-  }
+  if (!echoes.error.empty()) return give_up(camera_, kRefused, echoes.error);
   const auto X_BS = place_of(camera_, msg.header().frame_id());
   if (!X_BS) return;
+  note_own_body(camera_, body_.drop(echoes, *X_BS));
   const Stamp& stamp = msg.header().stamp();
-  std::optional<std::vector<Look>> looks;
-  if (const auto X_MB = pose_at(stamp, 0.0))
-    looks = {Look{std::move(echoes), in_space(*X_MB) * *X_BS}};
-  insert(camera_, looks, stamp);
+  const auto X_MB = pose_at(stamp, 0.0);
+  if (!X_MB) return give_up(camera_, kDropped, why_no_pose(stamp));
+  take(camera_,
+       {{echoes, *X_BS, odometry_at(stamp)}, {}, {Look{echoes, in_space(*X_MB) * *X_BS}}, stamp});
 }
 
 // Where the sensor is on the robot; says once in a while what is missing.
@@ -91,30 +116,62 @@ std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(Sensor& sensor,
     return X_BS;
   }
   if (!sensor.unplaced) sensor.unplaced = node_.steady_now();
+  const std::string why = fmt::format(
+      "/tf_static does not say where its frame `{}` is on `{}`; publish that "
+      "(robot_state_publisher, static_transform_publisher), or set the parameter {}",
+      frame, base, sensor.parameter);
+  sensor.watch.on_trouble("is dropped: " + why, node_.now());
   if (node_.steady_now() - *sensor.unplaced > kPatience)
-    node_.log().error_every(5.0,
-                            "{} dropped: /tf_static does not say where its frame `{}` is on `{}`; "
-                            "publish that (robot_state_publisher, static_transform_publisher), or "
-                            "set the parameter {}",
-                            sensor.topic, frame, base, sensor.parameter);
+    node_.log().error_every(5.0, "{} dropped: {}", sensor.topic, why);
   return std::nullopt;
 }
 
-void OctomapBuilderNode::insert(const Sensor& sensor, const std::optional<std::vector<Look>>& looks,
-                                const Stamp& stamp) {
-  if (!looks) {
-    node_.log().warn_every(1.0, "{} dropped: {}", sensor.topic,
-                           robot_.state() ? "no odometry of its time" : "not localised");
-    return;
+// A message that is no look, and why.
+void OctomapBuilderNode::give_up(Sensor& sensor, const char* what, const std::string& why) {
+  const bool is_refused = std::string_view{what} == kRefused;
+  const auto level = is_refused ? rt::LogLevel::kError : rt::LogLevel::kWarn;
+  sensor.watch.on_trouble(fmt::format("is {}: {}", what, why), node_.now());
+  node_.log().write_every(1.0, level, std::string{sensor.topic} + what,
+                          fmt::format("{} {}: {}", sensor.topic, what, why));
+}
+
+// What is odd about a scan that can be read; its beams are of one moment if their times are wrong.
+void OctomapBuilderNode::check_oddities(RangeScan& scan) {
+  if (const auto name = reader_.missing_name(scan))
+    node_.log().warn(
+        "scan: most beams have been {0} for many scans; if the driver sends that where nothing is "
+        "in range, add {0} to the parameter no_return",
+        *name);
+  if (const std::string error = time_error_of(scan); !error.empty()) {
+    node_.log().warn_every(kReminder, "scan: {}: its beams count as taken at one moment", error);
+    scan.time_increment = 0.0;
   }
-  if (!map_.insert(*looks, node_.now())) {
-    const Eigen::Vector3d p_MS = looks->back().X_MS.translation();
-    node_.log().error_every(1.0, "{} dropped: ({:.0f}, {:.0f}) is farther than an OctoMap reaches",
-                            sensor.topic, p_MS.x(), p_MS.y());
-    return;
-  }
-  unsent_ = stamp;
+}
+
+void OctomapBuilderNode::note_own_body(Sensor& sensor, std::size_t echoes) {
+  sensor.own_body = echoes;
+  if (echoes == 0 || std::exchange(sensor.own_body_told, true)) return;
+  node_.log().warn(
+      "{}: {} echoes of a look lie inside the robot's outline and are dropped, from now on without "
+      "a word: they are of the robot itself (if not, its length, width or footprint is wrong, or "
+      "where the sensor sits: {}, /tf_static)",
+      sensor.topic, echoes, sensor.parameter);
+}
+
+void OctomapBuilderNode::take(Sensor& sensor, const Sight& sight) {
+  const LookUse use = sensor.watch.judge(sight.judged, sight.composition, node_.now());
+  if (use == LookUse::kNone || (use == LookUse::kTake && !insert(sensor, sight.looks))) return;
+  sensor.watch.on_taken(node_.now());
+  unsent_ = sight.stamp;
   publish_if_due();
+}
+
+bool OctomapBuilderNode::insert(Sensor& sensor, const std::vector<Look>& looks) {
+  if (map_.insert(looks, node_.now())) return true;
+  const Eigen::Vector3d p_MS = looks.back().X_MS.translation();
+  give_up(sensor, kDropped,
+          fmt::format("({:.0f}, {:.0f}) is farther than an OctoMap reaches", p_MS.x(), p_MS.y()));
+  return false;
 }
 
 // So long after the stamp; a message without one is of now.
@@ -124,9 +181,70 @@ std::optional<Pose2> OctomapBuilderNode::pose_at(const Stamp& stamp, double afte
   return is_zero(stamp) ? robot->X_MB : poses_.at(rt::to_seconds(stamp) + after);
 }
 
+std::optional<Pose2> OctomapBuilderNode::odometry_at(const Stamp& stamp) {
+  return is_zero(stamp) ? robot_.odometry() : odometry_.at(rt::to_seconds(stamp));
+}
+
+// Why pose_at knows none.
+std::string OctomapBuilderNode::why_no_pose(const Stamp& stamp) {
+  const auto newest = poses_.newest();
+  if (!newest || !robot_.state())
+    return "not localised: odom, or the transform from map to odom, is silent";
+  const double ahead = rt::to_seconds(stamp) - *newest;
+  return fmt::format(
+      "no odometry of its time: its stamp is {:.1f} s {} odometry's; set the clock of the "
+      "computer that stamps it",
+      std::abs(ahead), ahead > 0.0 ? "ahead of" : "behind");
+}
+
+std::string OctomapBuilderNode::reason() {
+  if (!scanner_.watch.is_heard() && !camera_.watch.is_heard() &&
+      params_->watch.required_sensors.empty())
+    return "nothing is heard on scan or cloud_in: is a sensor's driver running?";
+  std::string all;
+  for (Sensor* sensor : {&scanner_, &camera_})
+    if (const std::string why = sensor->watch.reason(node_.now()); !why.empty())
+      all += (all.empty() ? "" : "; ") + why;
+  return all;
+}
+
+void OctomapBuilderNode::publish_status() {
+  tandem_msgs::msg::SensingStatus msg;
+  msg.header(header(node_.stamp(), params_->input.frames.base));
+  msg.reason(reason());
+  status_.publish(msg);
+  diagnose(msg.reason());
+}
+
+// Sensors that were not heard yet may be starting. Counts in brackets differ from look to look and
+// make no other reason.
+void OctomapBuilderNode::warn_of(const std::string& reason) {
+  const std::string text = "the robot must stand: " + reason;
+  if (!scanner_.watch.is_heard() && !camera_.watch.is_heard())
+    return node_.log().missing_every(kReminder, "{}", text);
+  node_.log().write_every(kReminder, rt::LogLevel::kError, reason.substr(0, reason.find('(')),
+                          text);
+}
+
+void OctomapBuilderNode::diagnose(const std::string& reason) {
+  if (!reason.empty()) {
+    warn_of(reason);
+    return diagnostics_.say(false, reason);
+  }
+  for (const Sensor* sensor : {&scanner_, &camera_})
+    if (const std::string warning = sensor->watch.warning(); !warning.empty()) {
+      node_.log().write_every(kReminder, rt::LogLevel::kWarn, sensor->topic, warning);
+      return diagnostics_.say(false, warning);
+    }
+  diagnostics_.say(true, fmt::format("all sensors see; inside the outline are {} echoes of scan, "
+                                     "{} of cloud_in, and are dropped",
+                                     scanner_.own_body, camera_.own_body));
+}
+
 void OctomapBuilderNode::publish_if_due() {
   const double now = node_.now(), began = node_.steady_now();
   if (!unsent_ || began < rested_ || (now >= sent_ && now - sent_ < params_->period)) return;
+  publish_status();
   octomap_msgs::msg::Octomap msg;
   msg.header(header(*unsent_, params_->input.frames.map));
   msg.binary(true);

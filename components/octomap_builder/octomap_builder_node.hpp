@@ -5,12 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "diagnostics.hpp"
 #include "map/slice.hpp"
 #include "model/frame_tree.hpp"
 #include "model/robot.hpp"
 #include "octomap_builder/local_map.hpp"
 #include "octomap_builder/mounting.hpp"
+#include "octomap_builder/own_body.hpp"
 #include "octomap_builder/pose_history.hpp"
+#include "octomap_builder/scan_reader.hpp"
+#include "octomap_builder/sensor_watch.hpp"
 #include "octomap_builder/sweep.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
@@ -22,6 +26,8 @@ struct OctomapBuilderNodeParams {
   SliceParams slice;
   std::vector<double> scan_pose, cloud_pose;
   LocalMapParams map;
+  ScanReaderParams scan;
+  SensorWatchParams watch;
   RobotStateParams input;
   double period = 0.05;
 
@@ -30,6 +36,8 @@ struct OctomapBuilderNodeParams {
     robot.visit(field);
     slice.visit(field);
     map.visit(field);
+    scan.visit(field);
+    watch.visit(field);
     input.visit(field);
     field("scan_pose", scan_pose, Range{-100.0, 100.0},
           "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `scan` in base_link; empty: by "
@@ -46,23 +54,37 @@ struct OctomapBuilderNodeParams {
   return params.slice.floor + params.slice.z_min + 0.5 * params.map.resolution;
 }
 
-/// scan, cloud_in, odom, tf, tf_static → octomap_local: what is seen near the robot now.
+/// scan, cloud_in, odom, tf, tf_static → octomap_local, what is seen near the robot now;
+/// sensing_status, whether all sensors see; /diagnostics.
 ///
 /// Where the outline stands, and what it sweeps, counts as seen too: as free ground at the lowest
 /// voxel of the slice.
 ///
 /// Each beam of a scan counts as taken when its time_increment says, from where the robot was then.
-/// Service ~/reset forgets all that was seen. Speaks only after a scan or cloud was taken in, so
-/// that its silence says that nobody looks.
+/// Service ~/reset forgets all that was seen. octomap_local comes only after a scan or cloud was
+/// taken in, so that its silence says that nobody looks; sensing_status comes with each
+/// octomap_local and every kStatusPeriod.
 class OctomapBuilderNode {
  public:
+  static constexpr double kStatusPeriod = 0.1;  ///< [s] of steady time
+
   explicit OctomapBuilderNode(rt::Node& node);
 
  private:
   struct Sensor {
     const char *topic, *parameter;
     std::optional<Eigen::Isometry3d> X_BS;  // by the parameter
-    std::optional<double> unplaced = {};    // since when /tf_static lacks its frame [s]
+    SensorWatch watch;
+    std::optional<double> unplaced = {};  // since when /tf_static lacks its frame [s]
+    std::size_t own_body = 0;             // echoes of the last look inside the outline
+    bool own_body_told = false;
+  };
+  // A look before it is judged and inserted.
+  struct Sight {
+    JudgedLook judged;
+    std::string composition;
+    std::vector<Look> looks;
+    Stamp stamp;
   };
 
   void subscribe();
@@ -71,26 +93,39 @@ class OctomapBuilderNode {
   void on_cloud(const sensor_msgs::msg::PointCloud2& msg);
   [[nodiscard]] std::optional<Eigen::Isometry3d> place_of(Sensor& sensor, const std::string& frame);
   [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp, double after);
-  void insert(const Sensor& sensor, const std::optional<std::vector<Look>>& looks,
-              const Stamp& stamp);
+  [[nodiscard]] std::optional<Pose2> odometry_at(const Stamp& stamp);
+  [[nodiscard]] std::string why_no_pose(const Stamp& stamp);
+  void give_up(Sensor& sensor, const char* what, const std::string& why);
+  void check_oddities(RangeScan& scan);
+  void note_own_body(Sensor& sensor, std::size_t echoes);
+  void take(Sensor& sensor, const Sight& sight);
+  [[nodiscard]] bool insert(Sensor& sensor, const std::vector<Look>& looks);
+  [[nodiscard]] std::string reason();
+  void publish_status();
+  void warn_of(const std::string& reason);
+  void diagnose(const std::string& reason);
   void publish_if_due();
 
   rt::Node& node_;
   rt::Parameters<OctomapBuilderNodeParams> params_;
   Footprint outline_;
   LocalMap map_;
+  OwnBody body_;
+  ScanReader reader_;
   Sensor scanner_, camera_;
   FrameTree frames_;
-  PoseHistory poses_;
+  PoseHistory poses_, odometry_;  // X_MB; X_WB, by which echoes are expected to move
   RobotStateInput robot_;
   std::optional<Stamp> unsent_;  // of the newest look that no map was sent with
   double sent_ = 0.0;            // node's clock [s]
   double rested_ = 0.0;          // steady clock: no map before [s]
 
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
+  rt::Publisher<tandem_msgs::msg::SensingStatus> status_;
+  Diagnostics diagnostics_;
   rt::Subscription scan_, cloud_, tf_static_;
   rt::Service reset_;
-  rt::Timer timer_;
+  rt::Timer timer_, status_timer_;
 };
 
 }  // namespace tandem

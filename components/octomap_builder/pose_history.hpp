@@ -32,6 +32,11 @@ class PoseHistory {
     return std::nullopt;
   }
 
+  /// The newest stamp [s]; nothing before the first pose.
+  [[nodiscard]] std::optional<double> newest() const {
+    return samples_.empty() ? std::nullopt : std::optional{samples_.back().stamp};
+  }
+
  private:
   struct Sample {
     Pose2 X_MB;

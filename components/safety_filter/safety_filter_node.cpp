@@ -18,6 +18,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       params_{node.declare_parameters<SafetyFilterNodeParams>()},
       filter_{params_->filter, params_->robot},
       map_{node, params_->map},
+      sensing_{node, params_->map},
       robot_{node, params_->input},
       status_{node.create_publisher(topics::filter_status)},
       diagnostics_{node},
@@ -66,12 +67,15 @@ Filtered SafetyFilterNode::next() {
     return filter_.stop(FilterReason::kClockSilent, node_.now());
   }
   const auto robot = robot_.state();
-  filter_.on_map(map_.map(robot));
+  const auto map = map_.map(robot);
+  blind_ = sensing_.trouble();
+  filter_.on_map(blind_.empty() ? map : nullptr);
   return filter_.update(robot, node_.now());
 }
 
-const char* SafetyFilterNode::why(const Filtered& out) const {
-  return out.reason == FilterReason::kNoMap ? map_.missing() : name(out.reason);
+std::string SafetyFilterNode::why(const Filtered& out) const {
+  if (out.reason != FilterReason::kNoMap) return name(out.reason);
+  return blind_.empty() ? map_.missing() : blind_;
 }
 
 void SafetyFilterNode::send(const Twist2& twist) {

@@ -9,6 +9,7 @@
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "safety_filter/safety_filter.hpp"
+#include "sensing_input.hpp"
 #include "twist_input.hpp"
 
 namespace tandem {
@@ -37,7 +38,7 @@ struct SafetyFilterNodeParams {
   }
 };
 
-/// cmd_vel_arbitrated, octomap_binary, octomap_local, people, odom, tf → cmd_vel,
+/// cmd_vel_arbitrated, octomap_binary, octomap_local, sensing_status, people, odom, tf → cmd_vel,
 /// safety_filter/status, /diagnostics.
 ///
 /// The last node before the wheels. Answers every command when it arrives and speaks at least every
@@ -52,7 +53,7 @@ class SafetyFilterNode {
  private:
   void update();
   [[nodiscard]] Filtered next();
-  [[nodiscard]] const char* why(const Filtered& out) const;  // in words
+  [[nodiscard]] std::string why(const Filtered& out) const;  // in words
   void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);
@@ -63,6 +64,8 @@ class SafetyFilterNode {
   rt::Parameters<SafetyFilterNodeParams> params_;
   SafetyFilter filter_;
   MapInput map_;
+  SensingInput sensing_;
+  std::string blind_;  // why no map of what is seen can be believed; empty if it can
   std::unique_ptr<PeopleInput> people_;  ///< if they are watched
   RobotStateInput robot_;
   Filtered last_;

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "octomap_builder/sensor_watch.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "octomap_builder/mounting.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kFrozen = 2.0;   // voxels by which echoes should have moved
+constexpr double kFar = 2.0;      // [m] … or as a whole, whatever the surfaces
+constexpr double kAcross = 0.95;  // quantile of the echoes
+constexpr double kSuspect = 0.1;  // voxels; the same echoes are not taken in from here on
+constexpr int kFrozenLooks = 3;   // chance may repeat one, of few echoes
+constexpr int kLostLooks = 10;    // in a row with few beams, before it is said
+constexpr double kLostShare = 0.5;
+constexpr double kForget = 0.999;  // of the usual share, from look to look
+
+// Of all bits: FNV-1a by words.
+std::uint64_t hash_of(const std::vector<Eigen::Vector3d>& points) {
+  std::uint64_t hash = 14695981039346656037U;
+  for (const Eigen::Vector3d& p : points)
+    for (const double x : {p.x(), p.y(), p.z()})
+      hash = std::rotl((hash ^ std::bit_cast<std::uint64_t>(x)) * 1099511628211U, 29);
+  return hash;
+}
+
+struct Motion {
+  double mean, across;  // [m]
+};
+
+// How the echoes move in the sensor's frame if the robot moves by X_BN. The line through an echo's
+// neighbours stands for the surface that it lies on.
+Motion motion_of(const JudgedLook& look, const Pose2& X_BN) {
+  const Eigen::Isometry3d X_NS = look.X_BS.inverse() * in_space(inverse(X_BN)) * look.X_BS;
+  const auto& p_SQ = look.seen.p_SQ;
+  const std::size_t last = p_SQ.size() - 1;
+  std::vector<double> across;
+  double sum = 0.0;
+  for (std::size_t i = 0; i <= last; ++i) {
+    const Eigen::Vector3d way = X_NS * p_SQ[i] - p_SQ[i];
+    const Eigen::Vector3d along = p_SQ[std::min(i + 1, last)] - p_SQ[i == 0 ? 0 : i - 1];
+    const double length = along.norm();
+    across.push_back(length > 0.0 ? way.cross(along).norm() / length : way.norm());
+    sum += way.norm();
+  }
+  const auto rank =
+      across.begin() + static_cast<std::ptrdiff_t>(kAcross * static_cast<double>(last));
+  std::nth_element(across.begin(), rank, across.end());
+  return {sum / static_cast<double>(p_SQ.size()), *rank};
+}
+
+std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
+
+}  // namespace
+
+SensorWatch::SensorWatch(std::string topic, const SensorWatchParams& params, double voxel)
+    : topic_{std::move(topic)}, params_{params}, voxel_{voxel} {
+  check(params);
+  const auto& required = params.required_sensors;
+  required_ = std::find(required.begin(), required.end(), topic_) != required.end();
+}
+
+void SensorWatch::on_message(double t) {
+  watch_clock(t);
+  if (!heard_since_) heard_since_ = t;
+  heard_ = t;
+}
+
+void SensorWatch::on_trouble(std::string why, double t) {
+  on_message(t);
+  trouble_ = std::move(why);
+}
+
+LookUse SensorWatch::judge(const JudgedLook& look, const std::string& composition, double t) {
+  if (!(look.valid_share > 0.0 && look.valid_share >= params_.min_valid_share)) {
+    on_trouble("gives no valid range (" + composition +
+                   "): is it covered or broken? If these values mean that nothing is in range, "
+                   "name them in no_return",
+               t);
+    return LookUse::kNone;
+  }
+  on_message(t);
+  watch_share(look.valid_share);
+  compare(look);
+  const bool is_repeated = repeated_ && repeated_->moved > kSuspect * voxel_;
+  return is_repeated ? LookUse::kRepeated : LookUse::kTake;
+}
+
+void SensorWatch::on_taken(double t) {
+  looked_ = t;
+  trouble_.clear();
+}
+
+// The same echoes as before? Without odometry of their time nobody can tell that they should move.
+void SensorWatch::compare(const JudgedLook& look) {
+  if (look.seen.p_SQ.empty()) return repeated_.reset();
+  const std::uint64_t hash = hash_of(look.seen.p_SQ);
+  if (!repeated_ || repeated_->hash != hash) {
+    repeated_.reset();
+    if (look.X_WB) repeated_ = Repeated{hash, *look.X_WB, 1, 0.0, 0.0};
+    return;
+  }
+  ++repeated_->looks;
+  if (!look.X_WB) return;
+  const Motion motion = motion_of(look, compose(inverse(repeated_->X_WB), *look.X_WB));
+  repeated_->moved = motion.mean;
+  repeated_->across = motion.across;
+}
+
+bool SensorWatch::is_frozen() const {
+  return repeated_ && repeated_->looks >= kFrozenLooks &&
+         (repeated_->across > kFrozen * voxel_ || repeated_->moved > kFar);
+}
+
+void SensorWatch::watch_share(double share) {
+  share_ = share;
+  usual_share_ = std::max(share, kForget * usual_share_);
+  looks_with_few_ = share < kLostShare * usual_share_ ? looks_with_few_ + 1 : 0;
+}
+
+std::string SensorWatch::reason(double now) {
+  watch_clock(now);
+  if (!heard_since_)
+    return required_ ? topic_ + " is silent, and required_sensors names it: is its driver running?"
+                     : std::string{};
+  if (is_frozen())
+    return topic_ +
+           " is frozen: its echoes are the same to the bit though odometry moved; restart its "
+           "driver (if the wheels slip, free the robot and call octomap_builder's ~/reset)";
+  if (now - std::max(looked_, *heard_since_) <= params_.sensor_timeout) return {};
+  if (now - heard_ > params_.sensor_timeout || trouble_.empty())
+    return topic_ +
+           " is silent: is its driver running? (sensor_timeout; if the sensor was taken off, "
+           "restart octomap_builder)";
+  return topic_ + " " + trouble_;
+}
+
+std::string SensorWatch::warning() const {
+  if (looks_with_few_ < kLostLooks) return {};
+  return topic_ + ": only " + percent(share_) + " of its beams are usable, of " +
+         percent(usual_share_) + " before: is it dirty, or partly covered?";
+}
+
+void SensorWatch::watch_clock(double t) {
+  if (std::exchange(newest_, t) <= t) return;
+  if (heard_since_) heard_since_ = t;
+  heard_ = std::min(heard_, t);
+  looked_ = std::min(looked_, t);
+  repeated_.reset();
+}
+
+}  // namespace tandem
