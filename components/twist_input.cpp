@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "twist_input.hpp"
 
-#include "convert.hpp"
+#include "model/frame_tree.hpp"
 
 namespace tandem {
 
@@ -18,8 +18,20 @@ TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist
 void TwistInput::subscribe_stamped(const rt::QoS& qos) {
   node_.log().info("{} comes as TwistStamped too", stamped_topic_.name);
   stamped_ = node_.create_subscription(stamped_topic_, qos, [this](const auto& msg) {
-    if (check_.in_time(msg.header().stamp())) hear(msg.twist(), stamped_);
+    if (is_of_robot(msg.header().frame_id()) && check_.in_time(msg.header().stamp()))
+      hear(msg.twist(), stamped_);
   });
+}
+
+bool TwistInput::is_of_robot(const std::string& frame) const {
+  const auto name = bare_frame(frame);
+  if (name != bare_frame(frames_.map) && name != bare_frame(frames_.odom)) return true;
+  node_.log().write_every(
+      1.0, rt::LogLevel::kWarn, stamped_topic_.name,
+      fmt::format("{} is given in frame `{}`, in which the robot moves: dropped; commands are of "
+                  "the robot's own frame (`{}`, or none)",
+                  stamped_topic_.name, frame, frames_.base));
+  return false;
 }
 
 void TwistInput::hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from) {

@@ -6,14 +6,15 @@
 #include <memory>
 #include <utility>
 
-#include "model/se2.hpp"
+#include "convert.hpp"
 #include "runtime/node.hpp"
 #include "stamp_check.hpp"
 
 namespace tandem {
 
 /// Subscribes a velocity topic for a node. Plain Twist at once, TwistStamped from when somebody
-/// publishes that type. A command that is not finite is logged and dropped.
+/// publishes that type. A command that is not finite is logged and dropped; so is one that is given
+/// in the map's frame or odom's: v and w are of the robot, whatever its own frame is called.
 class TwistInput {
  public:
   using Command = std::function<void(const Twist2&)>;
@@ -25,6 +26,8 @@ class TwistInput {
       : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
   /// Stamps are of this time [s], for a node that makes it; else of the node's own.
   void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
+  /// What map and odom are called here, if not by their usual names.
+  void set_frames(Frames frames) { frames_ = std::move(frames); }
   /// Commands that are not finite go on too, to a node that stops for them.
   void pass_not_finite() { passes_not_finite_ = true; }
   /// Who sent the last command; to be asked within its callback.
@@ -34,12 +37,14 @@ class TwistInput {
 
  private:
   void subscribe_stamped(const rt::QoS& qos);
+  [[nodiscard]] bool is_of_robot(const std::string& frame) const;
   void hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from);
 
   rt::Node& node_;
   rt::Topic<geometry_msgs::msg::TwistStamped> stamped_topic_;
   StampCheck check_;
   Command command_;
+  Frames frames_;
   bool passes_not_finite_ = false;
   rt::PublisherId sender_{};
   rt::Subscription plain_, stamped_;

@@ -86,6 +86,21 @@ TEST_F(TwistInputTest, DropsWhatIsNoNumberAndSaysSoUnlessToldToPassIt) {
   EXPECT_TRUE(await([&] { return got_.size() == 2; }));
 }
 
+TEST_F(TwistInputTest, TakesACommandOfAnyFrameOfTheRobotAndNoneOfMapOrOdom) {
+  const test::CapturedLog log;
+  const auto publisher = sender_.create_publisher(kStamped);
+  ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
+  double v = 0.0;
+  for (const char* frame : {"map", "/odom", "", "base_link", "base_footprint", "joy"}) {
+    TwistStamped msg = stamped(v += 1.0, 0.0);
+    msg.header().frame_id(frame);
+    publisher.publish(msg);
+  }
+  ASSERT_TRUE(await([&] { return !got_.empty() && got_.back() == 6.0; }));
+  EXPECT_GE(got_.front(), 3.0);
+  EXPECT_GE(log.lines("cmd_vel is given in frame `map`, in which the robot moves: dropped"), 1);
+}
+
 TEST_F(TwistInputTest, TakesAStampOfZeroForNone) {
   const auto publisher = sender_.create_publisher(kStamped);
   ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
