@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "bringup/diagnoses.hpp"
+#include "frames_input.hpp"
 #include "runtime/shutdown.hpp"
 #include "topics.hpp"
 
@@ -178,6 +179,47 @@ class ClockWatch {
   rt::Subscription clock_;
 };
 
+// The frames of /tf while they are watched, and what a filter says of a robot that lacks some.
+class FrameWatch {
+ public:
+  explicit FrameWatch(rt::Node& node)
+      : frames_{node, Frames{}, LocalizationParams{}},
+        filter_{node.create_subscription(topics::filter_status,
+                                         [this](const auto& msg) { reason_ = msg.reason(); })} {}
+
+  void print(const Domain& domain) const {
+    std::printf("\nFrames\n");
+    frames_.tree().for_each(
+        [&](const auto& child, const auto& parent, bool is_static, const FrameSender& sender) {
+          std::printf("  %-40s %-10s %s\n", (parent + " → " + child).c_str(),
+                      is_static ? "/tf_static" : "/tf", sender_name(domain, sender).c_str());
+        });
+    if (frames_.heard() == 0) std::printf("  nobody publishes /tf or /tf_static\n");
+  }
+
+  void examine(std::vector<Finding>& found) const {
+    if (const auto two = frames_.two_parents(); !two.empty())
+      found.push_back({two, "let one of the two stop publishing it (publish_tf: false)"});
+    if (reason_.starts_with("not localized"))
+      found.push_back(
+          {"the safety filter stands: " + reason_ + "; the frames are " + frames_.tree().listing(),
+           "start a localiser that publishes map → odom, or name the frames with "
+           "map_frame, odom_frame and base_frame; map_is_odom: true without one"});
+  }
+
+ private:
+  static std::string sender_name(const Domain& domain, const FrameSender& sender) {
+    const std::string id = FramesInput::id_of(sender);
+    for (const auto& endpoint : domain.endpoints)
+      if (endpoint.id == id) return who(endpoint);
+    return id;
+  }
+
+  FramesInput frames_;
+  std::string reason_;
+  rt::Subscription filter_;
+};
+
 std::string value_of(const char* variable) {
   const char* value = std::getenv(variable);
   return value == nullptr ? "" : value;
@@ -243,6 +285,7 @@ int visit(double duration) {
   rt::Node node{"tandem_doctor"};
   const rt::DomainView view{node};
   const ClockWatch clock{node};
+  const FrameWatch frames{node};
   Diagnoses diagnoses;
   const auto diagnostics = node.create_subscription(
       topics::diagnostics, [&diagnoses](const auto& msg) { add(diagnoses, msg); });
@@ -253,6 +296,7 @@ int visit(double duration) {
   print_environment();
   print_participants(domain);
   print_topics(domain);
+  frames.print(domain);
   auto found = examine(domain);
   if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr &&
       std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE") == nullptr)
@@ -262,6 +306,7 @@ int visit(double duration) {
          "make it a SUPER_CLIENT by a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as ROS 2's own "
          "tools need it"});
   clock.examine(found);
+  frames.examine(found);
   for (auto& finding : examine(diagnoses)) found.push_back(std::move(finding));
   for (const auto& segment : stale_segments("/dev/shm", "/proc"))
     found.push_back({segment + " was left behind by a program that died",

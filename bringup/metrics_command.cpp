@@ -113,19 +113,36 @@ class Replay {
     on(topics::filter_status, [this](const auto& msg) { drive_.on_filter(msg); });
     if (has_truth_) {
       on(topics::ground_truth, [this](const auto& msg) {
-        if (const auto truth = from_msg(msg))
+        if (const auto truth = truth_from(msg, frames_.map))
           drive_.on_robot(*truth, rt::to_seconds(msg.header().stamp()));
       });
       return;
     }
-    on(topics::tf, [this](const auto& msg) {
-      if (const auto X_MW = find_transform(msg, frames_.map, frames_.odom)) X_MW_ = *X_MW;
-    });
+    on(topics::tf, [this](const auto& msg) { learn(msg, false); });
+    on(topics::tf_static, [this](const auto& msg) { learn(msg, true); });
     on(topics::odom, [this](const auto& msg) {
-      if (const auto odometry = from_msg(msg))
-        drive_.on_robot({compose(X_MW_, odometry->X), odometry->twist},
+      const auto odometry = from_msg(msg);
+      if (const auto X_MF = in_map(msg.header().frame_id()); X_MF && odometry)
+        drive_.on_robot({compose(*X_MF, odometry->X), odometry->twist},
                         rt::to_seconds(msg.header().stamp()));
     });
+  }
+
+  void learn(const tf2_msgs::msg::TFMessage& msg, bool is_static) {
+    for (const auto& transform : msg.transforms())
+      if (const auto X_PC = from_msg(transform.transform())) {
+        const FrameLink link{.parent = transform.header().frame_id(),
+                             .child = transform.child_frame_id(),
+                             .X_PC = *X_PC,
+                             .stamp = {}};
+        is_static ? tree_.set_static(link) : tree_.set(link);
+      }
+  }
+  // Without a localiser map and odom are one.
+  [[nodiscard]] std::optional<Pose2> in_map(const std::string& frame) const {
+    const auto name = frame.empty() ? bare_frame(frames_.odom) : bare_frame(frame);
+    if (const auto X_MF = tree_.pose(frames_.map, name)) return in_plane(*X_MF);
+    return name == bare_frame(frames_.odom) ? std::optional{Pose2{}} : std::nullopt;
   }
 
   std::string recording_;
@@ -136,7 +153,7 @@ class Replay {
   bool has_truth_ = false, compared_ = false;
   std::map<std::size_t, std::function<void(const Bytes&)>> readers_;  // by topic
   Frames frames_;
-  Pose2 X_MW_;  // without a localiser the frames are one
+  FrameTree tree_;
 };
 
 // No topic carries the seed, and a guess at it would measure another drive.

@@ -43,7 +43,7 @@ class Monitor {
   void listen_to_robot() {
     truth_ = node_.create_subscription(topics::ground_truth, [this](const auto& msg) {
       heard_ = node_.steady_now();
-      if (const auto truth = from_msg(msg))
+      if (const auto truth = truth_from(msg, Frames{}.map))
         drive_.on_robot(*truth, rt::to_seconds(msg.header().stamp()));
       if (drive_.over()) node_.stop();
     });

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "model/frame_tree.hpp"
+
 namespace tandem {
 namespace {
 
@@ -86,6 +88,13 @@ std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg) {
   return is_finite(twist) ? std::optional{twist} : std::nullopt;
 }
 
+Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C) {
+  if (X_CB == Pose2{}) return {of_C.linear().x(), of_C.angular().z()};
+  const double w = of_C.angular().z();
+  const Eigen::Vector2d v_CB{of_C.linear().x() - w * X_CB.y, of_C.linear().y() + w * X_CB.x};
+  return {std::cos(X_CB.theta) * v_CB.x() + std::sin(X_CB.theta) * v_CB.y(), w};
+}
+
 geometry_msgs::msg::Twist to_msg(const Twist2& twist) {
   geometry_msgs::msg::Twist msg;
   msg.linear().x(twist.v);
@@ -116,6 +125,11 @@ std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg) {
   const auto twist = from_msg(msg.twist().twist());
   if (!X || !twist) return std::nullopt;
   return Odometry{*X, *twist};
+}
+
+std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg, const std::string& map) {
+  const auto frame = bare_frame(msg.header().frame_id());
+  return frame.empty() || frame == bare_frame(map) ? from_msg(msg) : std::nullopt;
 }
 
 nav_msgs::msg::Odometry to_msg(const Odometry& odometry, const std_msgs::msg::Header& header,

@@ -45,6 +45,10 @@ struct Odometry {
 [[nodiscard]] std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg);
 [[nodiscard]] geometry_msgs::msg::Twist to_msg(const Twist2& twist);
 
+/// The twist of B on a robot whose frame C moves so, with B fixed at X_CB in C. What it would be to
+/// the side in B is not read.
+[[nodiscard]] Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C);
+
 /// Heading from the quaternion's yaw. Nothing if a number is not finite or the quaternion is zero.
 [[nodiscard]] std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg);
 [[nodiscard]] geometry_msgs::msg::Pose to_msg(const Pose2& X);
@@ -52,6 +56,9 @@ struct Odometry {
                                                      const std_msgs::msg::Header& header);
 
 [[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg);
+/// Ground truth, of which nobody asks /tf; nothing in another frame than `map` or none either.
+[[nodiscard]] std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg,
+                                                 const std::string& map);
 [[nodiscard]] nav_msgs::msg::Odometry to_msg(const Odometry& odometry,
                                              const std_msgs::msg::Header& header,
                                              const std::string& child);

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "map_input.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "map/octomap_file.hpp"
 #include "map/overlay.hpp"
+#include "map/placed_grid.hpp"
 #include "topics.hpp"
 
 namespace tandem {
+namespace {
+
+constexpr double kStill = 1e-6;  // [m] a frame that moves by less has not moved
+
+}  // namespace
 
 Fixtures fixtures_of(const MapInputParams& params) {
   return params.fixtures.empty() ? Fixtures{} : load_fixtures(params.fixtures);
@@ -28,8 +36,8 @@ std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& lo
                                            params.unknown_is_obstacle);
 }
 
-MapInput::MapInput(rt::Node& node, const MapInputParams& params)
-    : node_{node}, params_{params}, fixtures_{fixtures_of(params)} {
+MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames)
+    : node_{node}, params_{params}, fixtures_{fixtures_of(params)}, frames_{frames} {
   if (params_.map_source == "local") base_ = with_forbidden(Grid{}, fixtures_);
   if (params_.map_source != "local") subscribe(topics::octomap_binary, static_);
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
@@ -54,12 +62,79 @@ void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inb
     inbox.refused = is_foreign(topic.name, inbox);
     if (inbox.refused) return;
     inbox.sender = inbox.subscription.sender();
-    {
-      const std::lock_guard lock{mutex_};
-      inbox.waiting = {msg, node_.now()};
-    }
-    arrived_.notify_one();
+    hand_over(inbox, HeardMap{msg, node_.now()});
   });
+}
+
+void MapInput::hand_over(Inbox& inbox, HeardMap map) {
+  const std::string& frame = map.value.header().frame_id();
+  const auto place = place_of(frame, inbox.refusal);
+  if (place) {
+    inbox.unplaced.reset();
+    return hand_over(inbox, Job{std::move(map), *place});
+  }
+  inbox.refusal = fmt::format("{} is given in frame `{}`, not `{}`: not used: {}", inbox.topic,
+                              frame, frames_.names().map, inbox.refusal);
+  node_.log().missing_every(5.0, "{}", inbox.refusal);
+  inbox.tried = frames_.heard();
+  inbox.unplaced = std::move(map);
+}
+
+void MapInput::hand_over(Inbox& inbox, Job job) {
+  inbox.place = job.place;
+  {
+    const std::lock_guard lock{mutex_};
+    inbox.waiting = std::move(job);
+  }
+  arrived_.notify_one();
+}
+
+// Nothing, and why, if the frame is not known.
+std::optional<MapInput::Place> MapInput::place_of(const std::string& frame,
+                                                  std::string& refusal) const {
+  const Placing placing = frames_.in_map(frame);
+  refusal = placing.refusal;
+  if (!placing.X_AB) return std::nullopt;
+  if (placing.X_AB->linear()(2, 2) < std::cos(kMostTilt)) {
+    refusal = "it does not lie level";
+    return std::nullopt;
+  }
+  return Place{.frame = frame,
+               .X_MF = in_plane(*placing.X_AB),
+               .height = placing.X_AB->translation().z(),
+               .spread = placing.is_static ? 0.0 : kSpread,
+               .follows = !frames_.is_map(frame)};
+}
+
+// How far something near the robot moves if the frame does [m].
+double MapInput::shift(const Place& from, const Place& to) const {
+  const Eigen::Vector2d p_MQ = p_MB_.value_or(from.X_MF.position());
+  const Eigen::Vector2d p_FQ = transform(inverse(from.X_MF), p_MQ);
+  return (transform(to.X_MF, p_FQ) - p_MQ).norm() +
+         kNear * std::abs(wrap_angle(to.X_MF.theta - from.X_MF.theta));
+}
+
+// Hands over a map whose frame has become known, or has moved; says if the one in force is
+// misplaced by now. What is seen now comes again by itself.
+void MapInput::follow_frame(Inbox& inbox) {
+  if (inbox.unplaced && inbox.tried != frames_.heard())
+    hand_over(inbox, *std::exchange(inbox.unplaced, std::nullopt));
+  inbox.trouble.clear();
+  std::unique_lock lock{mutex_};
+  const auto in_force = inbox.in_force;
+  lock.unlock();
+  if (!in_force || !in_force->follows) return;
+  const auto now_at = place_of(in_force->frame, inbox.trouble);
+  if (!now_at) {
+    inbox.trouble = fmt::format("{} cannot be placed: {}", inbox.topic, inbox.trouble);
+    return;
+  }
+  if (&inbox == &static_ && inbox.place->frame == in_force->frame &&
+      shift(*inbox.place, *now_at) > 0.5 * std::max(inbox.place->spread, kStill))
+    hand_over(inbox, Job{.place = *now_at});
+  if (shift(*in_force, *now_at) > std::max(in_force->spread, kStill))
+    inbox.trouble = fmt::format("{} is being placed anew: its frame `{}` has moved", inbox.topic,
+                                in_force->frame);
 }
 
 // Where two publish, nobody knows whose map is this robot's: the one in force stays. A second one's
@@ -83,14 +158,21 @@ void MapInput::ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inb
 std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& robot) {
   ask_again(topics::octomap_binary, static_);
   ask_again(topics::octomap_local, local_);
+  follow_frame(static_);
+  follow_frame(local_);
   const std::lock_guard lock{mutex_};
   if (robot) p_MB_ = robot->X_MB.position();
+  if (!static_.trouble.empty() || !local_.trouble.empty()) return nullptr;
   if (params_.map_source == "static") return map_.value;
   map_.forget_later_than(node_.now());
   return map_.fresh(node_.now(), params_.local_timeout) ? map_.value : nullptr;
 }
 
-const char* MapInput::missing() const {
+std::string MapInput::missing() const {
+  for (const Inbox* inbox : {&static_, &local_})
+    if (!inbox->trouble.empty()) return inbox->trouble;
+  for (const Inbox* inbox : {&static_, &local_})
+    if (inbox->unplaced) return inbox->refusal;
   const std::lock_guard lock{mutex_};
   return map_.value ? "octomap_local is silent" : "no map yet";
 }
@@ -105,14 +187,14 @@ void MapInput::run() {
     const auto p_MB = p_MB_;
     lock.unlock();
     const auto map =
-        fixed ? unless_refused("octomap_binary", [&] { return take_static(fixed->value); })
-              : nullptr;
+        fixed ? unless_refused("octomap_binary", [&] { return take_static(*fixed); }) : nullptr;
     const auto seen =
-        local ? unless_refused("octomap_local", [&] { return take_local(local->value, p_MB); })
-              : nullptr;
+        local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : nullptr;
     lock.lock();
     if (map) map_.value = map;
-    if (seen) map_ = {seen, local->t};
+    if (seen) map_ = {seen, local->map->t};
+    if (map || seen) static_.in_force = base_place_;
+    if (seen) local_.in_force = local->place;
   }
 }
 
@@ -129,9 +211,17 @@ std::shared_ptr<const StaticMap> MapInput::unless_refused(const char* topic, con
 }
 
 // The map of octomap_binary alone, if that is all that is asked for.
-std::shared_ptr<const StaticMap> MapInput::take_static(const octomap_msgs::msg::Octomap& msg) {
-  Grid grid = with_forbidden(decode(msg, false), fixtures_);
-  node_.log().info("map: {} x {} cells of {:.3f} m", grid.width, grid.height, grid.resolution);
+std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
+  if (!job.map && (!unmoved_base_ || base_place_->frame != job.place.frame)) return nullptr;
+  Grid unmoved =
+      job.map ? decode(job.map->value, job.place.height, false) : *std::move(unmoved_base_);
+  unmoved_base_.reset();
+  if (job.place.follows) unmoved_base_ = unmoved;
+  Grid grid =
+      with_forbidden(placed(std::move(unmoved), job.place.X_MF, job.place.spread), fixtures_);
+  base_place_ = job.place;
+  if (job.map)
+    node_.log().info("map: {} x {} cells of {:.3f} m", grid.width, grid.height, grid.resolution);
   if (params_.map_source == "static")
     return std::make_shared<const StaticMap>(std::move(grid), params_.unknown_is_obstacle);
   base_ = std::move(grid);
@@ -139,8 +229,9 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const octomap_msgs::msg::
 }
 
 std::shared_ptr<const StaticMap> MapInput::take_local(
-    const octomap_msgs::msg::Octomap& msg, const std::optional<Eigen::Vector2d>& p_MB) const {
-  const Grid local = decode(msg, true);
+    const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const {
+  const Grid local =
+      placed(decode(job.map->value, job.place.height, true), job.place.X_MF, job.place.spread);
   if (!base_) return nullptr;
   const Eigen::Vector2d middle =
       local.origin + 0.5 * local.resolution * Eigen::Vector2d(local.width, local.height);
@@ -148,11 +239,14 @@ std::shared_ptr<const StaticMap> MapInput::take_local(
 }
 
 // Where nothing is seen nothing may stand: only a map that stays must hold something.
-Grid MapInput::decode(const octomap_msgs::msg::Octomap& msg, bool may_be_empty) const {
+Grid MapInput::decode(const octomap_msgs::msg::Octomap& msg, double height,
+                      bool may_be_empty) const {
   const auto decoded =
       decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
   if (!decoded.tree) throw std::runtime_error(decoded.error);
-  return slice(*decoded.tree, params_.slice);
+  SliceParams in_its_frame = params_.slice;
+  in_its_frame.floor -= height;
+  return slice(*decoded.tree, in_its_frame);
 }
 
 }  // namespace tandem

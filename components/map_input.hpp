@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "frames_input.hpp"
 #include "map/fixtures.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
@@ -61,12 +62,23 @@ struct MapInputParams {
 /// does a map that comes while two nodes publish its topic, or from another one than the one in
 /// force. Once one is left, its map is asked for.
 ///
+/// A map in another frame than the map's is placed by `/tf`: turned into the map's grid, so that no
+/// obstacle is lost, and again whenever the frame has moved; a slice costs far less than decoding.
+/// Obstacles of a frame that may move are grown by kSpread, and hold for so long as it has moved by
+/// less: the next placing begins at half of it. Where it has moved farther, as after a jump, there
+/// is no map until it is placed anew. A map whose frame is not known waits for `/tf`, and the old
+/// one stays in force.
+///
 /// `octomap_local` is small and comes with every scan. It is laid over the static map within
 /// `local_reach` of the robot only, so that an update costs the same in any building.
 class MapInput {
  public:
+  static constexpr double kSpread = 0.03;    ///< [m]
+  static constexpr double kNear = 5.0;       ///< [m] from the robot, where a turn is looked at
+  static constexpr double kMostTilt = 0.02;  ///< [rad] of a map's frame
+
   /// Throws std::runtime_error if the fixtures cannot be read.
-  MapInput(rt::Node& node, const MapInputParams& params);
+  MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames);
   ~MapInput();
   MapInput(const MapInput&) = delete;
   MapInput& operator=(const MapInput&) = delete;
@@ -78,39 +90,69 @@ class MapInput {
   [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
 
   /// Why `map` gave none.
-  [[nodiscard]] const char* missing() const;
+  [[nodiscard]] std::string missing() const;
 
  private:
   using HeardMap = Heard<octomap_msgs::msg::Octomap>;
 
+  /// How the grid of a map's frame F is laid into M.
+  struct Place {
+    std::string frame;
+    Pose2 X_MF;
+    double height = 0.0;   // of F's ground in M [m]
+    double spread = 0.0;   // that obstacles are grown by [m]
+    bool follows = false;  // F is not the map's own frame, and may come to lie elsewhere
+  };
+  struct Job {
+    std::optional<HeardMap> map = {};  // none: the last one again, at another place
+    Place place;
+  };
+
   struct Inbox {
-    std::optional<HeardMap> waiting = {};  // for the worker
+    const char* topic;
+    std::optional<Job> waiting = {};     // for the worker
+    std::optional<Place> in_force = {};  // of the map that `map` gives
     rt::Subscription subscription = {};
     std::optional<rt::PublisherId> sender = {};  // of the map in force
     bool refused = false;                        // the last message, for another one sent it
+    // The node's alone:
+    std::optional<Place> place = {};        // of what was handed over last
+    std::optional<HeardMap> unplaced = {};  // its frame is not known
+    std::string refusal = {};               // and why
+    std::uint64_t tried = 0;                // what /tf had said when that was found out
+    std::string trouble = {};               // why the map in force is not where it was placed
   };
 
   void subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
+  void hand_over(Inbox& inbox, HeardMap map);
+  void hand_over(Inbox& inbox, Job job);
+  void follow_frame(Inbox& inbox);
+  [[nodiscard]] std::optional<Place> place_of(const std::string& frame, std::string& refusal) const;
+  [[nodiscard]] double shift(const Place& from, const Place& to) const;
   [[nodiscard]] bool is_foreign(const char* topic, const Inbox& inbox) const;
   void ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
   void run();
   template <class Take>
   [[nodiscard]] std::shared_ptr<const StaticMap> unless_refused(const char* topic,
                                                                 const Take& take);
-  [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const octomap_msgs::msg::Octomap& msg);
+  [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
   [[nodiscard]] std::shared_ptr<const StaticMap> take_local(
-      const octomap_msgs::msg::Octomap& msg, const std::optional<Eigen::Vector2d>& p_MB) const;
-  [[nodiscard]] Grid decode(const octomap_msgs::msg::Octomap& msg, bool may_be_empty) const;
+      const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
+  [[nodiscard]] Grid decode(const octomap_msgs::msg::Octomap& msg, double height,
+                            bool may_be_empty) const;
 
   rt::Node& node_;
   MapInputParams params_;
   Fixtures fixtures_;
-  std::optional<Grid> base_;  // what stays; the worker's
+  const FramesInput& frames_;
+  std::optional<Grid> base_;          // what stays, in M; the worker's
+  std::optional<Grid> unmoved_base_;  // the same in its own frame, where that is another; likewise
+  std::optional<Place> base_place_;   // likewise
 
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   bool stop_ = false;
-  Inbox static_, local_;
+  Inbox static_{"octomap_binary"}, local_{"octomap_local"};
   Heard<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
   std::optional<Eigen::Vector2d> p_MB_;
 

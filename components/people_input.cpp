@@ -7,23 +7,27 @@
 
 namespace tandem {
 
-PeopleInput::PeopleInput(rt::Node& node, std::string map_frame, Heard heard)
-    : node_{node}, map_frame_{std::move(map_frame)}, heard_{std::move(heard)} {
-  people_ = node.create_subscription(topics::people, [this](const auto& msg) {
-    Obstacles people = from_msg(msg);
-    if (two_speak())
-      node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,
-                              "people refused: 2 nodes publish it; give another robot its own "
-                              "namespace or ROS_DOMAIN_ID, or stop one");
-    else if (msg.header().frame_id() != map_frame_)
-      node_.log().warn_every(1.0, "people are given in frame `{}`, not `{}`: dropped",
-                             msg.header().frame_id(), map_frame_);
-    else if (people.refused > 0)
-      node_.log().warn_every(1.0, "{} people are not finite ellipses: the list is dropped",
-                             people.refused);
-    else
-      heard_(std::move(people.all));
-  });
+PeopleInput::PeopleInput(rt::Node& node, const FramesInput& frames, Heard heard)
+    : node_{node}, frames_{frames}, heard_{std::move(heard)} {
+  people_ = node.create_subscription(topics::people, [this](const auto& msg) { take(msg); });
+}
+
+void PeopleInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
+  if (two_speak())
+    return node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,
+                                   "people refused: 2 nodes publish it; give another robot its own "
+                                   "namespace or ROS_DOMAIN_ID, or stop one");
+  if (msg.header().frame_id().empty())
+    return node_.log().warn_every(1.0, "people are given in no frame, not `{}`: dropped",
+                                  frames_.names().map);
+  const auto X_MF = frames_.in_map(msg.header(), topics::people.name);
+  if (!X_MF) return;
+  Obstacles people = from_msg(msg);
+  if (people.refused > 0)
+    return node_.log().warn_every(1.0, "{} people are not finite ellipses: the list is dropped",
+                                  people.refused);
+  for (Obstacle& person : people.all) person = transform(*X_MF, person);
+  heard_(std::move(people.all));
 }
 
 // By who spoke, not by whom DDS knows: a tracker that died is known for a while yet.

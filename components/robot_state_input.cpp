@@ -12,31 +12,70 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
     : node_{node},
       params_{params},
       localization_{params.localization},
-      on_odom_{std::move(on_odom)} {
-  odom_ = node.create_subscription(topics::odom, [this](const nav_msgs::msg::Odometry& msg) {
-    const auto odometry = from_msg(msg);
-    if (!odometry) {
-      node_.log().warn_every(1.0, "odom is not finite: dropped");
-      return;
-    }
-    localization_.on_odom(odometry->X, odometry->twist, node_.now(),
-                          lateness(msg.header().stamp()));
-    tell();
-    if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
-  });
-  tf_ = node.create_subscription(topics::tf, [this](const tf2_msgs::msg::TFMessage& msg) {
-    const auto& frames = params_.frames;
-    const auto X_MW = find_transform(msg, frames.map, frames.odom);
-    if (!X_MW) return;
-    localization_.on_transform(*X_MW, node_.now());
-    tell();
-  });
-  tf_static_ = node.create_subscription(topics::tf_static, [this](const auto& msg) {
-    const auto X_MW = find_transform(msg, params_.frames.map, params_.frames.odom);
-    if (!X_MW) return;
-    localization_.on_static_transform(*X_MW);
-    tell();
-  });
+      on_odom_{std::move(on_odom)},
+      frames_{node, params.frames, params.localization, [this] { on_frames(); }} {
+  odom_ = node.create_subscription(topics::odom, [this](const auto& msg) { this->on_odom(msg); });
+}
+
+void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
+  auto odometry = from_msg(msg);
+  if (!odometry) {
+    node_.log().warn_every(1.0, "odom is not finite: dropped");
+    return;
+  }
+  odom_refusal_ = place(*odometry, msg);
+  if (!odom_refusal_.empty()) {
+    node_.log().error_every(5.0, "{}", odom_refusal_);
+    return;
+  }
+  localization_.on_odom(odometry->X, odometry->twist, node_.now(), lateness(msg.header().stamp()));
+  tell();
+  if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
+}
+
+// Says why the frames are not known; empty if they are, and the odometry is of odom and base then.
+std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odometry& msg) const {
+  const Frames& names = frames_.names();
+  const std::string &frame = msg.header().frame_id(), &child = msg.child_frame_id();
+  const Placing in_odom = frames_.place(names.odom, frame.empty() ? names.odom : frame);
+  if (!in_odom.X_AB)
+    return fmt::format("odom is given in frame `{}`, not `{}` (odom_frame): dropped: {}", frame,
+                       names.odom, in_odom.refusal);
+  const Placing on_robot = frames_.place(child.empty() ? names.base : child, names.base);
+  if (!on_robot.X_AB)
+    return fmt::format("odom tells of frame `{}`, not `{}` (base_frame): dropped: {}", child,
+                       names.base, on_robot.refusal);
+  if (on_robot.moves)
+    return fmt::format("odom tells of frame `{}`, which moves against `{}` (base_frame): dropped",
+                       child, names.base);
+  odometry.twist = twist_of(in_plane(*on_robot.X_AB), msg.twist().twist());
+  odometry.X = compose(compose(in_plane(*in_odom.X_AB), odometry.X), in_plane(*on_robot.X_AB));
+  return {};
+}
+
+// What moves elsewhere in the tree is no news of the robot.
+void RobotStateInput::on_frames() {
+  const auto found = frames_.tree().find(frames_.names().map, frames_.names().odom);
+  if (!found ||
+      (X_MW_ && X_MW_->heard == found->heard && X_MW_->X_BF.matrix() == found->X_BF.matrix()))
+    return;
+  X_MW_ = found;
+  const double now = node_.now();
+  if (found->is_static())
+    localization_.on_static_transform(in_plane(found->X_BF));
+  else
+    localization_.on_transform(in_plane(found->X_BF), now, now - found->heard);
+  tell();
+}
+
+std::string RobotStateInput::frame_trouble() const {
+  return odom_refusal_.empty() ? frames_.why_not_localised() : odom_refusal_;
+}
+
+std::string RobotStateInput::missing() const {
+  const std::string trouble = frame_trouble();
+  return "not localised: " +
+         (trouble.empty() ? "odom or map → odom is missing or too old" : trouble);
 }
 
 void RobotStateInput::tell() {

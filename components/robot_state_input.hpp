@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "convert.hpp"
+#include "frames_input.hpp"
 #include "model/localization.hpp"
 #include "runtime/node.hpp"
 
@@ -24,6 +25,9 @@ struct RobotStateParams {
 
 /// Subscribes `odom`, `/tf` and `/tf_static` for a node and composes them. Calls `on_odom` after
 /// each odometry, with the message's stamp [s].
+///
+/// Odometry of another frame than `odom_frame`, or of another one on the robot than `base_frame`,
+/// is transformed where `/tf` knows the frame, else dropped. An empty name counts as the right one.
 class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
@@ -41,8 +45,18 @@ class RobotStateInput {
 
   /// X_WB of the newest odometry, as Localization has it.
   [[nodiscard]] const Pose2& odometry() const { return localization_.odometry(); }
+  /// The frames that the node knows, for its other inputs.
+  [[nodiscard]] const FramesInput& frames() const { return frames_; }
+  /// What is wrong with the frames of odometry or map → odom, with those that are there; empty if
+  /// nothing is: then it is for silence that there is no state.
+  [[nodiscard]] std::string frame_trouble() const;
+  /// Why there is no state: "not localised: …".
+  [[nodiscard]] std::string missing() const;
 
  private:
+  void on_odom(const nav_msgs::msg::Odometry& msg);
+  void on_frames();
+  [[nodiscard]] std::string place(Odometry& odometry, const nav_msgs::msg::Odometry& msg) const;
   [[nodiscard]] double lateness(const Stamp& stamp) const;
   void tell();
 
@@ -50,9 +64,12 @@ class RobotStateInput {
   RobotStateParams params_;
   std::optional<double> usual_age_;  ///< of odometry when it comes [s]
   Localization localization_;
+  std::string odom_refusal_;       ///< of the last odometry's frames
+  std::optional<FramePose> X_MW_;  ///< as it was told last
   std::function<void(double)> on_odom_;
   std::function<void(const RobotState&)> on_state_;
-  rt::Subscription odom_, tf_, tf_static_;
+  FramesInput frames_;
+  rt::Subscription odom_;
 };
 
 }  // namespace tandem

@@ -76,6 +76,25 @@ TEST(Convert, ObstaclesThatAreNoEllipsesAreCountedAndLeftOut) {
   EXPECT_EQ(back.refused, 3);
 }
 
+TEST(Convert, TheTwistOfAnotherPartOfTheRobotIsThatOfTheBaseThere) {
+  geometry_msgs::msg::Twist of_C;
+  of_C.linear().x(0.5);
+  of_C.linear().y(0.1);
+  of_C.angular().z(0.2);
+  EXPECT_EQ(twist_of({}, of_C), (Twist2{0.5, 0.2}));
+  const Twist2 beside = twist_of({0.3, 0.4, 0.0}, of_C);
+  EXPECT_DOUBLE_EQ(beside.v, 0.5 - 0.2 * 0.4);
+  EXPECT_DOUBLE_EQ(beside.w, 0.2);
+  EXPECT_NEAR(twist_of({0.3, 0.4, std::numbers::pi}, of_C).v, -beside.v, 1e-12);
+  EXPECT_NEAR(twist_of({0.3, 0.4, std::numbers::pi / 2}, of_C).v, 0.1 + 0.2 * 0.3, 1e-12);
+}
+
+TEST(Convert, GroundTruthIsOfTheMapOrOfNoFrame) {
+  for (const char* frame : {"map", "/map", ""})
+    EXPECT_TRUE(truth_from(to_msg(Odometry{}, header({}, frame), "base_link"), "map")) << frame;
+  EXPECT_FALSE(truth_from(to_msg(Odometry{}, header({}, "odom"), "base_link"), "map"));
+}
+
 TEST(Convert, FindsTheTransformAmongOthers) {
   tf2_msgs::msg::TFMessage msg;
   msg.transforms().push_back(to_transform(Pose2{9, 9, 0}, header({}, "odom"), "base_link"));

@@ -37,6 +37,7 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
         const bool nothing_passes = msg.scale() == 0.0 && from_msg(msg.passed()) == Twist2{};
         arbiter_.on_filter(nothing_passes ? msg.reason() : "", node_.now());
       })} {
+  for (TwistInput* input : {&user_, &shared_, &nav_}) input->set_frames(params_->frames);
   subscribe_emergency_stop();
   offer_services();
   watchdog_ = node.create_wall_timer(kWatchdog, [this] { watch(); });

@@ -16,11 +16,13 @@ namespace tandem {
 struct ArbitrationNodeParams {
   ArbiterParams arbiter;
   StampParams input;
+  Frames frames;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     arbiter.visit(field);
     input.visit(field);
+    frames.visit(field);
   }
 };
 

@@ -22,8 +22,8 @@ bool is_published(const rt::Node& node, const char* name) {
 TrialMeter::TrialMeter(rt::Node& node, const RobotStateParams& input, const TrialRequest& request)
     : trial_{request} {
   if (is_published(node, topics::ground_truth.name))
-    truth_ = node.create_subscription(topics::ground_truth, [this](const auto& msg) {
-      if (const auto truth = from_msg(msg))
+    truth_ = node.create_subscription(topics::ground_truth, [this, input](const auto& msg) {
+      if (const auto truth = truth_from(msg, input.frames.map))
         trial_.on_robot(truth->X, rt::to_seconds(msg.header().stamp()));
     });
   else

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "map/octomap_file.hpp"
+#include "model/frame_tree.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -43,6 +44,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       people_{node.create_publisher(topics::people)},
       cmd_vel_{node, topics::cmd_vel, params_->input,
                [this](const Twist2& twist) { sim_.command(twist, sim_.state().t); }} {
+  cmd_vel_.set_frames(params_->frames);
   cmd_vel_.judge_stamps_by([this] { return sim_.state().t; });
   subscribe();
   publish_frames();
@@ -51,7 +53,11 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
 
 void DiffDriveSimNode::subscribe() {
   initial_pose_ = node_.create_subscription(topics::initial_pose, [this](const auto& msg) {
-    if (const auto X_MB = from_msg(msg.pose().pose()))
+    const auto frame = bare_frame(msg.header().frame_id());
+    if (!frame.empty() && frame != bare_frame(params_->frames.map))
+      node_.log().warn_every(1.0, "initialpose is given in frame `{}`, not `{}`: dropped", frame,
+                             params_->frames.map);
+    else if (const auto X_MB = from_msg(msg.pose().pose()))
       reset(*X_MB);
     else
       node_.log().warn_every(1.0, "initialpose is not finite: dropped");

@@ -19,10 +19,14 @@ DriverNode::DriverNode(rt::Node& node)
       driver_{params_->driver, static_cast<unsigned>(params_->seed)},
       robot_{node, params_->input},
       joy_{node.create_publisher(topics::joy)} {
-  if (DriverName{params_->driver.driver}.driver == "adversary") map_.emplace(node, params_->map);
+  if (DriverName{params_->driver.driver}.driver == "adversary")
+    map_.emplace(node, params_->map, robot_.frames());
   leader_ =
       node.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
-        X_ML_ = from_msg(msg.pose());
+        const auto X_MF = robot_.frames().in_map(msg.header(), topics::leader_pose.name);
+        const auto X_FL = from_msg(msg.pose());
+        if (!X_MF || !X_FL) return;
+        X_ML_ = compose(*X_MF, *X_FL);
         leader_time_ = node_.now();
       });
   on_trouble_ = node.create_subscription(

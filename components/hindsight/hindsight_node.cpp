@@ -17,12 +17,13 @@ HindsightNode::HindsightNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<HindsightNodeParams>()},
       hindsight_{params_->hindsight, params_->robot},
-      map_{node, params_->map},
       robot_{node, params_->input},
+      map_{node, params_->map, robot_.frames()},
       assisted_{node.create_publisher(topics::cmd_vel_assisted)},
       markers_{node.create_publisher(topics::hindsight_markers)},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const Twist2& twist) { on_user(twist); }} {
+  on_user_.set_frames(params_->input.frames);
   if (params_->map.map_source != "static")
     throw std::invalid_argument(
         "map_source: hindsight finds its ways on the finished map, `static`");
@@ -35,7 +36,7 @@ void HindsightNode::on_user(const Twist2& user) {
     known_ = map;
   }
   if (!robot || !known_) {
-    node_.log().missing_every(1.0, "no help yet: {}", known_ ? "not localised" : "no map");
+    node_.log().missing_every(1.0, "no help yet: {}", known_ ? robot_.missing() : map_.missing());
     return assisted_.publish(to_msg(user));
   }
   const Assistance assistance = hindsight_.assist(robot->X_MB, user, node_.now());

@@ -43,9 +43,9 @@ class HindsightNode {
   rt::Node& node_;
   rt::Parameters<HindsightNodeParams> params_;
   Hindsight hindsight_;
+  RobotStateInput robot_;
   MapInput map_;
   std::shared_ptr<const StaticMap> known_;
-  RobotStateInput robot_;
   unsigned commands_ = 0;
 
   rt::Publisher<geometry_msgs::msg::Twist> assisted_;

@@ -29,6 +29,7 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
       on_command_{node, topics::cmd_vel, params_->stamp, [this](const Twist2& twist) {
                     command_ = {twist, node_.now()};
                   }} {
+  for (TwistInput* input : {&on_user_, &on_command_}) input->set_frames(params_->input.frames);
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
     throw std::invalid_argument("goal: needs three numbers, x, y and heading");
@@ -54,21 +55,12 @@ void LocalPlannerNode::change(const LivePlannerParams& wanted) {
   status_.method(wanted.method);
 }
 
-// A pose in another frame would send the robot somewhere else. An empty name is that of who knows
-// of one frame only, as `ros2 topic pub` by hand.
-bool LocalPlannerNode::is_in_map(const std_msgs::msg::Header& header, const char* topic) const {
-  const std::string& map = params_->input.frames.map;
-  if (header.frame_id() == map || header.frame_id().empty()) return true;
-  node_.log().write_every(1.0, rt::LogLevel::kWarn, topic,
-                          std::string{topic} + " is given in frame `" + header.frame_id() +
-                              "`, not `" + map + "`: dropped");
-  return false;
-}
-
 void LocalPlannerNode::subscribe() {
   on_obstacles_ = node_.create_subscription(topics::obstacles, [this](const auto& msg) {
-    if (!is_in_map(msg.header(), topics::obstacles.name)) return;
+    const auto X_MF = robot_.frames().in_map(msg.header(), topics::obstacles.name);
+    if (!X_MF) return;
     Obstacles obstacles = from_msg(msg);
+    for (Obstacle& obstacle : obstacles.all) obstacle = transform(*X_MF, obstacle);
     if (obstacles.refused > 0)
       node_.log().warn_every(1.0, "{} obstacles are not finite ellipses: dropped",
                              obstacles.refused);
@@ -76,18 +68,19 @@ void LocalPlannerNode::subscribe() {
   });
   on_leader_ =
       node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
-        if (!leader_stamp_.in_time(msg.header().stamp()) ||
-            !is_in_map(msg.header(), topics::leader_pose.name))
-          return;
-        if (const auto X_ML = from_msg(msg.pose()))
-          leader_ = {*X_ML, node_.now()};
+        if (!leader_stamp_.in_time(msg.header().stamp())) return;
+        const auto X_MF = robot_.frames().in_map(msg.header(), topics::leader_pose.name);
+        if (!X_MF) return;
+        if (const auto X_FL = from_msg(msg.pose()))
+          leader_ = {compose(*X_MF, *X_FL), node_.now()};
         else
           node_.log().warn_every(1.0, "leader_pose is not finite: dropped");
       });
   on_goal_ = node_.create_subscription(topics::goal_pose, [this](const auto& msg) {
-    if (!is_in_map(msg.header(), topics::goal_pose.name)) return;
-    if (const auto X_MG = from_msg(msg.pose()))
-      X_MG_ = X_MG;
+    const auto X_MF = robot_.frames().in_map_by_tf(msg.header(), topics::goal_pose.name);
+    if (!X_MF) return;
+    if (const auto X_FG = from_msg(msg.pose()))
+      X_MG_ = compose(*X_MF, *X_FG);
     else
       node_.log().warn_every(1.0, "goal_pose is not finite: dropped");
   });
@@ -140,7 +133,7 @@ void LocalPlannerNode::plan() {
   const double now = node_.now();
   watch_clock(now);
   const auto robot = robot_.state();
-  if (!robot) return stop("not localised: odom or map → odom is missing or too old");
+  if (!robot) return stop(robot_.missing());
   if (const char* reason = missing(now)) return stop(reason);
   planning_ = true;
   standing_for_ = {};
@@ -200,7 +193,7 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
   user_path_.publish(to_path(forecast, map_header));
 }
 
-void LocalPlannerNode::stop(const char* reason) {
+void LocalPlannerNode::stop(const std::string& reason) {
   planning_ = false;
   if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
     node_.log().missing_every(1.0, "standing: {}", reason);

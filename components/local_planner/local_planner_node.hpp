@@ -2,7 +2,7 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "local_planner/nmpc.hpp"
@@ -71,7 +71,6 @@ class LocalPlannerNode {
   explicit LocalPlannerNode(rt::Node& node);
 
  private:
-  [[nodiscard]] bool is_in_map(const std_msgs::msg::Header& header, const char* topic) const;
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
   void subscribe();
@@ -84,7 +83,7 @@ class LocalPlannerNode {
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
   void publish_paths(const Plan& plan, const PlanRequest& request);
-  void stop(const char* reason);
+  void stop(const std::string& reason);
 
   rt::Node& node_;
   rt::Parameters<LocalPlannerNodeParams> params_;
@@ -106,7 +105,7 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  std::string_view standing_for_;             ///< why it stands, as it was logged
+  std::string standing_for_;                  ///< why it stands, as it was logged
   double last_time_ = Heard<Twist2>::kNever;  ///< when the clock was last looked at [s]
   rt::Timer timer_, watchdog_;
 };

@@ -49,11 +49,12 @@ class Localization {
     twist_ = twist;
     odom_time_ = t - late;
   }
-  void on_transform(const Pose2& X_MW, double t) {
+  /// Heard at time t, the oldest part of it `late` seconds earlier.
+  void on_transform(const Pose2& X_MW, double t, double late = 0.0) {
     watch_clock(t);
     if (!is_finite(X_MW)) return;
     X_MW_ = X_MW;
-    transform_time_ = t;
+    transform_time_ = t - late;
     has_localiser_ = true;
     is_static_ = false;
   }

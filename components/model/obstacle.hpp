@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "model/se2.hpp"
+
 namespace tandem {
 
 /// Ellipse in the map frame M, moving with constant velocity; a circle if a == b.
@@ -17,6 +19,14 @@ struct Obstacle {
   double angle = 0.0;                              ///< heading of the axis a in M [rad]
   Eigen::Vector2d v_MO = Eigen::Vector2d::Zero();  ///< velocity [m/s]
 };
+
+/// An obstacle that is given in frame F, in the map; F does not move.
+[[nodiscard]] inline Obstacle transform(const Pose2& X_MF, Obstacle obstacle) {
+  obstacle.p_MO = transform(X_MF, obstacle.p_MO);
+  obstacle.v_MO = transform({0.0, 0.0, X_MF.theta}, obstacle.v_MO);
+  obstacle.angle += X_MF.theta;
+  return obstacle;
+}
 
 /// The point p_MQ in the axes of the obstacle [m].
 [[nodiscard]] inline Eigen::Vector2d in_axes(const Obstacle& obstacle,

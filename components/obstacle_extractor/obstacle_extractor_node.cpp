@@ -11,13 +11,13 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       params_{node.declare_parameters<ObstacleExtractorNodeParams>(
           {}, [](auto& all) -> auto& { return all.extractor; },
           [this](const auto& wanted) { shapes_.set_params(extractor_for_robot(wanted)); })},
-      map_{node, params_->map},
       robot_{node, params_->input},
+      map_{node, params_->map, robot_.frames()},
       shapes_{extractor_for_robot(*params_)},
       obstacles_{node.create_publisher(topics::obstacles)},
       markers_{node.create_publisher(topics::obstacle_markers)} {
   if (params_->people)
-    on_people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto all) {
+    on_people_ = std::make_unique<PeopleInput>(node, robot_.frames(), [this](auto all) {
       people_ = {std::move(all), node_.now()};
     });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
@@ -27,7 +27,7 @@ void ObstacleExtractorNode::extract() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
   if (!map || !robot) {
-    node_.log().missing_every(1.0, "no obstacles: {}", map ? "not localised" : map_.missing());
+    node_.log().missing_every(1.0, "no obstacles: {}", map ? robot_.missing() : map_.missing());
     return;
   }
   const auto near = shapes_.near(map, robot->X_MB.position());

@@ -62,8 +62,8 @@ class ObstacleExtractorNode {
 
   rt::Node& node_;
   rt::Parameters<ObstacleExtractorNodeParams> params_;
-  MapInput map_;
   RobotStateInput robot_;
+  MapInput map_;
   ShapesAhead shapes_;
   int lists_ = 0;
   Heard<std::vector<Obstacle>> people_;

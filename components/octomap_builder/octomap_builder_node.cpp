@@ -45,14 +45,6 @@ OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
 }
 
 void OctomapBuilderNode::subscribe() {
-  tf_static_ = node_.create_subscription(topics::tf_static, [this](const auto& msg) {
-    for (const auto& t : msg.transforms())
-      if (const auto X_PC = from_msg(t.transform()))
-        frames_.set(t.header().frame_id(), t.child_frame_id(), *X_PC);
-      else
-        node_.log().error_every(1.0, "/tf_static of `{}` is not finite: dropped",
-                                t.child_frame_id());
-  });
   scan_ = node_.create_subscription(topics::scan, [this](const auto& msg) { on_scan(msg); });
   cloud_ = node_.create_subscription(topics::cloud_in, [this](const auto& msg) { on_cloud(msg); });
   reset_ = node_.create_service(services::reset, [this](const auto&, auto& response) {
@@ -74,7 +66,7 @@ void OctomapBuilderNode::on_odometry(double stamp) {
 }
 
 void OctomapBuilderNode::on_scan(const sensor_msgs::msg::LaserScan& msg) {
-  const auto X_BS = place_of(scanner_, msg.header().frame_id());
+  const auto X_BS = place_of(scanner_, msg.header());
   if (!X_BS) return;
   RangeScan scan = from_msg(msg);
   const ScanReading reading = reader_.read(scan, *X_BS, body_);
@@ -95,7 +87,7 @@ void OctomapBuilderNode::on_scan(const sensor_msgs::msg::LaserScan& msg) {
 void OctomapBuilderNode::on_cloud(const sensor_msgs::msg::PointCloud2& msg) {
   Echoes echoes = from_msg(msg);
   if (!echoes.error.empty()) return give_up(camera_, kRefused, echoes.error);
-  const auto X_BS = place_of(camera_, msg.header().frame_id());
+  const auto X_BS = place_of(camera_, msg.header());
   if (!X_BS) return;
   note_own_body(camera_, body_.drop(echoes, *X_BS));
   const Stamp& stamp = msg.header().stamp();
@@ -106,20 +98,30 @@ void OctomapBuilderNode::on_cloud(const sensor_msgs::msg::PointCloud2& msg) {
 }
 
 // Where the sensor is on the robot; says once in a while what is missing.
-std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(Sensor& sensor,
-                                                              const std::string& frame) {
-  if (sensor.X_BS) return sensor.X_BS;
+std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(
+    Sensor& sensor, const std_msgs::msg::Header& sensor_header) {
   const std::string& base = params_->input.frames.base;
-  const auto X_BS = frames_.pose(base, frame);
-  if (X_BS) {
+  const std::string& frame = sensor_header.frame_id();
+  if (robot_.frames().is_world(frame)) {
+    const std::string why = fmt::format(
+        "it is given in frame `{}`, in which the robot moves, and does not say where the sensor "
+        "is; publish it in the sensor's frame",
+        frame);
+    sensor.watch.on_trouble("is dropped: " + why, node_.now());
+    node_.log().error_every(5.0, "{} dropped: {}", sensor.topic, why);
+    return std::nullopt;
+  }
+  if (sensor.X_BS) return sensor.X_BS;
+  const Placing on_robot = robot_.frames().place(base, frame, sensor_header.stamp());
+  if (on_robot.X_AB) {
     sensor.unplaced.reset();
-    return X_BS;
+    return on_robot.X_AB;
   }
   if (!sensor.unplaced) sensor.unplaced = node_.steady_now();
   const std::string why = fmt::format(
-      "/tf_static does not say where its frame `{}` is on `{}`; publish that "
+      "/tf_static does not say where its frame `{}` is on `{}`, nor does /tf ({}); publish that "
       "(robot_state_publisher, static_transform_publisher), or set the parameter {}",
-      frame, base, sensor.parameter);
+      frame, base, on_robot.refusal, sensor.parameter);
   sensor.watch.on_trouble("is dropped: " + why, node_.now());
   if (node_.steady_now() - *sensor.unplaced > kPatience)
     node_.log().error_every(5.0, "{} dropped: {}", sensor.topic, why);

@@ -7,7 +7,6 @@
 
 #include "diagnostics.hpp"
 #include "map/slice.hpp"
-#include "model/frame_tree.hpp"
 #include "model/robot.hpp"
 #include "octomap_builder/local_map.hpp"
 #include "octomap_builder/mounting.hpp"
@@ -41,10 +40,10 @@ struct OctomapBuilderNodeParams {
     input.visit(field);
     field("scan_pose", scan_pose, Range{-100.0, 100.0},
           "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `scan` in base_link; empty: by "
-          "/tf_static and the frame of its header");
+          "/tf_static or /tf and the frame of its header");
     field("cloud_pose", cloud_pose, Range{-100.0, 100.0},
           "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `cloud_in` in base_link; empty: by "
-          "/tf_static and the frame of its header");
+          "/tf_static or /tf and the frame of its header");
     field("period", period, Range{0.01, 1.0}, "[s] at least, between two maps");
   }
 };
@@ -75,7 +74,7 @@ class OctomapBuilderNode {
     const char *topic, *parameter;
     std::optional<Eigen::Isometry3d> X_BS;  // by the parameter
     SensorWatch watch;
-    std::optional<double> unplaced = {};  // since when /tf_static lacks its frame [s]
+    std::optional<double> unplaced = {};  // since when /tf lacks its frame [s]
     std::size_t own_body = 0;             // echoes of the last look inside the outline
     bool own_body_told = false;
   };
@@ -91,7 +90,8 @@ class OctomapBuilderNode {
   void on_odometry(double stamp);
   void on_scan(const sensor_msgs::msg::LaserScan& msg);
   void on_cloud(const sensor_msgs::msg::PointCloud2& msg);
-  [[nodiscard]] std::optional<Eigen::Isometry3d> place_of(Sensor& sensor, const std::string& frame);
+  [[nodiscard]] std::optional<Eigen::Isometry3d> place_of(Sensor& sensor,
+                                                          const std_msgs::msg::Header& header);
   [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp, double after);
   [[nodiscard]] std::optional<Pose2> odometry_at(const Stamp& stamp);
   [[nodiscard]] std::string why_no_pose(const Stamp& stamp);
@@ -113,7 +113,6 @@ class OctomapBuilderNode {
   OwnBody body_;
   ScanReader reader_;
   Sensor scanner_, camera_;
-  FrameTree frames_;
   PoseHistory poses_, odometry_;  // X_MB; X_WB, by which echoes are expected to move
   RobotStateInput robot_;
   std::optional<Stamp> unsent_;  // of the newest look that no map was sent with
@@ -123,7 +122,7 @@ class OctomapBuilderNode {
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
   rt::Publisher<tandem_msgs::msg::SensingStatus> status_;
   Diagnostics diagnostics_;
-  rt::Subscription scan_, cloud_, tf_static_;
+  rt::Subscription scan_, cloud_;
   rt::Service reset_;
   rt::Timer timer_, status_timer_;
 };

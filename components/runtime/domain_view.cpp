@@ -108,7 +108,7 @@ Domain DomainView::look() const {
     domain.endpoints.push_back({id, std::move(node),
                                 is_topic ? ros_name(endpoint.topic) : endpoint.topic,
                                 ros_type(endpoint.type), endpoint.writes, endpoint.policies,
-                                type_hash_in(endpoint.user_data)});
+                                type_hash_in(endpoint.user_data), hex(endpoint.guid)});
   }
   for (auto& [id, participant] : participants)
     domain.participants.push_back(std::move(participant));

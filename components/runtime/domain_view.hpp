@@ -27,6 +27,7 @@ struct DomainEndpoint {
   bool writes = false;
   Policies policies;
   std::string type_hash;  ///< empty: none told
+  std::string id = {};    ///< GUID, hexadecimal
 };
 
 struct Domain {

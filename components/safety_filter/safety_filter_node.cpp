@@ -17,9 +17,9 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<SafetyFilterNodeParams>()},
       filter_{params_->filter, params_->robot},
-      map_{node, params_->map},
-      sensing_{node, params_->map},
       robot_{node, params_->input},
+      map_{node, params_->map, robot_.frames()},
+      sensing_{node, params_->map},
       status_{node.create_publisher(topics::filter_status)},
       diagnostics_{node},
       command_{node, topics::cmd_vel_arbitrated, params_->stamp, [this](const Twist2& twist) {
@@ -29,11 +29,12 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
   if (!params_->filter.enforce && !node.use_sim_time())
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
+  command_.set_frames(params_->input.frames);
   command_.pass_not_finite();  // the core stops for it, and says so
   robot_.on_state([this](const RobotState& state) { filter_.on_state(state, node_.now()); });
   if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
-    people_ = std::make_unique<PeopleInput>(node, params_->input.frames.map, [this](auto people) {
+    people_ = std::make_unique<PeopleInput>(node, robot_.frames(), [this](auto people) {
       filter_.on_people(std::move(people), node_.now());
     });
   if (params_->stamped)
@@ -74,6 +75,9 @@ Filtered SafetyFilterNode::next() {
 }
 
 std::string SafetyFilterNode::why(const Filtered& out) const {
+  if (out.reason == FilterReason::kNotLocalized)
+    if (const std::string trouble = robot_.frame_trouble(); !trouble.empty())
+      return std::string{name(out.reason)} + ": " + trouble;
   if (out.reason != FilterReason::kNoMap) return name(out.reason);
   return blind_.empty() ? map_.missing() : blind_;
 }

@@ -63,11 +63,11 @@ class SafetyFilterNode {
   rt::Node& node_;
   rt::Parameters<SafetyFilterNodeParams> params_;
   SafetyFilter filter_;
+  RobotStateInput robot_;
   MapInput map_;
   SensingInput sensing_;
   std::string blind_;  // why no map of what is seen can be believed; empty if it can
   std::unique_ptr<PeopleInput> people_;  ///< if they are watched
-  RobotStateInput robot_;
   Filtered last_;
   std::uint64_t interventions_ = 0;
   double updated_ = 0.0;  ///< steady [s]

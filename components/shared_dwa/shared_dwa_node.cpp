@@ -12,14 +12,15 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<SharedDwaNodeParams>()},
       dwa_{params_->dwa, params_->robot},
-      map_{node, params_->map},
       robot_{node, params_->input},
+      map_{node, params_->map, robot_.frames()},
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
       status_out_{node.create_publisher(topics::planner_status)},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const Twist2& twist) {
                  user_ = {twist, node_.now()};
                }} {
+  on_user_.set_frames(params_->input.frames);
   status_.method("dwa");
   status_.solver("dwa");
   timer_ = node.create_timer(params_->dwa.control_period, [this] { choose(); });
@@ -28,7 +29,7 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
 void SharedDwaNode::choose() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
-  if (!robot) return stop("not localised: odom or map → odom is missing or too old");
+  if (!robot) return stop(robot_.missing());
   if (!map) return stop(map_.missing());
   user_.forget_later_than(node_.now());
   if (!user_.fresh(node_.now(), params_->user_timeout)) return stop("cmd_vel_user is silent");
@@ -53,7 +54,7 @@ void SharedDwaNode::publish(const DwaChoice& choice, double time) {
   status_out_.publish(status_);
 }
 
-void SharedDwaNode::stop(const char* reason) {
+void SharedDwaNode::stop(const std::string& reason) {
   if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
     node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));

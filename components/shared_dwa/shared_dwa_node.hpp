@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string_view>
+#include <string>
 
 #include "map_input.hpp"
 #include "model/heard.hpp"
@@ -42,15 +42,15 @@ class SharedDwaNode {
  private:
   void choose();
   void publish(const DwaChoice& choice, double time);
-  void stop(const char* reason);
+  void stop(const std::string& reason);
 
   rt::Node& node_;
   rt::Parameters<SharedDwaNodeParams> params_;
   SharedDwa dwa_;
-  MapInput map_;
   RobotStateInput robot_;
+  MapInput map_;
   Heard<Twist2> user_;
-  std::string_view standing_for_;  ///< why it stands, as it was logged
+  std::string standing_for_;  ///< why it stands, as it was logged
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;

@@ -34,5 +34,14 @@ TEST(Localization, AStaticTransformHoldsForEverUntilALocaliserIsHeard) {
   EXPECT_FALSE(localization.state(102.0));  // and its silence counts
 }
 
+TEST(Localization, ATransformIsAsOldAsTheOldestPartOfIt) {
+  Localization localization{{}};
+  localization.on_odom({1.0, 0.0, 0.0}, {}, 10.0);
+  localization.on_transform({0.0, 2.0, 0.0}, 10.0, 0.9);
+  EXPECT_TRUE(localization.state(10.05));
+  localization.on_odom({1.0, 0.0, 0.0}, {}, 10.15);
+  EXPECT_FALSE(localization.state(10.15));
+}
+
 }  // namespace
 }  // namespace tandem

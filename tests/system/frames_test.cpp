@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a message says of its frame, and what the nodes make of it.
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include "map/octomap_file.hpp"
+#include "support/captured_log.hpp"
+#include "support/child_process.hpp"
+#include "support/point_cloud.hpp"
+#include "system/one_component.hpp"
+
+namespace tandem::test {
+namespace {
+
+const Pose2 kOdomInMap{3.0, -2.0, 0.7};
+constexpr double kWall = 0.9;   // [m] ahead of the robot's centre, in odom
+constexpr double kBeat = 0.02;  // [s]
+
+// A wall across the robot's way, where odometry begins.
+octomap_msgs::msg::Octomap wall(const std::string& frame) {
+  octomap::OcTree tree(0.05);
+  for (int i = -40; i <= 40; ++i) tree.updateNode(kWall + 0.01, 0.05 * i + 0.01, 0.3, true);
+  octomap_msgs::msg::Octomap msg;
+  msg.header(header({}, frame));
+  msg.binary(true);
+  msg.id("OcTree");
+  msg.resolution(0.05);
+  msg.data(encode_octomap(tree));
+  return msg;
+}
+
+using Transforms = std::vector<geometry_msgs::msg::TransformStamped>;
+
+tf2_msgs::msg::TFMessage message_of(const Transforms& transforms) {
+  tf2_msgs::msg::TFMessage msg;
+  msg.transforms(transforms);
+  return msg;
+}
+
+geometry_msgs::msg::TransformStamped link(const std::string& parent, const std::string& child,
+                                          const Pose2& X) {
+  return to_transform(X, header({}, parent), child);
+}
+
+// A node that needs to know where the robot is, with a localiser and odometry to be set.
+class FramesOverDds : public OneComponent {
+ protected:
+  explicit FramesOverDds(const std::string& component = "safety_filter", const Values& values = {})
+      : component_{load(component, values)} {
+    status_in_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
+      reason_ = msg.reason();
+      clearance_ = msg.clearance();
+    });
+    beat_ = node_.create_wall_timer(kBeat, [this] { beat(); });
+  }
+
+  void beat() {
+    if (!tf_links_.empty()) tf_.publish(message_of(tf_links_));
+    odom_.publish(to_msg(Odometry{}, header({}, odom_frame_), child_));
+    command_.publish(to_msg(Twist2{0.3, 0.0}));
+  }
+  [[nodiscard]] bool wait_for_reason(const std::string& part) {
+    return wait_until([&] { return reason_.find(part) != std::string::npos; });
+  }
+
+  CapturedLog log_;
+  rt::RunningComponent component_;
+  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
+  rt::Publisher<tf2_msgs::msg::TFMessage> tf_ = node_.create_publisher(topics::tf);
+  rt::Publisher<tf2_msgs::msg::TFMessage> tf_static_ = node_.create_publisher(topics::tf_static);
+  rt::Publisher<geometry_msgs::msg::Twist> command_ =
+      node_.create_publisher(topics::cmd_vel_arbitrated);
+  rt::Publisher<octomap_msgs::msg::Octomap> map_ = node_.create_publisher(topics::octomap_binary);
+  rt::Subscription status_in_;
+  rt::Timer beat_;
+  Transforms tf_links_ = {link("map", "odom", kOdomInMap)};
+  std::string odom_frame_ = "odom", child_ = "base_link";
+  std::string reason_;
+  double clearance_ = kNaN;
+};
+
+TEST_F(FramesOverDds, AMapInOdomStandsWhereOdomIs) {
+  map_.publish(wall("odom"));
+  // The outline's front is 0.51 m ahead; the grid is turned, and grown by 0.03 m.
+  ASSERT_TRUE(wait_until([&] { return clearance_ > 0.2 && clearance_ < 0.41; })) << reason_;
+  tf_links_ = {link("map", "odom", {3.4, -1.5, 0.7})};  // the localiser corrects itself
+  clearance_ = kNaN;
+  ASSERT_TRUE(wait_until([&] { return clearance_ > 0.2 && clearance_ < 0.41; })) << reason_;
+  tf_links_ = {link("map", "odom", {3.4, -1.5, -2.0})};
+  clearance_ = kNaN;
+  EXPECT_TRUE(wait_until([&] { return clearance_ > 0.2 && clearance_ < 0.41; })) << reason_;
+}
+
+TEST_F(FramesOverDds, AMapInAFrameThatIsShiftedForEverIsShiftedToTheBit) {
+  tf_links_ = {link("map", "odom", {1.0, 0.0, 0.0})};
+  tf_static_.publish(message_of({link("map", "building", {1.0, 0.0, 0.0})}));
+  map_.publish(wall("/building"));
+  ASSERT_TRUE(wait_until([&] { return clearance_ > 0.2; })) << reason_;
+  const double there = clearance_;
+  map_.publish(wall("map"));
+  EXPECT_TRUE(wait_until([&] { return clearance_ == 0.0; })) << "1 m behind it in map";
+  EXPECT_NEAR(there, kWall - 0.51, 0.08);
+}
+
+TEST_F(FramesOverDds, AMapInAFrameThatNobodyKnowsIsRefusedAndWaitsForTf) {
+  map_.publish(wall("cellar"));
+  ASSERT_TRUE(
+      wait_for_reason("octomap_binary is given in frame `cellar`, not `map`: not used: "
+                      "/tf does not tell of `cellar`"))
+      << reason_;
+  tf_static_.publish(message_of({link("odom", "cellar", {})}));
+  EXPECT_TRUE(wait_until([&] { return clearance_ > 0.2; })) << reason_;
+}
+
+TEST_F(FramesOverDds, SaysWhichFramesThereAreWhenItIsNotLocalised) {
+  map_.publish(wall("map"));
+  tf_links_ = {link("map", "odom_combined", {})};
+  EXPECT_TRUE(
+      wait_for_reason("not localized: /tf does not tell of `odom`, only of "
+                      "map → odom_combined"))
+      << reason_;
+  tf_links_.push_back(link("odom", "wheel", {}));
+  EXPECT_TRUE(
+      wait_for_reason("/tf does not join `map` and `odom`: map → odom_combined, "
+                      "odom → wheel"))
+      << reason_;
+}
+
+TEST_F(FramesOverDds, MapAndOdomAreJoinedByTheRulesOfTf2) {
+  map_.publish(wall("odom"));
+  const auto is_placed = [&] {
+    clearance_ = kNaN;
+    return wait_until([&] { return clearance_ > 0.2 && clearance_ < 0.41; });
+  };
+  tf_links_ = {link("/map", "/odom", kOdomInMap)};
+  EXPECT_TRUE(is_placed()) << reason_;
+  tf_links_ = {link("map", "odom_combined", kOdomInMap), link("odom_combined", "odom", {})};
+  EXPECT_TRUE(is_placed()) << reason_;
+}
+
+TEST_F(FramesOverDds, TheInverseTransformLocalisesToo) {
+  tf_links_ = {link("odom", "map", inverse(kOdomInMap))};
+  map_.publish(wall("odom"));
+  EXPECT_TRUE(wait_until([&] { return clearance_ > 0.2 && clearance_ < 0.41; })) << reason_;
+}
+
+TEST_F(FramesOverDds, OdometryInAnotherFrameAndOfAnotherPartOfTheRobotIsTransformed) {
+  map_.publish(wall("odom"));
+  tf_links_ = {link("map", "odom", kOdomInMap), link("odom", "odom_combined", {0.5, 0.0, 0.0})};
+  odom_frame_ = "/odom_combined";
+  child_ = "base_footprint";
+  EXPECT_TRUE(wait_for_reason("not localized: odom tells of frame `base_footprint`")) << reason_;
+  tf_static_.publish(message_of({link("base_footprint", "base_link", {-0.3, 0.0, 0.0})}));
+  // 0.5 m on by the frame, 0.3 m back on the robot.
+  EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0 && clearance_ < 0.21; })) << reason_;
+  odom_frame_ = "world";
+  EXPECT_TRUE(wait_for_reason("not localized: odom is given in frame `world`, not `odom`"));
+}
+
+TEST_F(FramesOverDds, AFrameWithTwoParentsIsReportedWithBothPublishers) {
+  rt::Node wheels{"wheels"}, filter{"kalman"};
+  const auto first = wheels.create_publisher(topics::tf);
+  const auto second = filter.create_publisher(topics::tf);
+  const auto beat = node_.create_wall_timer(kBeat, [&] {
+    first.publish(message_of({link("odom", "base_link", {})}));
+    second.publish(message_of({link("odom_combined", "base_link", {})}));
+  });
+  const auto both = std::string{"frame `base_link` has two parents on /tf: "};
+  EXPECT_TRUE(wait_until([&] {
+    return log_.lines(both + "`odom` by /wheels, `odom_combined` by /kalman") +
+               log_.lines(both + "`odom_combined` by /kalman, `odom` by /wheels") >
+           0;
+  }));
+}
+
+class PeopleInFrames : public FramesOverDds {
+ protected:
+  PeopleInFrames() : FramesOverDds{"safety_filter", {{"people", "true"}}} {}
+};
+
+TEST_F(PeopleInFrames, PeopleAreWhereTheirFrameSays) {
+  octomap_msgs::msg::Octomap hall = wall("odom");
+  octomap::OcTree tree(0.05);
+  tree.updateNode(9.0, 9.0, 0.3, true);
+  hall.data(encode_octomap(tree));
+  map_.publish(hall);
+  std::string frame = "odom";
+  const auto people = node_.create_publisher(topics::people);
+  const auto list = node_.create_wall_timer(kBeat, [&] {
+    people.publish(to_msg(std::vector<Obstacle>{{.p_MO = {0.85, 0.0}, .a = 0.25, .b = 0.25}},
+                          header({}, frame)));
+  });
+  EXPECT_TRUE(wait_for_reason("slowed")) << reason_;
+  frame = "map";
+  EXPECT_TRUE(wait_for_reason("clear")) << reason_;
+  frame = "";
+  EXPECT_TRUE(wait_for_reason("people silent")) << reason_;
+}
+
+class PlannerInFrames : public FramesOverDds {
+ protected:
+  PlannerInFrames()
+      : FramesOverDds{"local_planner",
+                      {{"method", "goal"}, {"odom_timeout", "0.4"}, {"obstacle_timeout", "0.4"}}} {}
+};
+
+TEST_F(PlannerInFrames, AGoalInOdomIsWhereOdomIs) {
+  const auto obstacles = node_.create_publisher(topics::obstacles);
+  const auto goal = node_.create_publisher(topics::goal_pose);
+  std::optional<Pose2> end;
+  const auto plan = node_.create_subscription(topics::plan, [&](const auto& msg) {
+    if (!msg.poses().empty()) end = from_msg(msg.poses().back().pose());
+  });
+  const auto beat = node_.create_wall_timer(kBeat, [&] {
+    obstacles.publish(to_msg(std::vector<Obstacle>{}, header({}, "map")));
+    goal.publish(to_msg(Pose2{1.0, 0.0, 0.0}, header({}, "odom")));
+  });
+  const Eigen::Vector2d ahead{std::cos(kOdomInMap.theta), std::sin(kOdomInMap.theta)};
+  EXPECT_TRUE(wait_until([&] {
+    return end && (end->position() - kOdomInMap.position()).dot(ahead) > 0.3 &&
+           std::abs(end->theta - kOdomInMap.theta) < 0.2;
+  }));
+}
+
+class BuilderInFrames : public FramesOverDds {
+ protected:
+  BuilderInFrames() : FramesOverDds{"octomap_builder", {{"map_is_odom", "true"}}} {
+    maps_in_ = node_.create_subscription(topics::octomap_local, [this](const auto& msg) {
+      const auto decoded =
+          decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), true);
+      if (decoded.tree) tree_ = std::make_unique<octomap::OcTree>(*decoded.tree);
+    });
+    odometry_ = node_.create_wall_timer(kBeat, [this] {
+      odom_.publish(to_msg(Odometry{}, header(node_.stamp(), "odom"), "base_link"));
+      sensor_msgs::msg::LaserScan scan;
+      scan.header(header(node_.stamp(), sensor_));
+      scan.angle_increment(1.0F);
+      scan.range_max(10.0F);
+      scan.ranges(
+          {2.02F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()});
+      scan_.publish(scan);
+    });
+    beat_ = node_.create_wall_timer(kBeat, [this] { tf_.publish(message_of(tf_links_)); });
+    // A turret, looking back.
+    tf_links_ = {link("base_link", "mast", {-0.5, 0.0, 0.0}),
+                 link("mast", "laser", {0.0, 0.0, std::numbers::pi})};
+  }
+  [[nodiscard]] bool is_occupied(double x, double y) const {
+    const auto* voxel = tree_ ? tree_->search(x, y, 0.02) : nullptr;
+    return voxel != nullptr && tree_->isNodeOccupied(voxel);
+  }
+
+  rt::Publisher<sensor_msgs::msg::LaserScan> scan_ = node_.create_publisher(topics::scan);
+  rt::Subscription maps_in_;
+  rt::Timer odometry_;
+  std::unique_ptr<octomap::OcTree> tree_;
+  std::string sensor_ = "laser";
+};
+
+TEST_F(BuilderInFrames, ASensorWhoseMountIsOnTfIsPlaced) {
+  EXPECT_TRUE(wait_until([&] { return is_occupied(-2.52, 0.0); }));
+  EXPECT_FALSE(is_occupied(1.52, 0.0));
+}
+
+// Its beams would begin at the map's origin, and clear all that stands in between.
+TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
+  for (const char* frame : {"map", "/odom", "odom_combined"}) {
+    sensor_ = frame;
+    tf_links_ = {link("odom_combined", "base_link", {})};
+    EXPECT_TRUE(wait_until([&] {
+      return log_.lines("scan dropped: it is given in frame `" + sensor_ +
+                        "`, in which the robot moves") > 0;
+    })) << frame;
+  }
+  EXPECT_FALSE(tree_);
+}
+
+// `tandem doctor`, beside a robot that is not localised.
+TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
+  map_.publish(wall("map"));
+  tf_links_ = {link("map", "odom_combined", {})};
+  ASSERT_TRUE(wait_for_reason("not localized"));
+  char file[] = "/tmp/tandem_doctor_XXXXXX";
+  close(mkstemp(file));
+  ChildProcess doctor{"/bin/sh", {"-c", binary_path("tandem") + " doctor --wait 2 > " + file}};
+  std::optional<int> status;
+  ASSERT_TRUE(spin_until([&] { return (status = doctor.wait(0.0)).has_value(); }, 60.0, node_));
+  std::ifstream stream{file};
+  const std::string said{std::istreambuf_iterator<char>{stream}, {}};
+  std::remove(file);
+  EXPECT_EQ(status, 1);
+  EXPECT_NE(said.find("map → odom_combined"), std::string::npos) << said;
+  EXPECT_NE(said.find("/tester"), std::string::npos) << said;
+  EXPECT_NE(said.find("the safety filter stands: not localized: /tf does not tell of `odom`"),
+            std::string::npos)
+      << said;
+}
+
+TEST_F(OneComponent, TheFrameOfAJoyIsADevicesNameAndNeverRefused) {
+  const auto teleop = load("teleop", {{"map_is_odom", "true"}});
+  const auto joy = node_.create_publisher(topics::joy);
+  std::set<std::string> drives;
+  std::string frame;
+  const auto user = node_.create_subscription(topics::cmd_vel_user, [&](const auto& msg) {
+    if (msg.linear().x() > 0.0) drives.insert(frame);
+  });
+  for (const char* name : {"map", "odom", "/dev/input/js0", ""}) {
+    frame = name;
+    double axis = 0.0;
+    const auto push = node_.create_wall_timer(kBeat, [&] {
+      sensor_msgs::msg::Joy msg;
+      msg.header(header(node_.stamp(), frame));
+      msg.axes({0.0F, static_cast<float>(axis)});
+      msg.buttons({axis > 0.0 ? 1 : 0, 0});
+      joy.publish(msg);
+    });
+    const double begin = node_.steady_now();
+    ASSERT_TRUE(wait_until([&] { return node_.steady_now() - begin > 0.6; }));  // another's turn
+    axis = 0.5;
+    EXPECT_TRUE(wait_until([&] { return drives.contains(frame); })) << name;
+  }
+}
+
+// What is published in `nowhere` on one topic.
+struct Stray {
+  std::string topic, component;
+  Values values;
+  std::function<std::function<void()>(rt::Node&)> publisher;
+};
+
+template <class M>
+std::function<std::function<void()>(rt::Node&)> sends(const rt::Topic<M>& topic, M msg) {
+  msg.header(header({}, "nowhere"));
+  return [topic, msg](rt::Node& node) -> std::function<void()> {
+    auto out = std::make_shared<rt::Publisher<M>>(node.create_publisher(topic));
+    return [out, msg] { out->publish(msg); };
+  };
+}
+
+std::vector<Stray> strays() {
+  sensor_msgs::msg::LaserScan scan;
+  scan.angle_increment(0.1F);
+  scan.range_max(10.0F);
+  scan.ranges().assign(60, 1.0F);
+  const auto pose = to_msg(Pose2{}, header({}, "nowhere"));
+  geometry_msgs::msg::PoseWithCovarianceStamped initial;
+  initial.pose().pose(pose.pose());
+  const Values method{{"method", "leader"}};
+  return {{"leader_pose", "local_planner", method, sends(topics::leader_pose, pose)},
+          {"goal_pose", "local_planner", method, sends(topics::goal_pose, pose)},
+          {"obstacles", "local_planner", method, sends(topics::obstacles, {})},
+          {"odom", "local_planner", method,
+           sends(topics::odom, to_msg(Odometry{}, header({}, ""), "base_link"))},
+          {"leader_pose", "driver", {{"route", "[1.0, 0.0]"}}, sends(topics::leader_pose, pose)},
+          {"people", "obstacle_extractor", {{"people", "true"}}, sends(topics::people, {})},
+          {"octomap_binary", "safety_filter", {}, sends(topics::octomap_binary, wall(""))},
+          {"octomap_local",
+           "safety_filter",
+           {{"map_source", "local"}},
+           sends(topics::octomap_local, wall(""))},
+          {"scan", "octomap_builder", {}, sends(topics::scan, scan)},
+          {"cloud_in", "octomap_builder", {}, sends(topics::cloud_in, cloud_of({{1, 0, 0}}, {}))},
+          {"initialpose",
+           "diff_drive_sim",
+           {{"map", source_path("maps/yard.bt")}},
+           sends(topics::initial_pose, initial)}};
+}
+
+TEST_F(OneComponent, NothingIsTakenFromAFrameThatNobodyKnows) {
+  for (const Stray& stray : strays()) {
+    SCOPED_TRACE(stray.topic + " of " + stray.component);
+    const CapturedLog log;
+    const auto component = load(stray.component, stray.values);
+    const auto publish = stray.publisher(node_);
+    const auto beat = node_.create_wall_timer(kBeat, publish);
+    const auto is_named = [&] {
+      std::istringstream lines{log.text()};
+      for (std::string line; std::getline(lines, line);)
+        if (line.find(stray.topic) != std::string::npos &&
+            line.find("`nowhere`") != std::string::npos)
+          return true;
+      return false;
+    };
+    EXPECT_TRUE(wait_until(is_named));
+  }
+}
+
+// The numbers of these depend on a frame: transformed, or refused.
+const std::set<std::string> kPlaced{"leader_pose", "goal_pose", "octomap_binary", "octomap_local",
+                                    "people",      "obstacles", "odom",           "tf",
+                                    "tf_static",   "scan",      "cloud_in",       "ground_truth",
+                                    "initial_pose"};
+// Commands: of the robot's own frame, whatever it is called, but not of map or odom.
+const std::set<std::string> kOfRobot{"cmd_vel_stamped"};
+// Nobody here reads a number of them that depends on a frame; a joystick's frame is a device.
+const std::set<std::string> kUnread{"joy",
+                                    "map",
+                                    "plan",
+                                    "user_path",
+                                    "planner_status",
+                                    "filter_status",
+                                    "arbitration_status",
+                                    "collision",
+                                    "diagnostics"};
+// Pictures for people; each marker has its own header, and nobody here reads them.
+const std::set<std::string> kShown{"hindsight_markers", "leader_markers", "obstacle_markers"};
+const std::set<std::string> kWithoutHeader{"Twist", "Bool", "Clock", "JoyFeedback"};
+
+// A new topic has to be put into one of the lists, and its reader has to do what the list says.
+TEST(Topics, EachWithAHeaderIsPlacedByItsFrameOrIsKnownNotToDependOnOne) {
+  std::ifstream file{source_path("components/topics.hpp")};
+  const std::string text{std::istreambuf_iterator<char>{file}, {}};
+  const std::regex topic{R"(constexpr Topic<\w+::msg::(\w+)> (\w+)\{)"};
+  int found = 0;
+  for (std::sregex_iterator it{text.begin(), text.end(), topic}, end; it != end; ++it) {
+    const std::string type = (*it)[1], name = (*it)[2];
+    ++found;
+    if (kWithoutHeader.contains(type)) continue;
+    int lists = 0;
+    for (const auto* list : {&kPlaced, &kOfRobot, &kUnread, &kShown})
+      lists += list->contains(name) ? 1 : 0;
+    EXPECT_EQ(lists, 1) << name << " of type " << type;
+  }
+  EXPECT_GT(found, 25);
+}
+
+}  // namespace
+}  // namespace tandem::test
