@@ -3,7 +3,7 @@
 
 #include "bringup/shortest_way.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
-#include "map/octomap_file.hpp"
+#include "map/map_file.hpp"
 #include "runtime/time.hpp"
 #include "safety_filter/safety_filter.hpp"
 
@@ -17,7 +17,7 @@ DiffDriveSimNodeParams sim_of(const System& system) {
 }
 
 StaticMap world_of(const DiffDriveSimNodeParams& sim) {
-  return StaticMap{slice(*load_octomap(sim.map), sim.slice), sim.unknown_is_obstacle};
+  return StaticMap{slice(*load_map(sim.map), sim.slice), sim.unknown_is_obstacle};
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "bringup/drive_log.hpp"
 #include "bringup/map_picture.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
-#include "map/octomap_file.hpp"
+#include "map/map_file.hpp"
 
 namespace tandem {
 namespace {
@@ -100,7 +100,7 @@ void draw_drive(const Scenario& scenario, const System& system, const DriveLog& 
                 const std::string& png) {
   const auto sim = parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim");
   const Footprint footprint = footprint_of(sim.robot);
-  MapPicture picture{slice(*load_octomap(sim.map), sim.slice)};
+  MapPicture picture{slice(*load_map(sim.map), sim.slice)};
   draw_goal(picture, scenario.goal, footprint);
   picture.draw_obstacles(log.obstacles,
                          {.color = colors::kShape,

@@ -10,7 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/shortest_way.hpp"
-#include "map/octomap_file.hpp"
+#include "map/map_file.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "safety_filter/safety_filter_node.hpp"
 
@@ -23,7 +23,7 @@ std::shared_ptr<const StaticMap> empty_world() { return std::make_shared<const S
 std::shared_ptr<const StaticMap> world_of(const DiffDriveSimNodeParams& sim,
                                           const DriveOptions& options) {
   if (!options.obstacles) return empty_world();
-  return std::make_shared<const StaticMap>(slice(*load_octomap(sim.map), sim.slice),
+  return std::make_shared<const StaticMap>(slice(*load_map(sim.map), sim.slice),
                                            sim.unknown_is_obstacle);
 }
 
@@ -33,7 +33,7 @@ std::shared_ptr<const StaticMap> map_of(const DiffDriveSimNodeParams& sim,
   if (!options.obstacles) return empty_world();
   if (params.map_source == "local")
     return std::make_shared<const StaticMap>(Grid{}, params.unknown_is_obstacle);
-  return static_map(*load_octomap(sim.map), params, fixtures_of(params));
+  return static_map(*load_map(sim.map), params, fixtures_of(params));
 }
 
 // Names and values of all parameters.
@@ -63,8 +63,7 @@ std::string text_of_place(const Scenario& scenario) {
 }  // namespace
 
 Grid base_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params) {
-  const Grid grid =
-      params.map_source == "local" ? Grid{} : slice(*load_octomap(sim.map), params.slice);
+  const Grid grid = params.map_source == "local" ? Grid{} : slice(*load_map(sim.map), params.slice);
   return with_forbidden(grid, fixtures_of(params));
 }
 

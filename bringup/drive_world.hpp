@@ -59,7 +59,7 @@ struct World {
 class Worlds {
  public:
   /// The world of the drive; one that the robot has yet to see is a new one each time. Stays until
-  /// a few others have been asked for. Throws what slice and load_octomap throw.
+  /// a few others have been asked for. Throws what slice and load_map throw.
   [[nodiscard]] World& of(const Scenario& scenario, const System& system,
                           const DriveOptions& options);
 

@@ -15,6 +15,7 @@
 #include "map/barn_world.hpp"
 #include "map/clutter_world.hpp"
 #include "map/map_description.hpp"
+#include "map/map_file.hpp"
 #include "map/octomap_file.hpp"
 #include "map/slice.hpp"
 #include "map/static_map.hpp"
@@ -33,6 +34,7 @@ struct MapOptions {
   bool shapes = false;
   bool unknown_is_obstacle = false;
   int size = 1400;
+  double wall_height = kWallHeight;
 };
 
 // An option for every field of a parameter struct, named as in YAML with dashes.
@@ -74,17 +76,12 @@ fs::path output_beside(const MapOptions& options, const char* extension) {
   return beside.replace_extension(extension);
 }
 
-MapDescription describe(const std::string& input) {
+// A file of any kind, or a world of a BARN file.
+std::unique_ptr<octomap::OcTree> load_any(const std::string& input,
+                                          double wall_height = kWallHeight) {
   const WorldName world(input);
-  return world.number ? load_barn_world(world.file, *world.number) : load_map_description(input);
-}
-
-// The map itself, or the one that a description describes.
-std::unique_ptr<octomap::OcTree> load_any(const std::string& input) {
-  const std::string extension = fs::path(input).extension().string();
-  if (extension == ".yaml" || extension == ".yml" || WorldName(input).number)
-    return build_octomap(describe(input));
-  return load_octomap(input);
+  return world.number ? build_octomap(load_barn_world(world.file, *world.number))
+                      : load_map(input, wall_height);
 }
 
 void save(const octomap::OcTree& tree, const fs::path& output) {
@@ -103,7 +100,10 @@ void keep_input(const std::string& input, const fs::path& output) {
 void build(const MapOptions& options) {
   const fs::path output = output_beside(options, ".bt");
   keep_input(options.input, output);
-  save(*build_octomap(describe(options.input)), output);
+  const bool is_description = !is_yaml(options.input) && !WorldName(options.input).number;
+  save(is_description ? *build_octomap(load_map_description(options.input))
+                      : *load_any(options.input, options.wall_height),
+       output);
 }
 
 void make_clutter(const MapOptions& options) {
@@ -185,12 +185,18 @@ void add_map_command(CLI::App& program) {
     return command;
   };
 
-  CLI::App* const build_it = add("build", "Make an OctoMap (.bt) from a description", build);
+  CLI::App* const build_it =
+      add("build", "Make an OctoMap (.bt) from a description or from Nav2's map", build);
   build_it
       ->add_option("description", options->input,
-                   "map description (.yaml), or a BARN world: worlds.json#17")
+                   "map description (.yaml), map of Nav2's map_server (.yaml), or a BARN world: "
+                   "worlds.json#17")
       ->required();
   build_it->add_option("-o,--output", options->output, "file to write; default: beside it, .bt");
+
+  build_it->add_option("--height", options->wall_height, "[m] of the walls of a map of Nav2's")
+      ->check(CLI::Range(1e-3, 100.0))
+      ->capture_default_str();
 
   CLI::App* const clutter = add("clutter", "Make a random, passable clutter world", make_clutter);
   clutter->add_option("--seed", options->seed, "another seed, another world")
@@ -200,13 +206,13 @@ void add_map_command(CLI::App& program) {
 
   CLI::App* const info = add("info", "Say what a map holds", print_info);
   info->add_option("map", options->input,
-                   "OctoMap (.bt, .ot) or description (.yaml, worlds.json#17)")
+                   "OctoMap (.bt, .ot), Nav2's map (.yaml) or description (.yaml, worlds.json#17)")
       ->required();
   options->slice.visit(OptionAdder{*info});
 
   CLI::App* const draw = add("render", "Draw a map as a PNG", render);
   draw->add_option("map", options->input,
-                   "OctoMap (.bt, .ot) or description (.yaml, worlds.json#17)")
+                   "OctoMap (.bt, .ot), Nav2's map (.yaml) or description (.yaml, worlds.json#17)")
       ->required();
   draw->add_option("-o,--output", options->output, "file to write; default: beside it, .png");
   draw->add_option("--size", options->size, "[pixels] of the longer side")

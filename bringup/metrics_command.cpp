@@ -15,6 +15,7 @@
 #include "bringup/report.hpp"
 #include "bringup/world.hpp"
 #include "driver/driver.hpp"
+#include "map/map_file.hpp"
 #include "map/octomap_file.hpp"
 #include "map_server/map_server_node.hpp"
 #include "runtime/decode.hpp"
@@ -91,8 +92,7 @@ class Replay {
   void compare(const octomap_msgs::msg::Octomap& msg) const {
     const auto recorded =
         decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), true).tree;
-    if (recorded &&
-        is_same(slice(*recorded, map_.slice), slice(*load_octomap(map_.map), map_.slice)))
+    if (recorded && is_same(slice(*recorded, map_.slice), slice(*load_map(map_.map), map_.slice)))
       return;
     rt::Logger{"tandem"}.warn(
         "{}: the map in {} is not {}, in which this measures; name the drive's with --seed or "
@@ -221,7 +221,7 @@ void add_metrics_command(CLI::App& app) {
       ->add_option("--seed", request->seed,
                    "the drive's: says which world or goal it was where the scenario has many")
       ->check(CLI::PositiveNumber);
-  command->add_option("--map", request->map, "the drive's, where it was another OctoMap file")
+  command->add_option("--map", request->map, "the drive's, where it was another map file")
       ->check(CLI::ExistingFile);
   command->add_option("--namespace", request->name_space, "the robot's, as /a");
   command->add_option("--json", request->json, "write the measures to this file too");

@@ -182,7 +182,8 @@ void add_scenario_command(CLI::App& app, int& status) {
   auto* seed = command->add_option("--seed", request->seed,
                                    "seed of the simulated person; default: the scenario's");
   command->add_option("--seeds", request->seeds, "a range of seeds, A-B")->excludes(seed);
-  command->add_option("--map", request->map, "another OctoMap file")->check(CLI::ExistingFile);
+  command->add_option("--map", request->map, "another map file: OctoMap or YAML")
+      ->check(CLI::ExistingFile);
   command->add_option("--json", request->json, "write all results to this file");
   command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")
       ->take_last();  // after the one that bringup/demo names

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
-#include "map/octomap_file.hpp"
+#include "map/map_file.hpp"
 
 namespace tandem {
 namespace {
@@ -98,7 +98,7 @@ void write_worlds(const Study& study, const StudyFolder& folder) {
     if (is_new) all[cell.scenario.name] = scene_of(scenario, sim);
     if (fs::exists(map))
       all[cell.scenario.name]["worlds"][map.filename().string()] =
-          cells_of(slice(*load_octomap(map.string()), sim.slice));
+          cells_of(slice(*load_map(map.string()), sim.slice));
   }
   write_file(file_of(folder), all.dump() + "\n");
 }

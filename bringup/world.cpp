@@ -12,6 +12,7 @@
 #include "bringup/checksum.hpp"
 #include "map/barn_world.hpp"
 #include "map/clutter_world.hpp"
+#include "map/map_file.hpp"
 #include "map/octomap_file.hpp"
 #include "map/slice.hpp"
 #include "map/way.hpp"
@@ -103,7 +104,7 @@ Scenario with_its_goal(Scenario scenario) {
   SliceParams params;
   rt::ParameterStore store{"/slice", {.values = scenario.slice}};
   params.visit(store);
-  tell_the_way(scenario, StaticMap{slice(*load_octomap(scenario.map), params)});
+  tell_the_way(scenario, StaticMap{slice(*load_map(scenario.map), params)});
   return scenario;
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "map/octomap_file.hpp"
+#include "map/map_file.hpp"
 #include "model/frame_tree.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
@@ -19,8 +19,9 @@ Pose2 start_of(const DiffDriveSimNodeParams& params) {
 }
 
 DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
-  if (params.map.empty()) throw std::invalid_argument("map: name an OctoMap file");
-  auto map = std::make_shared<const StaticMap>(slice(*load_octomap(params.map), params.slice),
+  if (params.map.empty())
+    throw std::invalid_argument("map: name an OctoMap (.bt, .ot) or a map's YAML");
+  auto map = std::make_shared<const StaticMap>(slice(*load_map(params.map), params.slice),
                                                params.unknown_is_obstacle);
   DiffDriveSim sim{params.sim, params.robot, std::move(map), static_cast<unsigned>(params.seed)};
   sim.put(people_of(params));

@@ -37,7 +37,8 @@ struct DiffDriveSimNodeParams {
     sim.visit(field);
     slice.visit(field);
     frames.visit(field);
-    field("map", map, "OctoMap file, .bt or .ot");
+    field("map", map,
+          "OctoMap file (.bt, .ot), map of Nav2's map_server (.yaml) or description (.yaml)");
     field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen stop the robot");
     field("start", start, Range{-1e5, 1e5}, "[m, m, rad] x, y, heading in the map");
     field("people", people, Range{-1e5, 1e5},

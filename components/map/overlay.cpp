@@ -36,6 +36,8 @@ Cell stronger(Cell a, Cell b) {
   return a == Cell::kFree ? a : b;
 }
 
+}  // namespace
+
 void lay_over(Grid& out, const Grid& in) {
   const auto columns =
       overlaps(out.origin.x(), out.resolution, out.width, in.origin.x(), in.resolution, in.width);
@@ -49,8 +51,6 @@ void lay_over(Grid& out, const Grid& in) {
         for (int ix = column.begin; ix < column.end; ++ix) cell = stronger(cell, in.at(ix, iy));
     }
 }
-
-}  // namespace
 
 Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC, double reach) {
   const double r = live.resolution;

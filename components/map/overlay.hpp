@@ -6,6 +6,10 @@
 
 namespace tandem {
 
+/// Gives each cell of `out` what the cells of `in` that it overlaps say, and keeps what it says:
+/// occupied before free before unknown.
+void lay_over(Grid& out, const Grid& in);
+
 /// The square within `reach` [m] of a point, at the resolution of `live`. A cell is occupied if it
 /// overlaps an occupied cell of either grid, else free if it overlaps a free one, else unknown. The
 /// cells lie where those of OctoMap lie, and the square moves by whole metres, so that it does not

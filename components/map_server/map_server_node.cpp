@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "map_server/map_server_node.hpp"
 
+#include "map/map_file.hpp"
 #include "map/octomap_file.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
@@ -11,8 +12,9 @@ MapServerNode::MapServerNode(rt::Node& node)
     : params_{node.declare_parameters<MapServerParams>()},
       octomap_{node.create_publisher(topics::octomap_binary)},
       map_{node.create_publisher(topics::map)} {
-  if (params_->map.empty()) throw std::invalid_argument("map: name an OctoMap file");
-  const auto tree = load_octomap(params_->map);
+  if (params_->map.empty())
+    throw std::invalid_argument("map: name an OctoMap (.bt, .ot) or a map's YAML");
+  const auto tree = load_map(params_->map);
   const auto map_header = header(node.stamp(), params_->frames.map);
   octomap_msgs::msg::Octomap msg;
   msg.header(map_header);

@@ -14,7 +14,8 @@ struct MapServerParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("map", map, "OctoMap file, .bt or .ot");
+    field("map", map,
+          "OctoMap file (.bt, .ot), map of Nav2's map_server (.yaml) or description (.yaml)");
     slice.visit(field);
     frames.visit(field);
   }
@@ -23,7 +24,7 @@ struct MapServerParams {
 /// A map file → octomap_binary and map, latched for whoever joins late.
 class MapServerNode {
  public:
-  /// Throws std::runtime_error if the file is no OctoMap, before anything moves.
+  /// Throws std::runtime_error if the file is no map, before anything moves.
   explicit MapServerNode(rt::Node& node);
 
  private:

@@ -76,6 +76,24 @@ TEST_F(MapCommand, BuildsAWorldOfABarnFile) {
   EXPECT_THROW(run("map build " + in_folder("worlds.json#x")), std::runtime_error);
 }
 
+// As Nav2's map_saver writes it: a wall of two pixels on free ground.
+TEST_F(MapCommand, BuildsAnOctomapOfTheHeightAskedForFromNav2sMap) {
+  std::ofstream(in_folder("room.pgm")) << "P2 4 3 255 254 254 254 254 254 0 0 254 254 254 254 254";
+  std::ofstream(in_folder("room.yaml"))
+      << "image: room.pgm\nmode: trinary\nresolution: 0.5\norigin: [-1, 0, 0]\nnegate: 0\n"
+         "occupied_thresh: 0.65\nfree_thresh: 0.25\n";
+  run("map build " + in_folder("room.yaml") + " -o " + in_folder("room.bt") + " --height 1.0");
+  testing::internal::CaptureStdout();
+  run("map info " + in_folder("room.bt"));
+  run("map info " + in_folder("room.yaml"));
+  const std::string text = testing::internal::GetCapturedStdout();
+  EXPECT_NE(text.find("z           0 to 1 m"), std::string::npos) << text;
+  EXPECT_NE(text.find("z           0 to 2 m"), std::string::npos) << text;
+  const auto first = text.find("4 × 3 cells");
+  EXPECT_NE(text.find("2 occupied, 10 free, 0 unknown", first), std::string::npos) << text;
+  EXPECT_NE(text.find("4 × 3 cells", first + 1), std::string::npos) << text;
+}
+
 TEST_F(MapCommand, MakesClutterFromASeed) {
   run("map clutter --seed 3 -o " + in_folder("a.bt"));
   run("map clutter --seed 3 -o " + in_folder("b.bt"));

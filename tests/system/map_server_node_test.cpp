@@ -53,6 +53,25 @@ TEST_F(MapServerOverDds, GivesALateJoinerBothMaps) {
             std::count(expected.cells.begin(), expected.cells.end(), Cell::kOccupied));
 }
 
+TEST_F(MapServerOverDds, ServesAMapOfNav2s) {
+  std::ofstream{folder_ / "room.pgm"} << "P2 2 2 255 0 205 254 254";
+  std::ofstream{folder_ / "room.yaml"} << "image: room.pgm\nresolution: 0.5\norigin: [1, -2, 0]\n"
+                                          "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.19\n";
+  const auto server = load("map_server", {{"map", folder_ / "room.yaml"}});
+  octomap_msgs::msg::Octomap octomap;
+  nav_msgs::msg::OccupancyGrid grid;
+  const auto octomap_in =
+      node_.create_subscription(topics::octomap_binary, [&](const auto& msg) { octomap = msg; });
+  const auto grid_in = node_.create_subscription(topics::map, [&](const auto& msg) { grid = msg; });
+  ASSERT_TRUE(wait_until([&] { return !octomap.data().empty() && !grid.data().empty(); }));
+  EXPECT_EQ(grid.data(), (std::vector<std::int8_t>{0, 0, 100, -1}));
+  EXPECT_NEAR(grid.info().origin().position().x(), 1.0, 1e-9);
+  const auto decoded =
+      decode_octomap({octomap.id(), octomap.binary(), octomap.resolution()}, octomap.data());
+  ASSERT_TRUE(decoded.tree) << decoded.error;
+  EXPECT_TRUE(decoded.tree->isNodeOccupied(decoded.tree->search(1.25, -1.25, 0.25)));
+}
+
 TEST_F(MapServerOverDds, ABrokenFileEndsTheProgramWithOneLineThatNamesIt) {
   const std::string broken = (folder_ / "broken.bt").string();
   std::ifstream in{kForest, std::ios::binary};

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads a map from a file of any kind that Tandem knows.
+#pragma once
+
+#include <octomap/OcTree.h>
+
+#include <filesystem>
+#include <memory>
+
+namespace tandem {
+
+/// How high the walls of a map without heights are [m]: higher than robots.
+inline constexpr double kWallHeight = 2.0;
+
+/// An OctoMap (.bt, .ot), or in YAML a map of Nav2's map_server, whose walls become `wall_height`
+/// [m] high, or a description. Throws std::runtime_error, one line that names the file and what is
+/// wrong with it.
+[[nodiscard]] std::unique_ptr<octomap::OcTree> load_map(const std::filesystem::path& file,
+                                                        double wall_height = kWallHeight);
+
+/// Whether the file is YAML by its name.
+[[nodiscard]] bool is_yaml(const std::filesystem::path& file);
+
+}  // namespace tandem
