@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "convert.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "model/frame_tree.hpp"
@@ -240,6 +242,18 @@ nav_msgs::msg::Path to_path(std::span<const Pose2> X, const std_msgs::msg::Heade
   msg.header(header);
   for (const Pose2& pose : X) msg.poses().push_back(to_msg(pose, header));
   return msg;
+}
+
+OccupancyPlane from_msg(const nav_msgs::msg::OccupancyGrid& msg) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
+  OccupancyPlane plane;
+  plane.X_MO = from_msg(msg.info().origin()).value_or(Pose2{kNaN, kNaN, kNaN});
+  plane.resolution = static_cast<double>(msg.info().resolution());
+  plane.width = static_cast<int>(std::min(msg.info().width(), kMost));
+  plane.height = static_cast<int>(std::min(msg.info().height(), kMost));
+  plane.percent = msg.data();
+  return plane;
 }
 
 nav_msgs::msg::OccupancyGrid to_msg(const Grid& grid, const std_msgs::msg::Header& header) {

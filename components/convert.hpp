@@ -13,6 +13,7 @@
 #include "map/echoes.hpp"
 #include "map/fixtures.hpp"
 #include "map/grid.hpp"
+#include "map/occupancy_plane.hpp"
 #include "model/obstacle.hpp"
 #include "model/se2.hpp"
 
@@ -93,6 +94,9 @@ struct Obstacles {
 
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
                                           const std_msgs::msg::Header& header);
+/// The plane of the message, whatever it says; error_of tells what is wrong with it. An origin that
+/// is not finite or has a zero quaternion becomes one that is not finite.
+[[nodiscard]] OccupancyPlane from_msg(const nav_msgs::msg::OccupancyGrid& msg);
 /// 100 occupied, 0 free, −1 unknown, as RViz and Nav2 read it.
 [[nodiscard]] nav_msgs::msg::OccupancyGrid to_msg(const Grid& grid,
                                                   const std_msgs::msg::Header& header);

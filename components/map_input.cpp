@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "convert.hpp"
 #include "map/octomap_file.hpp"
 #include "map/overlay.hpp"
 #include "map/placed_grid.hpp"
@@ -37,9 +38,14 @@ std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& lo
 }
 
 MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames)
-    : node_{node}, params_{params}, fixtures_{fixtures_of(params)}, frames_{frames} {
+    : node_{node},
+      params_{params},
+      fixtures_{fixtures_of(params)},
+      frames_{frames},
+      static_{params.static_map == "grid" ? topics::map.name : topics::octomap_binary.name} {
   if (params_.map_source == "local") base_ = with_forbidden(Grid{}, fixtures_);
-  if (params_.map_source != "local") subscribe(topics::octomap_binary, static_);
+  if (params_.map_source != "local")
+    with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
   worker_ = std::thread{[this] { run(); }};  // last: whoever throws before has no thread to end
 }
@@ -55,7 +61,16 @@ MapInput::~MapInput() {
   worker_.join();
 }
 
-void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
+template <class Use>
+void MapInput::with_static_topic(const Use& use) const {
+  if (params_.static_map == "grid")
+    use(topics::map);
+  else
+    use(topics::octomap_binary);
+}
+
+template <class M>
+void MapInput::subscribe(const rt::Topic<M>& topic, Inbox& inbox) {
   inbox.refused = false;
   inbox.sender.reset();
   inbox.subscription = node_.create_subscription(topic, [this, topic, &inbox](const auto& msg) {
@@ -67,7 +82,8 @@ void MapInput::subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inb
 }
 
 void MapInput::hand_over(Inbox& inbox, HeardMap map) {
-  const std::string& frame = map.value.header().frame_id();
+  const std::string frame = std::visit(
+      [](const auto& msg) -> std::string { return msg.header().frame_id(); }, map.value);
   const auto place = place_of(frame, inbox.refusal);
   if (place) {
     inbox.unplaced.reset();
@@ -151,12 +167,13 @@ bool MapInput::is_foreign(const char* topic, const Inbox& inbox) const {
 
 // Who is left sends its latched map to whoever subscribes anew: to one that was refused for another
 // robot's sake, or for that of a map_server that died without a word.
-void MapInput::ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox) {
+template <class M>
+void MapInput::ask_again(const rt::Topic<M>& topic, Inbox& inbox) {
   if (inbox.refused && inbox.subscription.matched() <= 1) subscribe(topic, inbox);
 }
 
 std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& robot) {
-  ask_again(topics::octomap_binary, static_);
+  with_static_topic([this](const auto& topic) { ask_again(topic, static_); });
   ask_again(topics::octomap_local, local_);
   follow_frame(static_);
   follow_frame(local_);
@@ -187,7 +204,7 @@ void MapInput::run() {
     const auto p_MB = p_MB_;
     lock.unlock();
     const auto map =
-        fixed ? unless_refused("octomap_binary", [&] { return take_static(*fixed); }) : nullptr;
+        fixed ? unless_refused(static_.topic, [&] { return take_static(*fixed); }) : nullptr;
     const auto seen =
         local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : nullptr;
     lock.lock();
@@ -210,7 +227,7 @@ std::shared_ptr<const StaticMap> MapInput::unless_refused(const char* topic, con
   }
 }
 
-// The map of octomap_binary alone, if that is all that is asked for.
+// The static map alone, if that is all that is asked for.
 std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
   if (!job.map && (!unmoved_base_ || base_place_->frame != job.place.frame)) return nullptr;
   Grid unmoved =
@@ -239,14 +256,22 @@ std::shared_ptr<const StaticMap> MapInput::take_local(
 }
 
 // Where nothing is seen nothing may stand: only a map that stays must hold something.
-Grid MapInput::decode(const octomap_msgs::msg::Octomap& msg, double height,
-                      bool may_be_empty) const {
+Grid MapInput::decode(const MapMessage& msg, double height, bool may_be_empty) const {
+  return std::visit([&](const auto& map) { return grid_of(map, height, may_be_empty); }, msg);
+}
+
+Grid MapInput::grid_of(const octomap_msgs::msg::Octomap& msg, double height,
+                       bool may_be_empty) const {
   const auto decoded =
       decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
   if (!decoded.tree) throw std::runtime_error(decoded.error);
   SliceParams in_its_frame = params_.slice;
   in_its_frame.floor -= height;
   return slice(*decoded.tree, in_its_frame);
+}
+
+Grid MapInput::grid_of(const nav_msgs::msg::OccupancyGrid& msg, double, bool) const {
+  return to_grid(from_msg(msg));
 }
 
 }  // namespace tandem

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: octomap_binary, octomap_local. Out: the world they show, decoded off the node's thread.
+// In: octomap_binary or map, octomap_local. Out: the world they show, decoded off the node's
+// thread.
 #pragma once
 
 #include <condition_variable>
@@ -7,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <variant>
 
 #include "frames_input.hpp"
 #include "map/fixtures.hpp"
@@ -23,6 +25,7 @@ struct MapInputParams {
   bool unknown_is_obstacle = false;
   std::string fixtures;
   std::string map_source = "static";
+  std::string static_map = "octomap";
   double local_timeout = 0.5;
   double local_reach = 10.0;
 
@@ -33,8 +36,11 @@ struct MapInputParams {
     field("fixtures", fixtures,
           "YAML file of virtual fixtures (forbidden regions, guidance lines); empty: none");
     field("map_source", map_source, OneOf{{"static", "local", "both"}},
-          "static: octomap_binary; local: octomap_local, what is seen now; both: what stands in "
-          "octomap_binary stays for ever, what octomap_local shows comes and goes");
+          "static: the static map; local: octomap_local, what is seen now; both: what stands in "
+          "the static map stays for ever, what octomap_local shows comes and goes");
+    field("static_map", static_map, OneOf{{"octomap", "grid"}},
+          "octomap: octomap_binary; grid: map, as Nav2's map_server or SLAM publishes it. Cells of "
+          "50 % and more are occupied, those outside of 0 to 100 unknown");
     field("local_timeout", local_timeout, Range{0.05, 60.0},
           "[s] silence of octomap_local that counts as no map");
     field("local_reach", local_reach, Range{2.0, 100.0},
@@ -93,7 +99,8 @@ class MapInput {
   [[nodiscard]] std::string missing() const;
 
  private:
-  using HeardMap = Heard<octomap_msgs::msg::Octomap>;
+  using MapMessage = std::variant<octomap_msgs::msg::Octomap, nav_msgs::msg::OccupancyGrid>;
+  using HeardMap = Heard<MapMessage>;
 
   /// How the grid of a map's frame F is laid into M.
   struct Place {
@@ -123,14 +130,16 @@ class MapInput {
     std::string trouble = {};               // why the map in force is not where it was placed
   };
 
-  void subscribe(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
+  template <class M>
+  void subscribe(const rt::Topic<M>& topic, Inbox& inbox);
   void hand_over(Inbox& inbox, HeardMap map);
   void hand_over(Inbox& inbox, Job job);
   void follow_frame(Inbox& inbox);
   [[nodiscard]] std::optional<Place> place_of(const std::string& frame, std::string& refusal) const;
   [[nodiscard]] double shift(const Place& from, const Place& to) const;
   [[nodiscard]] bool is_foreign(const char* topic, const Inbox& inbox) const;
-  void ask_again(const rt::Topic<octomap_msgs::msg::Octomap>& topic, Inbox& inbox);
+  template <class M>
+  void ask_again(const rt::Topic<M>& topic, Inbox& inbox);
   void run();
   template <class Take>
   [[nodiscard]] std::shared_ptr<const StaticMap> unless_refused(const char* topic,
@@ -138,8 +147,15 @@ class MapInput {
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
   [[nodiscard]] std::shared_ptr<const StaticMap> take_local(
       const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
-  [[nodiscard]] Grid decode(const octomap_msgs::msg::Octomap& msg, double height,
-                            bool may_be_empty) const;
+  [[nodiscard]] Grid decode(const MapMessage& msg, double height, bool may_be_empty) const;
+  [[nodiscard]] Grid grid_of(const octomap_msgs::msg::Octomap& msg, double height,
+                             bool may_be_empty) const;
+  [[nodiscard]] Grid grid_of(const nav_msgs::msg::OccupancyGrid& msg, double height,
+                             bool may_be_empty) const;
+
+  // Calls `use` with the topic of the static map.
+  template <class Use>
+  void with_static_topic(const Use& use) const;
 
   rt::Node& node_;
   MapInputParams params_;
@@ -152,7 +168,7 @@ class MapInput {
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   bool stop_ = false;
-  Inbox static_{"octomap_binary"}, local_{"octomap_local"};
+  Inbox static_, local_{"octomap_local"};
   Heard<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
   std::optional<Eigen::Vector2d> p_MB_;
 
