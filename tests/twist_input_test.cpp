@@ -56,6 +56,19 @@ TEST_F(TwistInputTest, HearsBothTypesUnderOneName) {
   EXPECT_EQ(got_, (std::vector<double>{1.0, 2.0}));
 }
 
+TEST_F(TwistInputTest, TellsWhoSentACommand) {
+  const auto plain = sender_.create_publisher(kTopic);
+  const auto with_stamp = sender_.create_publisher(kStamped);
+  ASSERT_TRUE(await([&] { return plain.matched() == 1 && with_stamp.matched() == 1; }));
+  EXPECT_NE(plain.id(), with_stamp.id());
+  plain.publish(Twist{});
+  ASSERT_TRUE(await([&] { return got_.size() == 1; }));
+  EXPECT_EQ(input_.sender(), plain.id());
+  with_stamp.publish(stamped(2.0, 0.0));
+  ASSERT_TRUE(await([&] { return got_.size() == 2; }));
+  EXPECT_EQ(input_.sender(), with_stamp.id());
+}
+
 TEST_F(TwistInputTest, DropsWhatIsStampedLongAgoOrAhead) {
   const auto publisher = sender_.create_publisher(kStamped);
   ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));

@@ -78,6 +78,19 @@ TEST_F(ArbitrationOverDds, SaysInStatusAndDiagnosticsWhyTheRobotStandsWhoeverSto
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
 }
 
+TEST_F(ArbitrationOverDds, SaysWhyTheStickOfThePersonMovesNothing) {
+  push_ = {};
+  ASSERT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
+  const auto teleop = node_.create_publisher(topics::teleop_status);
+  std_msgs::msg::String trouble;
+  trouble.data("stick is not at rest");
+  rt::Timer beat = node_.create_wall_timer(0.05, [&] { teleop.publish(trouble); });
+  EXPECT_TRUE(wait_until([&] { return reason_ == trouble.data(); }));
+  EXPECT_TRUE(wait_until([&] { return diagnosis_.second == trouble.data(); }));
+  beat = {};
+  EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
+}
+
 // Of what nobody reads nothing comes; of the others the command is dropped, and silence stops.
 TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
   push_ = {};
