@@ -30,6 +30,7 @@ constexpr double kShow = 0.2;      // [s]
 constexpr double kFresh = 0.5;     // [s] what is older is not shown
 constexpr int kReleases = 3;       // joy that say "let go", for one may be lost
 constexpr double kPatience = 1.0;  // [s] with teleop's answer
+constexpr double kPress = 2.0;     // [s] a key that is held for longer is no new press
 
 const std::vector<std::string> kLayout{"axis_linear",  "axis_angular",  "deadman_button",
                                        "scale_linear", "scale_angular", "axis_range"};
@@ -95,6 +96,7 @@ class KeyboardTeleop {
     });
     arbitration_ = node.create_subscription(topics::arbitration_status, [this](const auto& msg) {
       mode_ = {msg.policy() + ", " + msg.reason(), node_.steady_now()};
+      refused_ = msg.reason() == kNotAtRest;
     });
     beat_ = node.create_wall_timer(kBeat, [this] { beat(); });
     show_ = node.create_wall_timer(kShow, [this] { show(); });
@@ -110,8 +112,11 @@ class KeyboardTeleop {
     if (stick) releases_ = kReleases;
     if (!stick && releases_-- <= 0) return;
     if (!layout_) return;
-    // A key brings dead-man and axis at once; teleop wants the stick at rest when the former comes.
-    const bool goes_on = std::exchange(sent_held_, stick.has_value());
+    // A key brings dead-man and axis at once; teleop wants the stick at rest when the former comes,
+    // and the sample that says so may be lost.
+    if (!sent_held_) pressed_ = now;
+    const bool unheard = now - pressed_ <= kPress && now - mode_.t <= kFresh && refused_;
+    const bool goes_on = std::exchange(sent_held_, stick.has_value()) && !unheard;
     const auto keys = goes_on ? stick.value_or(TerminalKeys::Stick{}) : TerminalKeys::Stick{};
     const auto joy = joy_values(
         {.linear = keys.linear, .angular = keys.angular, .deadman = stick.has_value()}, *layout_);
@@ -179,6 +184,8 @@ class KeyboardTeleop {
   TerminalKeys keys_;
   int releases_ = 0;
   bool sent_held_ = false;  // the last joy said so
+  double pressed_ = 0.0;    // [s] when it was not yet
+  bool refused_ = false;    // arbitration says that the stick was not seen at rest
   std::optional<TeleopParams> layout_;
   Heard<Twist2> speed_;
   Heard<std::string> mode_, filter_;

@@ -300,6 +300,17 @@ async function driveAndDisturb() {
     await page.keyboard.up("i");
   });
 
+  await step("a press whose first sample is lost drives all the same", async () => {
+    await page.evaluate(() => {
+      const { connection } = window.tandem, publish = connection.publishFresh.bind(connection);
+      connection.publishFresh = () => ((connection.publishFresh = publish), true);
+    });
+    await page.keyboard.down("i");
+    await moves(page);
+    await page.keyboard.up("i");
+    await stands(page);
+  });
+
   await step("a gamepad drives while its button is held", async () => {
     await page.evaluate(() => {
       window.pad = { connected: true, id: "pad", axes: [0, -0.6], buttons: [{ pressed: true }] };

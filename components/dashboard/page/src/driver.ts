@@ -32,6 +32,7 @@ export interface Source {
 
 const PERIOD = 40; // [ms]
 const RELEASES = 3; // messages that say "let go", for one may be lost
+const FRESH = 3000; // [ms] a press that is older may have been held through a lost connection
 
 export class Driver {
   /** The stick as it is being sent; undefined: nobody holds it. */
@@ -43,7 +44,8 @@ export class Driver {
   private releases = 0;
   private dropped = false;
   private source?: Source; // that holds the stick
-  private begun = false; // teleop has heard of this press
+  private pressed = 0; // [ms] when the stick was taken
+  private begun = false; // teleop was told of this press
 
   constructor(
     private connection: Connection,
@@ -58,12 +60,18 @@ export class Driver {
     this.dropped = true;
   }
 
+  /** Teleop has not seen the stick at rest: what the press began with was lost, or came too late to count. */
+  beginAgain(): void {
+    if (performance.now() - this.pressed < FRESH) this.begun = false;
+  }
+
   private beat(): void {
     const before = this.stick, hand = this.source;
     const held = this.held();
     if (!held) this.dropped = false;
     const changes = hand !== undefined && hand !== this.source; // then it is let go of for a beat
     this.stick = document.hidden || !this.enabled || this.dropped || changes ? undefined : held;
+    if (this.stick && !before) this.pressed = performance.now();
     if (this.stick) this.releases = RELEASES;
     else this.begun = false;
     if (this.stick || this.releases-- > 0) this.send();

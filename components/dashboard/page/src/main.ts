@@ -153,7 +153,10 @@ connection.onState = (connected) => {
   showSeat();
 };
 connection.onStatus = say;
-robot.onChange = () => view.change();
+robot.onChange = () => {
+  view.change();
+  if (robot.get("arbitration/status")?.reason === NOT_AT_REST) driver.beginAgain();
+};
 driver.onChange = () => 
   showStick(at("stick"), at("knob"), driver.stick, robot.get("joy/set_feedback", 250));
 
