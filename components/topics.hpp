@@ -34,8 +34,8 @@ inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
 /// How user input is read: best effort, so that no device goes unheard.
 inline constexpr runtime::QoS kUserInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
-/// The same for joy, of which no sample may take the place of another: one at rest, for example,
-/// that comes right before one that is not.
+/// The same for joy, with a queue: the next sample must not overwrite one at rest, which teleop has
+/// to see.
 inline constexpr runtime::QoS kStickInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 10, .lifespan = 0.2};
 

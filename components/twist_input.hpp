@@ -30,7 +30,7 @@ class TwistInput {
   void set_frames(Frames frames) { frames_ = std::move(frames); }
   /// Commands that are not finite go on too, to a node that stops for them.
   void pass_not_finite() { passes_not_finite_ = true; }
-  /// Who sent the last command; to be asked within its callback.
+  /// The publisher of the last command; valid within its callback.
   [[nodiscard]] rt::PublisherId sender() const { return sender_; }
   TwistInput(const TwistInput&) = delete;
   TwistInput& operator=(const TwistInput&) = delete;

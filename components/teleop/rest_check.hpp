@@ -30,12 +30,12 @@ class RestCheck {
     known = {at_rest || (known.rested && !pressed), deadman, t};
     return known.rested;
   }
-  /// The sender is heard, but what it says is too late to count: it has not fallen silent.
+  /// A sample arrived too late to count: the sender has not fallen silent.
   void keep(const std::string& sender, double t) {
     forget_silent(t);
     if (const auto known = senders_.find(sender); known != senders_.end()) known->second.t = t;
   }
-  /// The sender is gone: whoever uses it next has to be seen at rest.
+  /// The person at this sender is gone: the next one has to be seen at rest.
   void forget(const std::string& sender) { senders_.erase(sender); }
 
  private:

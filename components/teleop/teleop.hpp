@@ -121,8 +121,8 @@ class Teleop {
   [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                                double t);
 
-  /// A command of somebody who has no stick here (a program, another teleoperation): where the
-  /// leader is that it drives. Nothing while a stick is held or the robot's pose is unknown.
+  /// A command from another publisher of cmd_vel_user (a program, another teleoperation). Returns
+  /// the leader that it drives; nothing while a stick is held or the robot's pose is unknown.
   [[nodiscard]] std::optional<Pose2> on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
                                               double t);
 

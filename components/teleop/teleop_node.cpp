@@ -57,8 +57,7 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
   end_pressed_ = stick.end;
 }
 
-// Letting go always counts. A joy of nothing at all is what the dashboard says for a person who is
-// gone.
+// Letting go always counts. The dashboard publishes an empty joy for a person who has left.
 bool TeleopNode::may_drive(const sensor_msgs::msg::Joy& msg, const std::string& sender,
                            const Stick& stick) {
   if (is_empty(msg)) {
