@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 namespace tandem {
@@ -169,8 +168,9 @@ OdometryReport DiffDriveSim::odometry() const {
   return {sample.t, sample.X_WB, sample.twist, X_MW};
 }
 
-double DiffDriveSim::beam(const Pose2& X_MB, int i, int beams, double max_range) const {
-  const double angle = -std::numbers::pi + 2.0 * std::numbers::pi * i / beams;
+double DiffDriveSim::beam(const Pose2& X_MB, int i, int beams, double max_range,
+                          double scan_angle) const {
+  const double angle = beam_angle(i, beams, scan_angle);
   const double wall = map_->cast_ray(X_MB.position(), X_MB.theta + angle, max_range);
   return people_.cast_ray(X_MB.position(), X_MB.theta + angle, wall);
 }

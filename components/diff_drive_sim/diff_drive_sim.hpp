@@ -4,8 +4,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <deque>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "diff_drive_sim/drive.hpp"
@@ -39,6 +41,16 @@ struct DiffDriveSimParams {
           "[m/s] a robot whose fastest point moves no faster stands, and is walked into");
   }
 };
+
+/// Width of a scan that has no ends [rad].
+inline constexpr double kAllAround = 2.0 * std::numbers::pi;
+
+/// Direction in B of ray `i` of `beams` [rad]: evenly over `scan_angle` [rad], of which the middle
+/// is straight ahead, counter-clockwise. All around, the last ray lies one step before the first.
+[[nodiscard]] inline double beam_angle(int i, int beams, double scan_angle) {
+  const bool is_closed = scan_angle > kAllAround - 1e-6;
+  return -0.5 * scan_angle + scan_angle * i / std::max(1, is_closed ? beams : beams - 1);
+}
 
 /// Ground truth now.
 struct SimState {
@@ -94,9 +106,10 @@ class DiffDriveSim {
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
-  /// Range of ray `i` of `beams` from the origin of B at X_MB to a wall or a person, evenly from −π
-  /// on, counter-clockwise [m].
-  [[nodiscard]] double beam(const Pose2& X_MB, int i, int beams, double max_range) const;
+  /// Range of ray `i` of `beams`, at beam_angle, from the origin of B at X_MB to a wall or a person
+  /// [m].
+  [[nodiscard]] double beam(const Pose2& X_MB, int i, int beams, double max_range,
+                            double scan_angle = kAllAround) const;
 
  private:
   struct Sample {

@@ -133,14 +133,12 @@ void DiffDriveSimNode::turn_scanner() {
   const auto& [t, X_MB, twist] = sim_.state();
   const int beams = params_->scan_beams;
   const double turn = 1.0 / params_->scan_rate;  // [s]
+  const double per_beam = time_per_beam();
   while (true) {
     const auto i = static_cast<int>(ranges_.size());
-    const double taken = turn_began_ + turn * i / beams;
+    const double taken = turn_began_ + per_beam * i;
     if (taken > t) return;
-    const double range =
-        sim_.beam(integrate(X_MB, twist, taken - t), i, beams, params_->scan_range);
-    ranges_.push_back(range < params_->scan_range ? static_cast<float>(range)
-                                                  : std::numeric_limits<float>::infinity());
+    ranges_.push_back(scan_range_of(sim_, *params_, integrate(X_MB, twist, taken - t), i));
     if (i + 1 < beams) continue;
     publish_scan();
     ranges_.clear();
@@ -148,15 +146,19 @@ void DiffDriveSimNode::turn_scanner() {
   }
 }
 
+double DiffDriveSimNode::time_per_beam() const {
+  return params_->scan_angle / kAllAround / (params_->scan_rate * params_->scan_beams);
+}
+
 void DiffDriveSimNode::publish_scan() {
   sensor_msgs::msg::LaserScan msg;
   msg.header(header(stamp_at(turn_began_), params_->scan_frame));
-  const double increment = 2.0 * std::numbers::pi / params_->scan_beams;
-  msg.angle_min(static_cast<float>(-std::numbers::pi));
-  msg.angle_max(static_cast<float>(std::numbers::pi - increment));
-  msg.angle_increment(static_cast<float>(increment));
+  const auto angle = [&](int i) { return beam_angle(i, params_->scan_beams, params_->scan_angle); };
+  msg.angle_min(static_cast<float>(angle(0)));
+  msg.angle_max(static_cast<float>(angle(params_->scan_beams - 1)));
+  msg.angle_increment(static_cast<float>(angle(1) - angle(0)));
   msg.scan_time(static_cast<float>(1.0 / params_->scan_rate));
-  msg.time_increment(static_cast<float>(1.0 / (params_->scan_rate * params_->scan_beams)));
+  msg.time_increment(static_cast<float>(time_per_beam()));
   msg.range_max(static_cast<float>(params_->scan_range));
   msg.ranges(ranges_);
   scan_.publish(msg);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <random>
 
 #include "convert.hpp"
@@ -28,6 +29,7 @@ struct DiffDriveSimNodeParams {
   double scan_rate = 10.0;
   int scan_beams = 360;
   double scan_range = 10.0;
+  double scan_angle = kAllAround;
   std::string scan_frame = "base_scan";
   StampParams input{.max_stamp_age = 0.0};  // not all who send know its time
 
@@ -51,12 +53,23 @@ struct DiffDriveSimNodeParams {
     field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated per real time");
     field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] of odom, tf and ground truth");
     field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz] turns of the scanner");
-    field("scan_beams", scan_beams, Range{1, 10000}, "rays of a scan, all around");
+    field("scan_beams", scan_beams, Range{1, 10000}, "rays of a scan");
     field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] farthest echo");
+    field("scan_angle", scan_angle, Range{0.01, 6.2832},
+          "[rad] width of a scan, of which the middle is straight ahead; 2π: all around");
     field("scan_frame", scan_frame, "name of the scanner's frame, 0.3 m above base_link's");
     input.visit(field);
   }
 };
+
+/// Range of ray `i` of its scan from X_MB [m], as its scanner says it: +inf for no echo.
+[[nodiscard]] inline float scan_range_of(const DiffDriveSim& sim,
+                                         const DiffDriveSimNodeParams& params, const Pose2& X_MB,
+                                         int i) {
+  const double range = sim.beam(X_MB, i, params.scan_beams, params.scan_range, params.scan_angle);
+  return range < params.scan_range ? static_cast<float>(range)
+                                   : std::numeric_limits<float>::infinity();
+}
 
 /// X_BS of its scanner.
 [[nodiscard]] inline Eigen::Isometry3d scanner_place() {
@@ -70,7 +83,8 @@ struct DiffDriveSimNodeParams {
 
 /// cmd_vel, initialpose → odom, tf, tf_static, ground_truth/odom, people, scan, collision, /clock.
 ///
-/// The scanner turns as a real one does: a beam after the other, from where the robot is then.
+/// The scanner turns as a real one does: a beam after the other, from where the robot is then, and
+/// in the rest of its turn none.
 /// Runs by steady time at `speed_factor`; a late beat is made up for by simulated time running
 /// slower, never by a jump. Service: ~/reset (back to the start).
 class DiffDriveSimNode {
@@ -86,6 +100,7 @@ class DiffDriveSimNode {
   void publish_odometry();
   void publish_frames();
   void turn_scanner();
+  [[nodiscard]] double time_per_beam() const;  // [s]
   void publish_scan();
   void publish_collision();
   void publish_people();

@@ -156,6 +156,15 @@ TEST_F(DiffDriveSimTest, ScansTheWall) {
   EXPECT_EQ(sim_.beam(X_MB, 0, 360, 10.0), 10.0);           // straight behind
 }
 
+TEST(BeamAngle, SpreadsTheBeamsOverTheScansWidth) {
+  EXPECT_NEAR(beam_angle(0, 360, kAllAround), -std::numbers::pi, 1e-12);
+  EXPECT_NEAR(beam_angle(359, 360, kAllAround), std::numbers::pi - kAllAround / 360, 1e-12);
+  EXPECT_NEAR(beam_angle(0, 181, std::numbers::pi), -0.5 * std::numbers::pi, 1e-12);
+  EXPECT_NEAR(beam_angle(90, 181, std::numbers::pi), 0.0, 1e-12);
+  EXPECT_NEAR(beam_angle(180, 181, std::numbers::pi), 0.5 * std::numbers::pi, 1e-12);
+  EXPECT_NEAR(beam_angle(0, 1, 1.0), -0.5, 1e-12);
+}
+
 TEST_F(DiffDriveSimTest, NeedsAMap) {
   EXPECT_THROW(DiffDriveSim({}, kMir, nullptr, 1), std::invalid_argument);
   DiffDriveSimParams params;
