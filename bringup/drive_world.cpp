@@ -2,8 +2,6 @@
 #include "bringup/drive_world.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <numbers>
 #include <ranges>
 #include <utility>
 
@@ -11,6 +9,7 @@
 
 #include "bringup/shortest_way.hpp"
 #include "map/map_file.hpp"
+#include "map/overlay.hpp"
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 #include "safety_filter/safety_filter_node.hpp"
 
@@ -67,30 +66,36 @@ Grid base_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params) {
   return with_forbidden(grid, fixtures_of(params));
 }
 
+Grid known_ground_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params) {
+  return params.map_source == "both" ? with_known_ground(slice(*load_map(sim.map), params.slice))
+                                     : Grid{};
+}
+
 LiveSensing::LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder)
     : sim_{sim},
+      outline_{footprint_of(builder.robot)},
+      sweep_height_{sweep_height(builder)},
       X_BS_{mounting("scan_pose", builder.scan_pose).value_or(scanner_place())},
       map_{builder.map},
-      body_{footprint_of(builder.robot)},
+      body_{outline_},
       reader_{builder.scan, builder.map.min_range},
       watch_{"scan", builder.watch, builder.map.resolution} {}
 
-void LiveSensing::on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp) {
+void LiveSensing::on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp, double t) {
   poses_.add(robot.X_MB, robot.twist, stamp);
   odometry_.add(X_WB, robot.twist, stamp);
+  map_.stand(outline_, robot.X_MB, sweep_height_, t);
 }
 
 std::optional<Grid> LiveSensing::look(const DiffDriveSim& sim, const SliceParams& params,
                                       double t) {
   auto before = std::exchange(seen_, std::nullopt);
   std::vector<float> ranges;
-  for (int i = 0; i < sim_.scan_beams; ++i) {
-    const double range = sim.beam(sim.state().X_MB, i, sim_.scan_beams, sim_.scan_range);
-    ranges.push_back(range < sim_.scan_range ? static_cast<float>(range)
-                                             : std::numeric_limits<float>::infinity());
-  }
-  const RangeScan scan{.angle_min = -std::numbers::pi,
-                       .angle_increment = 2.0 * std::numbers::pi / sim_.scan_beams,
+  for (int i = 0; i < sim_.scan_beams; ++i)
+    ranges.push_back(scan_range_of(sim, sim_, sim.state().X_MB, i));
+  const auto angle = [&](int i) { return beam_angle(i, sim_.scan_beams, sim_.scan_angle); };
+  const RangeScan scan{.angle_min = angle(0),
+                       .angle_increment = angle(1) - angle(0),
                        .range_min = 0.0,
                        .range_max = sim_.scan_range,
                        .ranges = ranges};

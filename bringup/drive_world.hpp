@@ -23,14 +23,17 @@ namespace tandem {
 /// What stays of the map for a robot with live sensing.
 [[nodiscard]] Grid base_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params);
 
+/// The ground that it knows, for unseen_ground_over.
+[[nodiscard]] Grid known_ground_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params);
+
 /// Map and shapes of a robot that looks about; what it sees is known to the others one scan later,
 /// which is later than over DDS.
 class LiveSensing {
  public:
   LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder);
 
-  /// X_WB: odometry's own pose.
-  void on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp);
+  /// Odometry that is of time `stamp` arrives at time t. X_WB: its own pose.
+  void on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp, double t);
   /// Takes in a scan; the result is what the robot has seen before it.
   std::optional<Grid> look(const DiffDriveSim& sim, const SliceParams& params, double t);
   /// Why the robot must stand, as the octomap_builder says it; empty if the scanner sees.
@@ -38,6 +41,8 @@ class LiveSensing {
 
  private:
   DiffDriveSimNodeParams sim_;
+  Footprint outline_;
+  double sweep_height_;
   Eigen::Isometry3d X_BS_;
   LocalMap map_;
   OwnBody body_;

@@ -102,6 +102,7 @@ class Loop {
       return;
     }
     base_ = base_of(sim_params_, filter_params_.map);
+    known_ground_ = known_ground_of(sim_params_, filter_params_.map);
     live_.emplace(sim_params_, parameters_of<OctomapBuilderNodeParams>(system, "octomap_builder"));
   }
 
@@ -172,7 +173,7 @@ class Loop {
     localization_.on_transform(report.X_MW, t_);
     filter_.on_people(sim_.people().all(), t_);
     if (const auto robot = localization_.state(t_); live_ && robot)
-      live_->on_odometry(*robot, report.X_WB, report.t);
+      live_->on_odometry(*robot, report.X_WB, report.t, t_);
   }
 
   void look() {
@@ -180,11 +181,12 @@ class Loop {
     const auto robot = localization_.state(t_);
     if (!live_->trouble(t_).empty()) return filter_.on_map(nullptr);
     if (!seen || !robot) return;
-    const auto map = local_map_over(base_, *seen, robot->X_MB.position(), filter_params_.map);
-    filter_.on_map(map);
+    const Eigen::Vector2d p_MB = robot->X_MB.position();
+    const auto map = local_map_over(base_, *seen, p_MB, filter_params_.map);
+    filter_.on_map(map, unseen_ground_over(known_ground_, *seen, p_MB, filter_params_.map));
     known_ = map;
     extractor_.update(map);
-    (void)extractor_.refresh_near(robot->X_MB.position(), extractor_params_.extractor.range, 5);
+    (void)extractor_.refresh_near(p_MB, extractor_params_.extractor.range, 5);
   }
 
   void person() {
@@ -292,7 +294,7 @@ class Loop {
   std::optional<Driver> driver_;
   Teleop teleop_;
   Extractor& extractor_;
-  Grid base_;
+  Grid base_, known_ground_;
   std::optional<LiveSensing> live_;
   std::vector<GuidanceLine> guidance_;
   std::optional<Nmpc> nmpc_;

@@ -112,7 +112,7 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
   Values map_reader = s.slice;
   map_reader["map_source"] = value(s.map_source);
   if (!s.fixtures.empty()) map_reader["fixtures"] = value(s.fixtures);
-  if (s.map_source != "static") all["octomap_builder"] = {};
+  if (s.map_source != "static") all["octomap_builder"] = s.slice;
   if (s.method == "dwa") all["shared_dwa"] = map_reader;
   if (s.method == "hindsight") {
     all["hindsight"] = s.slice;

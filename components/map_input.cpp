@@ -37,9 +37,18 @@ std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& lo
                                            params.unknown_is_obstacle);
 }
 
-MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames)
+std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known, const Grid& local,
+                                                    const Eigen::Vector2d& p_MB,
+                                                    const MapInputParams& params) {
+  return std::make_shared<const StaticMap>(
+      unknown_cells(overlay(known, local, p_MB, params.local_reach)), true);
+}
+
+MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,
+                   UnseenGround unseen)
     : node_{node},
       params_{params},
+      heeds_unseen_{unseen},
       fixtures_{fixtures_of(params)},
       frames_{frames},
       static_{params.static_map == "grid" ? topics::map.name : topics::octomap_binary.name} {
@@ -82,8 +91,8 @@ void MapInput::subscribe(const rt::Topic<M>& topic, Inbox& inbox) {
 }
 
 void MapInput::hand_over(Inbox& inbox, HeardMap map) {
-  const std::string frame = std::visit(
-      [](const auto& msg) -> std::string { return msg.header().frame_id(); }, map.value);
+  const std::string frame =
+      std::visit([](const auto& msg) -> std::string { return msg.header().frame_id(); }, map.value);
   const auto place = place_of(frame, inbox.refusal);
   if (place) {
     inbox.unplaced.reset();
@@ -185,6 +194,11 @@ std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& 
   return map_.fresh(node_.now(), params_.local_timeout) ? map_.value : nullptr;
 }
 
+std::shared_ptr<const StaticMap> MapInput::unseen() const {
+  const std::lock_guard lock{mutex_};
+  return unseen_;
+}
+
 std::string MapInput::missing() const {
   for (const Inbox* inbox : {&static_, &local_})
     if (!inbox->trouble.empty()) return inbox->trouble;
@@ -205,25 +219,27 @@ void MapInput::run() {
     lock.unlock();
     const auto map =
         fixed ? unless_refused(static_.topic, [&] { return take_static(*fixed); }) : nullptr;
-    const auto seen =
-        local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : nullptr;
+    const auto [seen, unseen] =
+        local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : Live{};
     lock.lock();
     if (map) map_.value = map;
-    if (seen) map_ = {seen, local->map->t};
     if (map || seen) static_.in_force = base_place_;
-    if (seen) local_.in_force = local->place;
+    if (!seen) continue;
+    map_ = {seen, local->map->t};
+    unseen_ = unseen;
+    local_.in_force = local->place;
   }
 }
 
 // What `take` makes of a message; null, and the reason logged, if it throws.
 template <class Take>
-std::shared_ptr<const StaticMap> MapInput::unless_refused(const char* topic, const Take& take) {
+auto MapInput::unless_refused(const char* topic, const Take& take) -> decltype(take()) {
   try {
     return take();
   } catch (const std::exception& error) {
     node_.log().write_every(1.0, rt::LogLevel::kError, topic,
                             std::string{topic} + " refused: " + error.what());
-    return nullptr;
+    return {};
   }
 }
 
@@ -234,8 +250,10 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
       job.map ? decode(job.map->value, job.place.height, false) : *std::move(unmoved_base_);
   unmoved_base_.reset();
   if (job.place.follows) unmoved_base_ = unmoved;
-  Grid grid =
-      with_forbidden(placed(std::move(unmoved), job.place.X_MF, job.place.spread), fixtures_);
+  Grid map = placed(std::move(unmoved), job.place.X_MF, job.place.spread);
+  if (params_.map_source == "both" && heeds_unseen_ == UnseenGround::kHeeded)
+    known_ = with_known_ground(map);
+  Grid grid = with_forbidden(std::move(map), fixtures_);
   base_place_ = job.place;
   if (job.map)
     node_.log().info("map: {} x {} cells of {:.3f} m", grid.width, grid.height, grid.resolution);
@@ -245,14 +263,17 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
   return nullptr;
 }
 
-std::shared_ptr<const StaticMap> MapInput::take_local(
-    const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const {
+MapInput::Live MapInput::take_local(const Job& job,
+                                    const std::optional<Eigen::Vector2d>& p_MB) const {
   const Grid local =
       placed(decode(job.map->value, job.place.height, true), job.place.X_MF, job.place.spread);
-  if (!base_) return nullptr;
+  if (!base_) return {};
   const Eigen::Vector2d middle =
       local.origin + 0.5 * local.resolution * Eigen::Vector2d(local.width, local.height);
-  return local_map_over(*base_, local, p_MB.value_or(middle), params_);
+  const Eigen::Vector2d p_MC = p_MB.value_or(middle);
+  return {local_map_over(*base_, local, p_MC, params_),
+          heeds_unseen_ == UnseenGround::kHeeded ? unseen_ground_over(known_, local, p_MC, params_)
+                                                 : nullptr};
 }
 
 // Where nothing is seen nothing may stand: only a map that stays must hold something.

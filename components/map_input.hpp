@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <variant>
 
 #include "frames_input.hpp"
@@ -62,6 +63,15 @@ struct MapInputParams {
                                                               const Eigen::Vector2d& p_MB,
                                                               const MapInputParams& params);
 
+/// The same for ground that neither map knows, as obstacles; beyond its grid all is.
+[[nodiscard]] std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known,
+                                                                  const Grid& local,
+                                                                  const Eigen::Vector2d& p_MB,
+                                                                  const MapInputParams& params);
+
+/// Whether a node asks for ground that nobody has seen too.
+enum class UnseenGround { kIgnored, kHeeded };
+
 /// Subscribes the maps for a node, by `map_source`. A whole building takes 50 to 90 ms to decode,
 /// so a thread of its own does it; the node goes on with the old map meanwhile. Only the newest
 /// message of each topic waits. Bytes that are no map are logged and leave the old map in force; so
@@ -84,7 +94,8 @@ class MapInput {
   static constexpr double kMostTilt = 0.02;  ///< [rad] of a map's frame
 
   /// Throws std::runtime_error if the fixtures cannot be read.
-  MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames);
+  MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,
+           UnseenGround unseen = UnseenGround::kIgnored);
   ~MapInput();
   MapInput(const MapInput&) = delete;
   MapInput& operator=(const MapInput&) = delete;
@@ -94,6 +105,10 @@ class MapInput {
   /// The newest map, for a robot there; null before the first, and while octomap_local is needed
   /// and silent.
   [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
+
+  /// Ground of the newest map that neither the static map nor any beam has covered, as obstacles;
+  /// null if it is ignored, and without octomap_local.
+  [[nodiscard]] std::shared_ptr<const StaticMap> unseen() const;
 
   /// Why `map` gave none.
   [[nodiscard]] std::string missing() const;
@@ -142,11 +157,11 @@ class MapInput {
   void ask_again(const rt::Topic<M>& topic, Inbox& inbox);
   void run();
   template <class Take>
-  [[nodiscard]] std::shared_ptr<const StaticMap> unless_refused(const char* topic,
-                                                                const Take& take);
+  [[nodiscard]] auto unless_refused(const char* topic, const Take& take) -> decltype(take());
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
-  [[nodiscard]] std::shared_ptr<const StaticMap> take_local(
-      const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
+  // Obstacles, and if heeded unseen ground.
+  using Live = std::pair<std::shared_ptr<const StaticMap>, std::shared_ptr<const StaticMap>>;
+  [[nodiscard]] Live take_local(const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
   [[nodiscard]] Grid decode(const MapMessage& msg, double height, bool may_be_empty) const;
   [[nodiscard]] Grid grid_of(const octomap_msgs::msg::Octomap& msg, double height,
                              bool may_be_empty) const;
@@ -159,17 +174,20 @@ class MapInput {
 
   rt::Node& node_;
   MapInputParams params_;
+  UnseenGround heeds_unseen_;
   Fixtures fixtures_;
   const FramesInput& frames_;
   std::optional<Grid> base_;          // what stays, in M; the worker's
   std::optional<Grid> unmoved_base_;  // the same in its own frame, where that is another; likewise
   std::optional<Place> base_place_;   // likewise
+  Grid known_;                        // the ground that it knows; likewise
 
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   bool stop_ = false;
   Inbox static_, local_{"octomap_local"};
   Heard<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
+  std::shared_ptr<const StaticMap> unseen_;
   std::optional<Eigen::Vector2d> p_MB_;
 
   std::thread worker_;

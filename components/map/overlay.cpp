@@ -70,4 +70,16 @@ Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC, do
   return out;
 }
 
+Grid with_known_ground(Grid base) {
+  auto& cells = base.cells;
+  if (std::find(cells.begin(), cells.end(), Cell::kFree) == cells.end())
+    std::replace(cells.begin(), cells.end(), Cell::kUnknown, Cell::kFree);
+  return base;
+}
+
+Grid unknown_cells(Grid grid) {
+  std::replace(grid.cells.begin(), grid.cells.end(), Cell::kOccupied, Cell::kFree);
+  return grid;
+}
+
 }  // namespace tandem

@@ -17,4 +17,11 @@ void lay_over(Grid& out, const Grid& in);
 [[nodiscard]] Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC,
                            double reach);
 
+/// Of a map that stays: where it knows the ground. Some maps hold obstacles alone; in the box of
+/// such a one, all that is not an obstacle counts as free.
+[[nodiscard]] Grid with_known_ground(Grid base);
+
+/// The cells of a grid that are unknown, and nothing else: all others are free.
+[[nodiscard]] Grid unknown_cells(Grid grid);
+
 }  // namespace tandem

@@ -19,11 +19,12 @@ constexpr double kInside = 0.001;  // [m] an echo's point lies on the surface: j
 // cloud of noise would for minutes, in which nothing is heard. What else it met still counts.
 constexpr std::size_t kMostWays = 30'000, kMostFree = 1'000'000;
 
-// An outline covers what comes within this of it: where it stands is not known better [m].
-constexpr double kPlaceError = 0.02;
-
 // Poses further apart than this are a jump, and what lies between them was not swept [m].
 constexpr double kJump = 1.0;
+
+// A map that is published takes its time, and so does a robot that slows down for what is no longer
+// covered in it: both have this long [s].
+constexpr double kEarly = 1.0;
 
 // Old voxels are looked for this many times in the time after which they are forgotten.
 constexpr double kLooksForOld = 60.0;
@@ -175,7 +176,7 @@ void LocalMap::stand(const Footprint& outline, const Pose2& X_MB, double z, doub
 
 // Nothing that was seen is cleared: a voxel that is an obstacle stays one.
 void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, double t) {
-  const double reach = circumradius(outline) + kPlaceError + params_.resolution;
+  const double reach = circumradius(outline) + params_.resolution;
   const auto key_at = [&](double off) {
     return tree_.coordToKey(octomap::point3d(
         static_cast<float>(X_MB.x + off), static_cast<float>(X_MB.y + off), static_cast<float>(z)));
@@ -186,7 +187,7 @@ void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, doub
     for (key[0] = low[0]; key[0] <= high[0]; ++key[0]) {
       const Eigen::Vector2d p_MC{tree_.keyToCoord(key[0]), tree_.keyToCoord(key[1])};
       if (!window_.contains(key) ||
-          distance_to_square(outline, X_MB, p_MC, params_.resolution) > kPlaceError)
+          distance_to_square(outline, X_MB, p_MC, params_.resolution) > 0.0)
         continue;
       const Node* node = tree_.search(key);
       if (node == nullptr) tree_.setNodeValue(key, kUnsure, true);
@@ -209,7 +210,9 @@ void LocalMap::clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_M
 // been covered before the clock was set back.
 void LocalMap::forget_old(double t) {
   const double decay = params_.decay > 0.0 ? params_.decay : kForever;
-  const double soonest = std::min(decay, params_.coverage_timeout);
+  const double timeout =
+      std::max(params_.coverage_timeout - kEarly, 0.75 * params_.coverage_timeout);
+  const double soonest = std::min(decay, timeout);
   const double interval = soonest / kLooksForOld;
   if (t >= swept_out_ && t - swept_out_ < interval) return;
   swept_out_ = t;
@@ -218,8 +221,7 @@ void LocalMap::forget_old(double t) {
     if (covered <= t && age <= soonest) return false;
     const Node* node = tree_.search(key);
     if (node == nullptr) return true;
-    const bool is_old =
-        tree_.isNodeOccupied(node) ? age > decay : covered > t || age > params_.coverage_timeout;
+    const bool is_old = tree_.isNodeOccupied(node) ? age > decay : covered > t || age > timeout;
     if (is_old) erase_voxel(tree_, key);
     return is_old;
   });

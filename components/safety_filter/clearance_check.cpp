@@ -108,7 +108,7 @@ RequiredClearance required_clearance(double level, const Pose2& X_MB, const Body
   return required;
 }
 
-bool stays_clear(const StoppingEnvelope& envelope, const ShareCell& cell, const Pose2& X_MB,
+bool stays_clear(std::span<const TwistRange> envelope, const ShareCell& cell, const Pose2& X_MB,
                  const Body& body, const StaticMap& map, const RequiredClearance& required) {
   Pose2 X = X_MB;
   Deviation deviation{required.drift};

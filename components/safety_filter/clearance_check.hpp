@@ -2,6 +2,7 @@
 // Checks that a motion keeps its distance from the map's obstacles all the way.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "map/static_map.hpp"
@@ -54,7 +55,7 @@ struct Body {
 /// Whether the body keeps the required clearance on its whole way from X_MB, in all motions of the
 /// cell. Conservative advancement: no point of the outline travels further between two checks than
 /// the clearance in hand, or kCheckSpacing where there is less.
-[[nodiscard]] bool stays_clear(const StoppingEnvelope& envelope, const ShareCell& cell,
+[[nodiscard]] bool stays_clear(std::span<const TwistRange> envelope, const ShareCell& cell,
                                const Pose2& X_MB, const Body& body, const StaticMap& map,
                                const RequiredClearance& required);
 

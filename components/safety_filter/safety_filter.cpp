@@ -9,6 +9,7 @@
 
 #include "model/diff_drive.hpp"
 #include "safety_filter/share_cover.hpp"
+#include "safety_filter/unseen_check.hpp"
 
 namespace tandem {
 namespace {
@@ -16,7 +17,8 @@ namespace {
 constexpr double kClearanceCap = 1.0;  // [m] reported clearance ends here
 constexpr double kBlocked = 0.05;      // an arc of which less than this passes counts as blocked
 constexpr int kBisections = 6;
-constexpr int kMaxSteps = 16;  // of odometry's age, and of the time at which zero acts
+constexpr double kLittleMore = 1.0 / 64.0;  // as much as the bisection leaves open
+constexpr int kMaxSteps = 16;               // of odometry's age, and of the time at which zero acts
 
 constexpr double kMoves = 0.005;  // [m/s, rad/s] a command from here on moves the robot
 
@@ -27,6 +29,8 @@ constexpr Twist2 kRest{};
 bool moves(const Twist2& twist) {
   return std::abs(twist.v) >= kMoves || std::abs(twist.w) >= kMoves;
 }
+
+Twist2 scaled(const Twist2& twist, double scale) { return {scale * twist.v, scale * twist.w}; }
 
 // Into how many steps `duration` is cut so that the robot moves in each by no more than
 // neighbouring motions may be apart.
@@ -54,6 +58,8 @@ const char* name(FilterReason reason) {
       return "deflected";
     case FilterReason::kBackingOut:
       return "backing out";
+    case FilterReason::kUnseen:
+      return "unseen ground";
     case FilterReason::kStopped:
       return "stopped";
     case FilterReason::kStoppedInDoubt:
@@ -85,6 +91,8 @@ struct SafetyFilter::Scene {
   const StaticMap* map;
   RequiredClearance required;
   double clearance = 0.0;  // [m] of the whole body
+  const StaticMap* unseen = nullptr;
+  double unseen_clearance = 0.0;  // [m] from unseen ground
 };
 
 SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot)
@@ -109,6 +117,8 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
              params.brake_spread};
   drift_ = {params.slip, params.heading_error, robot.wheel_separation, body_.radius};
   people_check_.emplace(params.people, robot, body_);
+  unseen_check_ =
+      std::make_shared<const UnseenCheck>(params.unseen_speed, body_, robot.wheel_separation);
   jumped_until_ = updated_ = -std::numeric_limits<double>::infinity();
 }
 
@@ -227,6 +237,10 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   scene.required = {level, {}, {}, {}, drift_};
   if (scene.clearance < level)
     scene.required = required_clearance(level, state.X_MB, body_, map, drift_);
+  if (!unseen_ || unseen_check_->is_slow({std::max(robot_.v_max, -robot_.v_min), robot_.w_max}))
+    return scene;
+  scene.unseen = unseen_.get();
+  scene.unseen_clearance = unseen_->clearance(body_.footprint, state.X_MB, kClearanceCap);
   return scene;
 }
 
@@ -257,7 +271,10 @@ bool SafetyFilter::is_safe(const Twist2& command, const Scene& scene) const {
   const double latest = robot_.command_delay + (command == kRest ? 0.0 : hold_);
   start.end = latest;
   const Farthest farthest = farthest_motion(start, bounds_);
-  if (are_walls_far(farthest.path, farthest.turn, scene) && !params_.people.watched) return true;
+  if (are_walls_far(farthest.path, farthest.turn, scene) && !params_.people.watched &&
+      (is_unseen_far(farthest.path, farthest.turn, scene) ||
+       unseen_check_->is_slow({farthest.speed, farthest.turn_rate})))
+    return true;
   const double lever = farthest.path + body_.radius;
   const int ends = command == kRest ? 1 : std::max(1, steps_of(latest, command, lever));
   const int ages = steps_of(robot_.sensor_delay, {farthest.speed, farthest.turn_rate}, lever);
@@ -283,6 +300,11 @@ bool SafetyFilter::are_walls_far(double path, double turn, const Scene& scene) c
          scene.required.level + path + body_.radius * turn + largest_deviation(path, turn, drift_);
 }
 
+bool SafetyFilter::is_unseen_far(double path, double turn, const Scene& scene) const {
+  return !scene.unseen || scene.unseen_clearance > kUnseenEdge + kCheckSpacing + path +
+                                                       (body_.radius + kUnseenEdge) * turn;
+}
+
 bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) const {
   const StoppingEnvelope envelope = stopping_envelope(start, bounds_);
   const Reach way = reach(envelope);
@@ -292,12 +314,18 @@ bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) co
   const bool people_far =
       !params_.people.watched ||
       people_check_->is_far(people_, scene.X_MB, hard_margin_ + away, start.t_measured, way.time);
-  if (walls_far && people_far) return true;
   const Twist2 low = start.lowest(), high = start.highest();
   const Twist2 fastest{std::max(std::abs(low.v), std::abs(high.v)),
                        std::max(std::abs(low.w), std::abs(high.w))};
+  const auto fast =
+      scene.unseen ? unseen_check_->fast_part(envelope, fastest) : std::span<const TwistRange>{};
+  const Body& wide = unseen_check_->drawn_out(fast);
+  const Reach fast_way = reach(fast);
+  const bool unseen_far = is_unseen_far(fast_way.path, fast_way.turn, scene) || fast.empty();
+  if (walls_far && people_far && unseen_far) return true;
   const auto is_clear = [&](const ShareCell& cell) {
-    return (walls_far ||
+    return (unseen_far || unseen_check_->stays_off(fast, cell, scene.X_MB, wide, *scene.unseen)) &&
+           (walls_far ||
             stays_clear(envelope, cell, scene.X_MB, body_, *scene.map, scene.required)) &&
            (people_far ||
             people_check_->keeps_away(envelope, cell, fastest, scene.X_MB, start.t_measured,
@@ -306,12 +334,16 @@ bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) co
   return all_motions_clear(way, way.path + body_.radius, is_clear);
 }
 
+// What is slow enough for unseen ground is tried by itself, so that all of unseen_speed is used.
 double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scene) const {
   if (is_safe(command, scene)) return 1.0;
   double safe = 0.0, unsafe = 1.0;
+  if (const double slow = unseen_check_->slow_share(command);
+      scene.unseen && slow < 1.0 && is_safe(scaled(command, slow), scene))
+    safe = slow;
   for (int i = 0; i < kBisections; ++i) {
     const double middle = 0.5 * (safe + unsafe);
-    (is_safe({middle * command.v, middle * command.w}, scene) ? safe : unsafe) = middle;
+    (is_safe(scaled(command, middle), scene) ? safe : unsafe) = middle;
   }
   return safe;
 }
@@ -319,10 +351,28 @@ double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scen
 void SafetyFilter::reduce(Filtered& out, const Twist2& command, const Scene& scene) const {
   out.reason =
       twist_check_.is_contradicted() ? FilterReason::kStoppedInDoubt : FilterReason::kStopped;
-  if (!is_safe(kRest, scene)) return;  // zero now, or nobody knows where it ends
+  if (is_safe(kRest, scene)) return reduce_to_safe(out, command, scene);
+  if (scene.unseen) slow_down_for_unseen(out, command, scene);
+}
 
+// Unseen ground is so near that even zero comes too late for it: beams that covered it were
+// forgotten just now. Walls still count.
+void SafetyFilter::slow_down_for_unseen(Filtered& out, const Twist2& command,
+                                        const Scene& scene) const {
+  Scene walls_only = scene;
+  walls_only.unseen = nullptr;
+  if (!is_safe(kRest, walls_only)) return;  // zero now, or nobody knows where it ends
+  const double slow = unseen_check_->slow_share(command);
+  reduce_to_safe(out, scaled(command, slow), walls_only);
+  out.scale *= slow;
+  if (slow < 1.0) out.reason = FilterReason::kUnseen;
+}
+
+void SafetyFilter::reduce_to_safe(Filtered& out, const Twist2& command, const Scene& scene) const {
   Twist2 along = command;
   out.scale = largest_safe_scale(along, scene);
+  const bool unseen = is_unseen_in_the_way(command, out.scale, scene);
+  if (unseen) out.reason = FilterReason::kUnseen;
   if (out.scale < kBlocked && command.v != 0.0 && command.w != 0.0) {
     for (const Twist2& part : {Twist2{0.0, command.w}, Twist2{command.v, 0.0}}) {
       const double scale = largest_safe_scale(part, scene);
@@ -332,13 +382,23 @@ void SafetyFilter::reduce(Filtered& out, const Twist2& command, const Scene& sce
     }
   }
   if (out.scale == 0.0) return;
-  out.safe = {out.scale * along.v, out.scale * along.w};
+  out.safe = scaled(along, out.scale);
   const bool inside = scene.clearance < hard_margin_;
-  out.reason = along != command            ? FilterReason::kDeflected
+  out.reason = unseen                      ? FilterReason::kUnseen
+               : along != command          ? FilterReason::kDeflected
                : out.scale < 1.0           ? FilterReason::kSlowed
                : out.safe != out.requested ? FilterReason::kSlowed
                : inside                    ? FilterReason::kBackingOut
                                            : FilterReason::kClear;
+}
+
+// Whether a little more than what is safe of a command would be, were all ground seen.
+bool SafetyFilter::is_unseen_in_the_way(const Twist2& command, double safe_scale,
+                                        const Scene& scene) const {
+  if (!scene.unseen || safe_scale >= 1.0) return false;
+  Scene walls_only = scene;
+  walls_only.unseen = nullptr;
+  return is_safe(scaled(command, std::min(1.0, safe_scale + kLittleMore)), walls_only);
 }
 
 void SafetyFilter::remember(const Twist2& twist, double now) {

@@ -19,6 +19,8 @@
 
 namespace tandem {
 
+class UnseenCheck;
+
 /// The margin is a budget of what may be wrong (defaults, MiR 100, circumradius R = 0.56 m):
 ///
 ///   position_error + R heading_error     localiser              0.010 + 0.006 m
@@ -46,6 +48,7 @@ struct SafetyFilterParams {
   double manoeuvre_speed = 0.1;
   double slip = 0.02;
   double brake_spread = 1.5;
+  double unseen_speed = 0.15;
   double jump_distance = 0.2;
   double jump_angle = 0.3;
   double jump_rest = 1.0;
@@ -73,6 +76,10 @@ struct SafetyFilterParams {
     field("slip", slip, Range{0.0, 0.3}, "[1] bound on a wheel's travel being off");
     field("brake_spread", brake_spread, Range{1.0, 10.0},
           "[1] real braking is at most this times the robot's a_brake, alpha_brake");
+    field("unseen_speed", unseen_speed, Range{0.0, 10.0},
+          "[m/s] with map_source local, and with both outside of the static map: no point of the "
+          "outline is faster over ground that no beam has covered within the coverage_timeout of "
+          "octomap_builder; 0: such ground is not driven into");
     field("jump_distance", jump_distance, Range{0.02, 10.0},
           "[m] a pose this far from where the wheels lead is not believed at first …");
     field("jump_angle", jump_angle, Range{0.02, 4.0}, "[rad] … nor one turned by this …");
@@ -91,6 +98,7 @@ enum class FilterReason {
   kSlowed,          ///< a fraction of it, on the same arc
   kDeflected,       ///< the arc is blocked; a fraction of its turn or of its forward part passed
   kBackingOut,      ///< inside the margin; it does not reduce clearance
+  kUnseen,          ///< a part of it, or nothing: more is too fast for unseen ground
   kStopped,         ///< no part of it is safe
   kStoppedInDoubt,  ///< no part of it is safe at the speed that odometry's twist or poses tell
   kNoCommand,       ///< silent, or never heard
@@ -129,7 +137,9 @@ struct Filtered {
 /// Inside the margin only motion that gains clearance passes. Between the hard margin and the
 /// band's end the robot may come down to the hard margin, as a tail that swings out must; from
 /// beyond the band only a command that asks for a slow manoeuvre may, so that whoever pushes
-/// against a wall keeps the band for the way out. Times are seconds on one monotonic clock.
+/// against a wall keeps the band for the way out. Unseen ground, if it is given, only adds a limit:
+/// of what is safe that passes of which no motion reaches it faster than unseen_speed. Times are
+/// seconds on one monotonic clock.
 class SafetyFilter {
  public:
   /// Throws std::invalid_argument on parameters out of range, and on survive_silence with a base
@@ -137,7 +147,12 @@ class SafetyFilter {
   SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot);
 
   void on_command(const Twist2& twist, double t);
-  void on_map(std::shared_ptr<const StaticMap> map) { map_ = std::move(map); }
+  /// The map, and ground that no beam has covered, as obstacles; null: all of it is known.
+  void on_map(std::shared_ptr<const StaticMap> map,
+              std::shared_ptr<const StaticMap> unseen = nullptr) {
+    map_ = std::move(map);
+    unseen_ = std::move(unseen);
+  }
   /// Everybody near, as a list said that arrived at time t.
   void on_people(std::vector<Obstacle> people, double t) { people_ = {std::move(people), t}; }
 
@@ -151,8 +166,8 @@ class SafetyFilter {
   /// Zero, whatever was commanded, counted as sent: for a reason that its node knows.
   [[nodiscard]] Filtered stop(FilterReason reason, double now);
 
-  /// The check alone: what of `command` is safe, given what was sent before. Reason and scale say
-  /// what became of it.
+  /// The check alone: what of `command` is safe on that map and the unseen ground of on_map, given
+  /// what was sent before. Reason and scale say what became of it.
   [[nodiscard]] Filtered filter(const Twist2& command, const RobotState& state,
                                 const StaticMap& map, double now) const;
 
@@ -172,9 +187,14 @@ class SafetyFilter {
   [[nodiscard]] bool is_safe(const Twist2& command, const Scene& scene) const;
   [[nodiscard]] bool is_safe_at_any_age(MotionStart start, int steps, const Scene& scene) const;
   [[nodiscard]] bool are_walls_far(double path, double turn, const Scene& scene) const;
+  [[nodiscard]] bool is_unseen_far(double path, double turn, const Scene& scene) const;
   [[nodiscard]] bool is_safe_from(const MotionStart& start, const Scene& scene) const;
   [[nodiscard]] double largest_safe_scale(const Twist2& command, const Scene& scene) const;
   void reduce(Filtered& out, const Twist2& command, const Scene& scene) const;
+  void reduce_to_safe(Filtered& out, const Twist2& command, const Scene& scene) const;
+  void slow_down_for_unseen(Filtered& out, const Twist2& command, const Scene& scene) const;
+  [[nodiscard]] bool is_unseen_in_the_way(const Twist2& command, double safe_scale,
+                                          const Scene& scene) const;
   void remember(const Twist2& twist, double now);
 
   SafetyFilterParams params_;
@@ -184,7 +204,8 @@ class SafetyFilter {
   StoppingBounds bounds_;
   DriftBounds drift_;
   std::optional<PeopleCheck> people_check_;
-  std::shared_ptr<const StaticMap> map_;
+  std::shared_ptr<const UnseenCheck> unseen_check_;
+  std::shared_ptr<const StaticMap> map_, unseen_;
   PeopleSeen people_;
   TwistCheck twist_check_;
   std::optional<TimedTwist> command_;

@@ -18,7 +18,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       params_{node.declare_parameters<SafetyFilterNodeParams>()},
       filter_{params_->filter, params_->robot},
       robot_{node, params_->input},
-      map_{node, params_->map, robot_.frames()},
+      map_{node, params_->map, robot_.frames(), UnseenGround::kHeeded},
       sensing_{node, params_->map},
       status_{node.create_publisher(topics::filter_status)},
       diagnostics_{node},
@@ -70,7 +70,10 @@ Filtered SafetyFilterNode::next() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
   blind_ = sensing_.trouble();
-  filter_.on_map(blind_.empty() ? map : nullptr);
+  if (blind_.empty())
+    filter_.on_map(map, map_.unseen());
+  else
+    filter_.on_map(nullptr);
   return filter_.update(robot, node_.now());
 }
 

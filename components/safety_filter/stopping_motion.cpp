@@ -234,7 +234,7 @@ StoppingEnvelope stopping_envelope(const MotionStart& start, const StoppingBound
   return builder.take();
 }
 
-Reach reach(const StoppingEnvelope& envelope) {
+Reach reach(std::span<const TwistRange> envelope) {
   Reach out;
   for (const auto& [low, high, dt] : envelope) {
     out.path += std::max(std::abs(low.v), std::abs(high.v)) * dt;

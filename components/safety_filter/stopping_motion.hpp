@@ -109,6 +109,6 @@ struct Reach {
   double path_spread = 0.0, turn_spread = 0.0;  // between the ends of the ranges [m], [rad]
   double time = 0.0;                            // until the robot stands [s]
 };
-[[nodiscard]] Reach reach(const StoppingEnvelope& envelope);
+[[nodiscard]] Reach reach(std::span<const TwistRange> envelope);
 
 }  // namespace tandem

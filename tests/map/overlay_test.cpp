@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -50,6 +51,25 @@ TEST(Overlay, ACellIsWhatTheStrongerOfBothGridsSays) {
     EXPECT_EQ(out.resolution, 0.05);
     expect_both(base, live, out);
   }
+}
+
+TEST(Overlay, UnknownCellsAreAllThatIsLeftOfTheGroundThatNobodyKnows) {
+  std::mt19937 random{1};
+  const Grid grid = random_grid(random, 0.05, {0.0, 0.0});
+  const Grid unknown = unknown_cells(grid);
+  for (std::size_t i = 0; i < grid.cells.size(); ++i)
+    EXPECT_EQ(unknown.cells[i], grid.cells[i] == Cell::kUnknown ? Cell::kUnknown : Cell::kFree);
+}
+
+TEST(Overlay, AMapOfObstaclesAloneKnowsTheGroundOfItsBox) {
+  std::mt19937 random{1};
+  const Grid grid = random_grid(random, 0.05, {0.0, 0.0});
+  EXPECT_EQ(with_known_ground(grid).cells, grid.cells);
+  Grid walls = grid;
+  std::replace(walls.cells.begin(), walls.cells.end(), Cell::kFree, Cell::kUnknown);
+  for (std::size_t i = 0; i < grid.cells.size(); ++i)
+    EXPECT_EQ(with_known_ground(walls).cells[i],
+              walls.cells[i] == Cell::kOccupied ? Cell::kOccupied : Cell::kFree);
 }
 
 TEST(Overlay, ReachesAsFarAsAskedAndStandsStillForSmallSteps) {

@@ -232,7 +232,7 @@ TEST(LocalMap, AnObstacleThatDecaysIsUnknownAndNotFree) {
 TEST(LocalMap, FreeGroundIsUnknownOnceNoBeamHasCoveredItForTheTimeout) {
   LocalMap map({.coverage_timeout = 5.0});
   insert(map, one_echo(2.0, 0.0), {}, 0.0);
-  insert(map, one_echo(0.0, 3.0), {}, 4.8);
+  insert(map, one_echo(0.0, 3.0), {}, 3.8);
   EXPECT_TRUE(is_free(map, {1.0, 0.0, kHeight}));
   insert(map, one_echo(0.0, 3.0), {}, 5.01);
   EXPECT_FALSE(is_known(map, {1.0, 0.0, kHeight}));

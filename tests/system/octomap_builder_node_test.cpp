@@ -115,6 +115,25 @@ TEST_F(BuilderOverDds, ShowsWhatAScanSeesWhereTheRobotIs) {
   }
 }
 
+// A scanner that sees ahead only, to the left of the map.
+TEST_F(BuilderOverDds, CoversWhatItsBeamsPassAndWhereItsOutlineStandsAndNothingElse) {
+  const auto is_known = [&](double x, double y, double z) {
+    return tree_->search(kRobot.x + x, kRobot.y + y, z) != nullptr;
+  };
+  auto ahead = scan(3.0F);
+  ahead.angle_min(-1.0F);
+  ahead.ranges().resize(115);
+  const auto beat = node_.create_wall_timer(0.05, [&] {
+    ahead.header().stamp(node_.stamp());
+    scan_.publish(ahead);
+  });
+  ASSERT_TRUE(wait_until([&] { return maps_ > 0 && is_known(0.0, -0.3, 0.125); }));
+  EXPECT_TRUE(is_known(0.0, 2.0, 0.3));
+  EXPECT_FALSE(is_known(0.0, -0.3, 0.3));
+  for (const double z : {0.125, 0.3}) EXPECT_FALSE(is_known(0.0, -1.0, z)) << "behind it";
+  EXPECT_FALSE(is_known(0.0, 3.3, 0.3)) << "behind the echo";
+}
+
 TEST_F(BuilderOverDds, IsSilentWithoutScans) {
   ASSERT_TRUE(wait_for_maps(1));
   // One may be under way yet.
@@ -380,6 +399,13 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNoth
   tree.updateNode(octomap::point3d(0.0F, 0.0F, 0.3F), false);
   msg.data(encode_octomap(tree));  // nothing stands there, and that is no error
   auto looks = node_.create_wall_timer(0.1, [&] { map.publish(msg); });
+  ASSERT_TRUE(wait_until([&] { return v == 0.15 && reason == "unseen ground"; }));
+  for (int ix = -40; ix <= 40; ++ix)
+    for (int iy = -40; iy <= 40; ++iy)
+      tree.updateNode(
+          octomap::point3d(0.05F * static_cast<float>(ix), 0.05F * static_cast<float>(iy), 0.3F),
+          false);
+  msg.data(encode_octomap(tree));
   ASSERT_TRUE(wait_until([&] { return v == 0.3 && reason == "clear"; }));
 
   for (int i = -20; i <= 20; ++i)
