@@ -400,11 +400,10 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNoth
   msg.data(encode_octomap(tree));  // nothing stands there, and that is no error
   auto looks = node_.create_wall_timer(0.1, [&] { map.publish(msg); });
   ASSERT_TRUE(wait_until([&] { return v == 0.15 && reason == "unseen ground"; }));
-  for (int ix = -40; ix <= 40; ++ix)
-    for (int iy = -40; iy <= 40; ++iy)
-      tree.updateNode(
-          octomap::point3d(0.05F * static_cast<float>(ix), 0.05F * static_cast<float>(iy), 0.3F),
-          false);
+  const auto middle = [](int i) { return 0.05F * (static_cast<float>(i) + 0.5F); };
+  for (int ix = -40; ix < 40; ++ix)
+    for (int iy = -40; iy < 40; ++iy)
+      tree.updateNode(octomap::point3d(middle(ix), middle(iy), 0.3F), false);
   msg.data(encode_octomap(tree));
   ASSERT_TRUE(wait_until([&] { return v == 0.3 && reason == "clear"; }));
 
