@@ -195,7 +195,7 @@ std::string OctomapBuilderNode::why_no_pose(const Stamp& stamp) {
   const double ahead = rt::to_seconds(stamp) - *newest;
   return fmt::format(
       "no odometry of its time: its stamp is {:.1f} s {} odometry's; set the clock of the "
-      "computer that stamps it",
+      "computer that stamps it, or restart its driver if it sends old data",
       std::abs(ahead), ahead > 0.0 ? "ahead of" : "behind");
 }
 
