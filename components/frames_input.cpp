@@ -10,7 +10,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kReport = 1.0;  // [s] between looks at who told of two parents
+constexpr double kReport = 1.0;  // [s] between reports of frames with two parents
 
 std::optional<double> seconds_of(const Stamp& stamp) {
   if (stamp.sec() == 0 && stamp.nanosec() == 0) return std::nullopt;
@@ -57,7 +57,7 @@ void FramesInput::hear(const geometry_msgs::msg::TransformStamped& msg, const Fr
         msg.header().frame_id());
 }
 
-// Who published it is known a moment later: discovery tells only those who ask.
+// The publishers are known a moment later, once discovery has been asked.
 void FramesInput::react(LinkFate fate, const std::string& child, const std::string& parent) {
   if (fate == LinkFate::kFull)
     node_.log().error_every(10.0, "/tf has more than {} frames: `{}` is dropped", FrameTree::kMost,

@@ -45,7 +45,7 @@ class FramesInput {
 
   [[nodiscard]] const Frames& names() const { return names_; }
   [[nodiscard]] const FrameTree& tree() const { return tree_; }
-  /// Messages heard so far: as long as it stays, so do the answers, unless a frame grows old.
+  /// Messages so far: while it stays, so do the answers, unless a frame grows old.
   [[nodiscard]] std::uint64_t heard() const { return heard_; }
 
   /// X_AB of frame B in frame A, at the stamp or, if that is zero, as they are now.
@@ -71,7 +71,7 @@ class FramesInput {
   [[nodiscard]] static std::string id_of(const FrameSender& sender);
   /// The publisher as "/ns/name"; its GUID as long as nobody claims it.
   [[nodiscard]] std::string name_of(const FrameSender& sender) const;
-  /// Each child that two parents were told of in the last kRecently [s], in words; may be empty.
+  /// Each child that was given two parents in the last kRecently [s], in words; may be empty.
   [[nodiscard]] std::string two_parents() const;
 
  private:

@@ -43,10 +43,10 @@ std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odom
                        names.odom, in_odom.refusal);
   const Placing on_robot = frames_.place(child.empty() ? names.base : child, names.base);
   if (!on_robot.X_AB)
-    return fmt::format("odom tells of frame `{}`, not `{}` (base_frame): dropped: {}", child,
+    return fmt::format("odom is of frame `{}`, not `{}` (base_frame): dropped: {}", child,
                        names.base, on_robot.refusal);
   if (on_robot.moves)
-    return fmt::format("odom tells of frame `{}`, which moves against `{}` (base_frame): dropped",
+    return fmt::format("odom is of frame `{}`, which moves against `{}` (base_frame): dropped",
                        child, names.base);
   odometry.twist = twist_of(in_plane(*on_robot.X_AB), msg.twist().twist());
   odometry.X = compose(compose(in_plane(*in_odom.X_AB), odometry.X), in_plane(*on_robot.X_AB));

@@ -137,7 +137,7 @@ std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view
   return found;
 }
 
-// The newest time that all links tell of; nothing if none of them has stamps.
+// The newest time that all links have reached; nothing if none of them has stamps.
 std::optional<double> FrameTree::common_stamp(const Chain& links) {
   std::optional<double> common;
   for (const Link* link : links)
@@ -182,9 +182,9 @@ std::string FrameTree::why_not(std::string_view base, std::string_view frame) co
   std::string text;
   const auto down = chain_of(base), up = chain_of(frame);
   if (links_.empty())
-    text = "nothing is heard on /tf and /tf_static";
+    text = "no transform has arrived on /tf or /tf_static";
   else if (!knows(base) || !knows(frame))
-    text = "/tf does not tell of " + quoted(knows(base) ? frame : base) + ", only of " + listing();
+    text = quoted(knows(base) ? frame : base) + " is not on /tf, which has " + listing();
   else if (!down || !up)
     text = "the links of /tf form a ring: " + listing();
   else if (root_of(*down, base) != root_of(*up, frame))

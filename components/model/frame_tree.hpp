@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: transforms as /tf and /tf_static tell them. Out: where one frame is, seen from another.
+// Keeps the transforms of /tf and /tf_static, and says where one frame is, seen from another.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,7 +19,7 @@
 
 namespace tandem {
 
-/// The publisher that told a transform.
+/// The publisher of a transform.
 using FrameSender = std::array<std::uint8_t, 16>;
 
 /// A frame's name as tf2 compares it: without a leading slash.
@@ -44,7 +44,7 @@ struct FrameLink {
 /// What became of a link.
 enum class LinkFate {
   kTaken,
-  kTwoParents,  ///< taken, but another parent was told of the same child
+  kTwoParents,  ///< taken, but the child had another parent before
   kUnnamed,     ///< refused: a name is empty or longer than kLongest
   kLoop,        ///< refused: a frame is not its own parent
   kFull,        ///< refused: there are kMost frames
@@ -62,7 +62,7 @@ struct FramePose {
   [[nodiscard]] bool is_static() const { return heard == kAlways; }
 };
 
-/// A child that two parents were told of, and by whom; the newer is in force.
+/// A child that was given two parents, with the publisher of each; the newer is in force.
 struct TwoParents {
   std::string parent, other;
   FrameSender sender, other_sender;
@@ -94,7 +94,7 @@ class FrameTree {
   }
 
   /// Where `frame` is in `base`, as far as both are joined: at `stamp` [s], or at the newest time
-  /// that all links tell of. A stamp beyond the samples gives the nearest one.
+  /// that all links have reached. A stamp beyond the samples gives the nearest one.
   [[nodiscard]] std::optional<FramePose> find(std::string_view base, std::string_view frame,
                                               std::optional<double> stamp = {}) const;
   /// X_BF of `find`.
@@ -109,7 +109,7 @@ class FrameTree {
   /// "map → odom, odom → base_link", at most kMostListed of them; "no frame" if there are none.
   [[nodiscard]] std::string listing() const;
 
-  /// Children that two parents were told of, by name.
+  /// Children that were given two parents, by name.
   [[nodiscard]] const std::map<std::string, TwoParents>& two_parents() const {
     return two_parents_;
   }

@@ -96,8 +96,8 @@ TEST(FrameTree, TheOldestDynamicLinkOfAChainDecidesItsAge) {
   EXPECT_EQ(tree.find("map", "odom")->heard, 3.0);
 }
 
-// A localiser that tells of base_link, and wheels that tell of odom in base_link, twice as often.
-TEST(FrameTree, LinksThatMoveAreComposedAtTheNewestTimeThatAllOfThemTellOf) {
+// A localiser gives map → base_link, the wheels base_link → odom twice as often.
+TEST(FrameTree, LinksThatMoveAreComposedAtTheNewestTimeThatAllOfThemHaveReached) {
   FrameTree tree;
   for (int i = 0; i <= 20; ++i) {
     const double t = 0.05 * i;
@@ -164,10 +164,9 @@ TEST(FrameTree, AFrameWithTwoParentsHasTheNewerAndBothAreNamedWithTheirSenders) 
 
 TEST(FrameTree, SaysWhatItLacksAndWhatIsThere) {
   FrameTree tree;
-  EXPECT_EQ(tree.why_not("map", "odom"), "nothing is heard on /tf and /tf_static");
+  EXPECT_EQ(tree.why_not("map", "odom"), "no transform has arrived on /tf or /tf_static");
   tree.set(told("map", "odom_combined", placed_at(0.0, 0.0, 0.0), 0.0));
-  EXPECT_EQ(tree.why_not("map", "odom"),
-            "/tf does not tell of `odom`, only of map → odom_combined");
+  EXPECT_EQ(tree.why_not("map", "odom"), "`odom` is not on /tf, which has map → odom_combined");
   tree.set(told("odom", "base_link", placed_at(0.0, 0.0, 0.0), 0.0));
   EXPECT_EQ(tree.why_not("/map", "/odom"),
             "/tf does not join `map` and `odom`: odom → base_link, map → odom_combined");

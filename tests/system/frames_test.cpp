@@ -113,7 +113,7 @@ TEST_F(FramesOverDds, AMapInAFrameThatNobodyKnowsIsRefusedAndWaitsForTf) {
   map_.publish(wall("cellar"));
   ASSERT_TRUE(
       wait_for_reason("octomap_binary is given in frame `cellar`, not `map`: not used: "
-                      "/tf does not tell of `cellar`"))
+                      "`cellar` is not on /tf, which has "))
       << reason_;
   tf_static_.publish(message_of({link("odom", "cellar", {})}));
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.2; })) << reason_;
@@ -122,9 +122,7 @@ TEST_F(FramesOverDds, AMapInAFrameThatNobodyKnowsIsRefusedAndWaitsForTf) {
 TEST_F(FramesOverDds, SaysWhichFramesThereAreWhenItIsNotLocalised) {
   map_.publish(wall("map"));
   tf_links_ = {link("map", "odom_combined", {})};
-  EXPECT_TRUE(
-      wait_for_reason("not localized: /tf does not tell of `odom`, only of "
-                      "map → odom_combined"))
+  EXPECT_TRUE(wait_for_reason("not localized: `odom` is not on /tf, which has map → odom_combined"))
       << reason_;
   tf_links_.push_back(link("odom", "wheel", {}));
   EXPECT_TRUE(
@@ -156,7 +154,7 @@ TEST_F(FramesOverDds, OdometryInAnotherFrameAndOfAnotherPartOfTheRobotIsTransfor
   tf_links_ = {link("map", "odom", kOdomInMap), link("odom", "odom_combined", {0.5, 0.0, 0.0})};
   odom_frame_ = "/odom_combined";
   child_ = "base_footprint";
-  EXPECT_TRUE(wait_for_reason("not localized: odom tells of frame `base_footprint`")) << reason_;
+  EXPECT_TRUE(wait_for_reason("not localized: odom is of frame `base_footprint`")) << reason_;
   tf_static_.publish(message_of({link("base_footprint", "base_link", {-0.3, 0.0, 0.0})}));
   // 0.5 m on by the frame, 0.3 m back on the robot.
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0 && clearance_ < 0.21; })) << reason_;
@@ -298,7 +296,7 @@ TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
   EXPECT_EQ(status, 1);
   EXPECT_NE(said.find("map → odom_combined"), std::string::npos) << said;
   EXPECT_NE(said.find("/tester"), std::string::npos) << said;
-  EXPECT_NE(said.find("the safety filter stands: not localized: /tf does not tell of `odom`"),
+  EXPECT_NE(said.find("the safety filter stands: not localized: `odom` is not on /tf"),
             std::string::npos)
       << said;
 }
