@@ -72,11 +72,11 @@ struct MapInputParams {
 /// Whether a node asks for ground that nobody has seen too.
 enum class UnseenGround { kIgnored, kHeeded };
 
-/// Subscribes the maps for a node, by `map_source`. A whole building takes 50 to 90 ms to decode,
-/// so a thread of its own does it; the node goes on with the old map meanwhile. Only the newest
-/// message of each topic waits. Bytes that are no map are logged and leave the old map in force; so
-/// does a map that comes while two nodes publish its topic, or from another one than the one in
-/// force. Once one is left, its map is asked for.
+/// Subscribes the maps for a node, by `map_source` and `static_map`. A whole building takes 50 to
+/// 90 ms to decode, so a thread of its own does it; the node goes on with the old map meanwhile.
+/// Only the newest message of each topic waits. Bytes that are no map are logged and leave the old
+/// map in force; so does a map that comes while two nodes publish its topic, or from another one
+/// than the one in force. Once one is left, its map is asked for.
 ///
 /// A map in another frame than the map's is placed by `/tf`: turned into the map's grid, so that no
 /// obstacle is lost, and again whenever the frame has moved; a slice costs far less than decoding.

@@ -105,6 +105,18 @@ TEST(Convert, FindsTheTransformAmongOthers) {
   EXPECT_FALSE(find_transform(msg, "map", "base_link"));
 }
 
+TEST(Convert, AnOccupancyGridGivesBackTheGrid) {
+  const Grid grid{
+      0.5, {-1.0, 2.0}, 2, 2, {Cell::kOccupied, Cell::kFree, Cell::kUnknown, Cell::kFree}};
+  auto msg = to_msg(grid, {});
+  const Grid back = to_grid(from_msg(msg));
+  EXPECT_EQ(back.cells, grid.cells);
+  EXPECT_EQ(back.origin, grid.origin);
+  EXPECT_EQ(back.width, 2);
+  msg.info().origin().orientation().w(0.0);
+  EXPECT_NE(error_of(from_msg(msg)).find("zero quaternion"), std::string::npos);
+}
+
 TEST(Convert, GridBecomesAnOccupancyGridAsRvizReadsIt) {
   const Grid grid{0.1, {-1.0, 2.0}, 3, 1, {Cell::kFree, Cell::kOccupied, Cell::kUnknown}};
   const auto msg = to_msg(grid, header({}, "map"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "map/image_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -47,6 +48,12 @@ Legend legend_of(const YamlReader& reader, const YAML::Node& root) {
   if (!(legend.free_thresh < legend.occupied_thresh))
     reader.fail(root["free_thresh"], "free_thresh must be below occupied_thresh");
   return legend;
+}
+
+bool is_file_name(const YAML::Node& node) {
+  return node.IsScalar() && std::none_of(node.Scalar().begin(), node.Scalar().end(), [](char c) {
+           return static_cast<unsigned char>(c) < ' ';
+         });
 }
 
 double share(std::uint32_t value) { return value / static_cast<double>(GrayImage::kWhite); }
@@ -104,7 +111,7 @@ OccupancyPlane load_image_map(const std::filesystem::path& file) {
   const YAML::Node root = reader.load();
   reader.each_once(root);
   const YAML::Node image_name = reader.required(root, "image");
-  if (!image_name.IsScalar()) reader.fail(image_name, "expected the name of an image");
+  if (!is_file_name(image_name)) reader.fail(image_name, "expected the name of an image");
   const Eigen::Vector3d origin = reader.vector<3>(reader.required(root, "origin"));
   const Legend legend = legend_of(reader, root);
   OccupancyPlane plane;

@@ -8,15 +8,63 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <yaml-cpp/eventhandler.h>
+
 #include "yaml_document.hpp"
 
 namespace tandem {
+namespace {
+
+// What a file holds must not break the one line that an error is.
+std::string one_line(std::string text) {
+  const auto breaks = [](char c) { return static_cast<unsigned char>(c) < ' '; };
+  std::replace_if(text.begin(), text.end(), breaks, '?');
+  return text;
+}
+
+// Counts documents and keeps nothing of them.
+struct DocumentCounter : YAML::EventHandler {
+  int documents = 0;
+  YAML::Mark start;
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    ++documents;
+    start = mark;
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+// yaml-cpp finds documents without end where a line begins with a comma or a closing bracket, and
+// YAML::LoadAll would keep them all.
+void refuse_endless(const std::string& text) {
+  constexpr int kMostDocuments = 100;
+  std::istringstream stream{text};
+  YAML::Parser parser{stream};
+  DocumentCounter counter;
+  while (parser.HandleNextDocument(counter))
+    if (counter.documents > kMostDocuments)
+      throw YAML::Exception(counter.start, "a comma or bracket that belongs to nothing");
+}
+
+}  // namespace
 
 YAML::Node YamlReader::parse(const std::string& text) const {
   try {
+    refuse_endless(text);
     return one_document(YAML::LoadAll(text));
   } catch (const YAML::Exception& error) {
-    throw std::runtime_error(name_ + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+    throw std::runtime_error(name_ + ":" + std::to_string(error.mark.line + 1) + ": " +
+                             one_line(error.msg));
   }
 }
 
@@ -29,7 +77,8 @@ YAML::Node YamlReader::load() const {
 }
 
 void YamlReader::fail(const YAML::Node& where, const std::string& what) const {
-  throw std::runtime_error(name_ + ":" + std::to_string(where.Mark().line + 1) + ": " + what);
+  throw std::runtime_error(name_ + ":" + std::to_string(where.Mark().line + 1) + ": " +
+                           one_line(what));
 }
 
 void YamlReader::each_once(const YAML::Node& map) const {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <random>
 
 #include "map/extrude.hpp"
 #include "map/gray_image.hpp"
@@ -181,6 +182,8 @@ TEST_F(ImageMap, IsRefusedInOneLineThatNamesWhatIsWrong) {
   expect(write_yaml("mode: bright\n"), "trinary, scale or raw");
   expect(write_yaml("negate: maybe\n"), "true or false");
   expect(write_yaml("", "missing.pgm"), "missing.pgm: no such file");
+  write("comma.yaml", ",image: room.pgm\nresolution: 0.5\n");
+  expect(folder_ / "comma.yaml", "belongs to nothing");
   expect(write_yaml("", "room.pgm", "[0, 0]"), "[3 numbers]");
   expect(write_yaml("", "room.pgm", "[0, 0, .nan]"), "outside");
   expect(write_yaml("", "room.yaml"), "neither PGM");
@@ -203,6 +206,31 @@ TEST_F(ImageMap, OfADamagedImageIsRefusedWithoutTakingMemoryForIt) {
   for (std::size_t length = 0; length < good.size() - 12; ++length) {  // IEND may be missing
     write("room.png", good.substr(0, length));
     EXPECT_NE(complaint(write_yaml("", "room.png")), "") << length;
+  }
+}
+
+TEST_F(ImageMap, SurvivesAnyDamage) {
+  const auto bytes_of = [&](const std::string& name) {
+    std::ifstream stream{folder_ / name, std::ios::binary};
+    return std::string{std::istreambuf_iterator<char>(stream), {}};
+  };
+  write_pgm();
+  write_png("room.png", PNG_FORMAT_RGBA, 2, {255, 255, 255, 255, 0, 0, 0, 255});
+  const fs::path yaml = write_yaml("mode: scale\nnegate: 0\n");
+  std::mt19937 random{3};
+  for (const std::string name : {"room.pgm", "room.png", "room.yaml"}) {
+    const std::string good = bytes_of(name);
+    std::uniform_int_distribution<std::size_t> at(0, good.size() - 1);
+    std::uniform_int_distribution<int> byte(0, 255);
+    if (name == "room.png") (void)write_yaml("", name);
+    for (int i = 0; i < 300; ++i) {
+      std::string bad = good;
+      for (int k = 0; k <= i % 4; ++k) bad[at(random)] = static_cast<char>(byte(random));
+      write(name, bad);
+      (void)complaint(yaml);
+    }
+    write(name, good);
+    (void)write_yaml("mode: scale\nnegate: 0\n");
   }
 }
 
