@@ -154,7 +154,7 @@ class BlindDrive {
     if (n % 5 == 0) judge();
     const OdometryReport report = sim_.odometry();
     const RobotState robot{compose(report.X_MW, report.X_WB), report.twist, t_};
-    if (n % 2 == 0) sensing_.on_odometry(robot, report.t, t_);
+    if (n % 2 == 0) sensing_.on_odometry(robot, report.X_WB, report.t, t_);
     if (n % 5 == 0) judge_.outline(X(), t_);
     if (n % 10 == 0) look(robot);
     if (n % 4 != 0) return;

@@ -350,6 +350,12 @@ std::vector<Stray> strays() {
   const auto pose = to_msg(Pose2{}, header({}, "nowhere"));
   geometry_msgs::msg::PoseWithCovarianceStamped initial;
   initial.pose().pose(pose.pose());
+  nav_msgs::msg::OccupancyGrid grid;
+  grid.info().resolution(0.1F);
+  grid.info().width(2);
+  grid.info().height(2);
+  grid.info().origin().orientation().w(1.0);
+  grid.data().assign(4, 100);
   const Values method{{"method", "leader"}};
   return {{"leader_pose", "local_planner", method, sends(topics::leader_pose, pose)},
           {"goal_pose", "local_planner", method, sends(topics::goal_pose, pose)},
@@ -359,6 +365,7 @@ std::vector<Stray> strays() {
           {"leader_pose", "driver", {{"route", "[1.0, 0.0]"}}, sends(topics::leader_pose, pose)},
           {"people", "obstacle_extractor", {{"people", "true"}}, sends(topics::people, {})},
           {"octomap_binary", "safety_filter", {}, sends(topics::octomap_binary, wall(""))},
+          {"map", "safety_filter", {{"static_map", "grid"}}, sends(topics::map, grid)},
           {"octomap_local",
            "safety_filter",
            {{"map_source", "local"}},
@@ -391,25 +398,21 @@ TEST_F(OneComponent, NothingIsTakenFromAFrameThatNobodyKnows) {
 }
 
 // The numbers of these depend on a frame: transformed, or refused.
-const std::set<std::string> kPlaced{"leader_pose", "goal_pose", "octomap_binary", "octomap_local",
-                                    "people",      "obstacles", "odom",           "tf",
-                                    "tf_static",   "scan",      "cloud_in",       "ground_truth",
-                                    "initial_pose"};
+const std::set<std::string> kPlaced{"leader_pose",  "goal_pose", "octomap_binary", "octomap_local",
+                                    "people",       "obstacles", "odom",           "tf",
+                                    "tf_static",    "scan",      "cloud_in",       "ground_truth",
+                                    "initial_pose", "map"};
 // Commands: of the robot's own frame, whatever it is called, but not of map or odom.
 const std::set<std::string> kOfRobot{"cmd_vel_stamped"};
 // Nobody here reads a number of them that depends on a frame; a joystick's frame is a device.
-const std::set<std::string> kUnread{"joy",
-                                    "map",
-                                    "plan",
-                                    "user_path",
-                                    "planner_status",
-                                    "filter_status",
-                                    "arbitration_status",
-                                    "collision",
+const std::set<std::string> kUnread{"joy",           "plan",
+                                    "user_path",     "planner_status",
+                                    "filter_status", "arbitration_status",
+                                    "collision",     "sensing_status",
                                     "diagnostics"};
 // Pictures for people; each marker has its own header, and nobody here reads them.
 const std::set<std::string> kShown{"hindsight_markers", "leader_markers", "obstacle_markers"};
-const std::set<std::string> kWithoutHeader{"Twist", "Bool", "Clock", "JoyFeedback"};
+const std::set<std::string> kWithoutHeader{"Twist", "Bool", "Clock", "JoyFeedback", "String"};
 
 // A new topic has to be put into one of the lists, and its reader has to do what the list says.
 TEST(Topics, EachWithAHeaderIsPlacedByItsFrameOrIsKnownNotToDependOnOne) {
