@@ -71,9 +71,19 @@ Grid known_ground_of(const DiffDriveSimNodeParams& sim, const MapInputParams& pa
                                      : Grid{};
 }
 
-LiveSensing::LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder)
-    : sim_{sim},
-      outline_{footprint_of(builder.robot)},
+SimulatedScan scan_of(const DiffDriveSim& sim, const DiffDriveSimNodeParams& params) {
+  const auto angle = [&](int i) { return beam_angle(i, params.scan_beams, params.scan_angle); };
+  SimulatedScan scan;
+  scan.form.angle_min = angle(0);
+  scan.form.angle_increment = angle(1) - angle(0);
+  scan.form.range_max = params.scan_range;
+  for (int i = 0; i < params.scan_beams; ++i)
+    scan.ranges.push_back(scan_range_of(sim, params, sim.state().X_MB, i));
+  return scan;
+}
+
+LiveSensing::LiveSensing(const OctomapBuilderNodeParams& builder)
+    : outline_{footprint_of(builder.robot)},
       sweep_height_{sweep_height(builder)},
       X_BS_{mounting("scan_pose", builder.scan_pose).value_or(scanner_place())},
       map_{builder.map},
@@ -87,18 +97,8 @@ void LiveSensing::on_odometry(const RobotState& robot, const Pose2& X_WB, double
   map_.stand(outline_, robot.X_MB, sweep_height_, t);
 }
 
-std::optional<Grid> LiveSensing::look(const DiffDriveSim& sim, const SliceParams& params,
-                                      double t) {
+std::optional<Grid> LiveSensing::look(const RangeScan& scan, const SliceParams& params, double t) {
   auto before = std::exchange(seen_, std::nullopt);
-  std::vector<float> ranges;
-  for (int i = 0; i < sim_.scan_beams; ++i)
-    ranges.push_back(scan_range_of(sim, sim_, sim.state().X_MB, i));
-  const auto angle = [&](int i) { return beam_angle(i, sim_.scan_beams, sim_.scan_angle); };
-  const RangeScan scan{.angle_min = angle(0),
-                       .angle_increment = angle(1) - angle(0),
-                       .range_min = 0.0,
-                       .range_max = sim_.scan_range,
-                       .ranges = ranges};
   const auto X_MB = poses_.at(t);
   if (!X_MB) return before;
   const ScanReading reading = reader_.read(scan, X_BS_, body_);

@@ -26,21 +26,33 @@ namespace tandem {
 /// The ground that it knows, for unseen_ground_over.
 [[nodiscard]] Grid known_ground_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params);
 
+/// A scan of the simulator's scanner.
+struct SimulatedScan {
+  RangeScan form;  ///< without its ranges
+  std::vector<float> ranges;
+
+  [[nodiscard]] RangeScan scan() const {
+    RangeScan scan = form;
+    scan.ranges = ranges;
+    return scan;
+  }
+};
+[[nodiscard]] SimulatedScan scan_of(const DiffDriveSim& sim, const DiffDriveSimNodeParams& params);
+
 /// Map and shapes of a robot that looks about; what it sees is known to the others one scan later,
 /// which is later than over DDS.
 class LiveSensing {
  public:
-  LiveSensing(const DiffDriveSimNodeParams& sim, const OctomapBuilderNodeParams& builder);
+  explicit LiveSensing(const OctomapBuilderNodeParams& builder);
 
   /// Odometry that is of time `stamp` arrives at time t. X_WB: its own pose.
   void on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp, double t);
   /// Takes in a scan; the result is what the robot has seen before it.
-  std::optional<Grid> look(const DiffDriveSim& sim, const SliceParams& params, double t);
+  std::optional<Grid> look(const RangeScan& scan, const SliceParams& params, double t);
   /// Why the robot must stand, as the octomap_builder says it; empty if the scanner sees.
   [[nodiscard]] std::string trouble(double t) { return watch_.reason(t); }
 
  private:
-  DiffDriveSimNodeParams sim_;
   Footprint outline_;
   double sweep_height_;
   Eigen::Isometry3d X_BS_;

@@ -103,7 +103,7 @@ class Loop {
     }
     base_ = base_of(sim_params_, filter_params_.map);
     known_ground_ = known_ground_of(sim_params_, filter_params_.map);
-    live_.emplace(sim_params_, parameters_of<OctomapBuilderNodeParams>(system, "octomap_builder"));
+    live_.emplace(parameters_of<OctomapBuilderNodeParams>(system, "octomap_builder"));
   }
 
   // Throws std::invalid_argument if the drive would begin in an obstacle, or there is none at all.
@@ -177,7 +177,8 @@ class Loop {
   }
 
   void look() {
-    const auto seen = live_->look(sim_, filter_params_.map.slice, t_);
+    const auto scan = scan_of(sim_, sim_params_);
+    const auto seen = live_->look(scan.scan(), filter_params_.map.slice, t_);
     const auto robot = localization_.state(t_);
     if (!live_->trouble(t_).empty()) return filter_.on_map(nullptr);
     if (!seen || !robot) return;

@@ -102,7 +102,7 @@ class BlindDrive {
   BlindDrive(const Settings& settings, std::shared_ptr<const StaticMap> world, const Pose2& start)
       : settings_{settings},
         sim_{{}, settings.robot, std::move(world), 1},
-        sensing_{sim_params(), builder_params()},
+        sensing_{builder_params()},
         filter_{filter_params(), settings.robot},
         judge_{settings.robot} {
     sim_.reset(start, 1);
@@ -169,7 +169,7 @@ class BlindDrive {
       const double angle = beam_angle(i, params.scan_beams, params.scan_angle);
       judge_.beam(X(), angle, std::min<double>(scan_range_of(sim_, params, X(), i), 8.0), t_);
     }
-    const auto seen = sensing_.look(sim_, {}, t_);
+    const auto seen = sensing_.look(scan_of(sim_, params).scan(), {}, t_);
     if (!seen) return;
     MapInputParams map;
     map.map_source = "local";
