@@ -104,6 +104,12 @@ geometry_msgs::msg::Twist to_msg(const Twist2& twist) {
   return msg;
 }
 
+const char* fault_of(const geometry_msgs::msg::Quaternion& orientation) {
+  const bool zero = orientation.x() == 0.0 && orientation.y() == 0.0 && orientation.z() == 0.0 &&
+                    orientation.w() == 0.0;
+  return zero ? "has a zero quaternion (no rotation is w = 1)" : "is not finite";
+}
+
 std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg) {
   return finite_pose(msg.position().x(), msg.position().y(), msg.orientation());
 }

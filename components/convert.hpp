@@ -50,6 +50,10 @@ struct Odometry {
 /// the side in B is not read.
 [[nodiscard]] Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C);
 
+/// What is wrong with a pose that from_msg refuses: "is not finite", or that its quaternion is
+/// zero.
+[[nodiscard]] const char* fault_of(const geometry_msgs::msg::Quaternion& orientation);
+
 /// Heading from the quaternion's yaw. Nothing if a number is not finite or the quaternion is zero.
 [[nodiscard]] std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg);
 [[nodiscard]] geometry_msgs::msg::Pose to_msg(const Pose2& X);

@@ -48,8 +48,8 @@ void FramesInput::hear(const geometry_msgs::msg::TransformStamped& msg, const Fr
                        bool is_static) {
   const auto X_PC = from_msg(msg.transform());
   if (!X_PC)
-    return node_.log().error_every(1.0, "{} of `{}` is not finite: dropped",
-                                   is_static ? "/tf_static" : "/tf", msg.child_frame_id());
+    return node_.log().error_every(1.0, "{} of `{}` {}: dropped", is_static ? "/tf_static" : "/tf",
+                                   msg.child_frame_id(), fault_of(msg.transform().rotation()));
   const FrameLink link{
       msg.header().frame_id(),         msg.child_frame_id(), *X_PC, sender, node_.now(),
       seconds_of(msg.header().stamp())};

@@ -20,7 +20,7 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
 void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
   auto odometry = from_msg(msg);
   if (!odometry) {
-    node_.log().warn_every(1.0, "odom is not finite: dropped");
+    node_.log().warn_every(1.0, "odom {}: dropped", fault_of(msg.pose().pose().orientation()));
     return;
   }
   odom_refusal_ = place(*odometry, msg);

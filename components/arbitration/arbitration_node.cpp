@@ -143,7 +143,11 @@ void ArbitrationNode::watch() {
 void ArbitrationNode::say_why() {
   const std::string why = arbiter_.why(decision_, node_.now());
   diagnostics_.say(decision_.source != Source::kNone && why == name(decision_.reason), why);
-  if (std::exchange(why_, why) != why) publish_status();
+  if (std::exchange(why_, why) == why) return;
+  publish_status();
+  if (why != name(decision_.reason))  // decide() has said that
+    node_.log().write_every(kReminder, rt::LogLevel::kInfo, why,
+                            name(decision_.source) + (": " + why));
 }
 
 void ArbitrationNode::publish_status() {

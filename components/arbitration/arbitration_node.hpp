@@ -42,6 +42,7 @@ class ArbitrationNode {
 
   static constexpr int kStopDepth = 100;  // words that may wait while the process is stalled
 
+  static constexpr double kReminder = 10.0;        // [s] between two log lines of one reason
   static constexpr double kTellPerformance = 0.1;  // change that is logged
 
   explicit ArbitrationNode(rt::Node& node);

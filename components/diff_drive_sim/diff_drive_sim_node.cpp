@@ -61,7 +61,8 @@ void DiffDriveSimNode::subscribe() {
     else if (const auto X_MB = from_msg(msg.pose().pose()))
       reset(*X_MB);
     else
-      node_.log().warn_every(1.0, "initialpose is not finite: dropped");
+      node_.log().warn_every(1.0, "initialpose {}: dropped",
+                             fault_of(msg.pose().pose().orientation()));
   });
   reset_ = node_.create_service(services::reset, [this](const auto&, auto& response) {
     reset(start_of(*params_));

@@ -74,7 +74,8 @@ void LocalPlannerNode::subscribe() {
         if (const auto X_FL = from_msg(msg.pose()))
           leader_ = {compose(*X_MF, *X_FL), node_.now()};
         else
-          node_.log().warn_every(1.0, "leader_pose is not finite: dropped");
+          node_.log().warn_every(1.0, "leader_pose {}: dropped",
+                                 fault_of(msg.pose().orientation()));
       });
   on_goal_ = node_.create_subscription(topics::goal_pose, [this](const auto& msg) {
     const auto X_MF = robot_.frames().in_map_by_tf(msg.header(), topics::goal_pose.name);
@@ -82,7 +83,7 @@ void LocalPlannerNode::subscribe() {
     if (const auto X_FG = from_msg(msg.pose()))
       X_MG_ = compose(*X_MF, *X_FG);
     else
-      node_.log().warn_every(1.0, "goal_pose is not finite: dropped");
+      node_.log().warn_every(1.0, "goal_pose {}: dropped", fault_of(msg.pose().orientation()));
   });
   on_filter_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
     refused_ = {msg.refused(), node_.now()};
