@@ -9,6 +9,8 @@
 namespace tandem {
 namespace {
 
+constexpr double kReminder = 10.0;  // [s] between two of the same warning
+
 std::string name_of(const rt::PublisherId& id) { return {id.begin(), id.end()}; }
 
 bool is_empty(const sensor_msgs::msg::Joy& msg) {
@@ -27,6 +29,7 @@ TeleopNode::TeleopNode(rt::Node& node)
       holder_{params_->teleop.joy_timeout},
       writer_{params_->teleop.joy_timeout},
       rest_{params_->teleop.joy_timeout, params_->teleop.deadman_button >= 0},
+      rhythm_{params_->teleop.joy_timeout},
       joy_stamp_{node, topics::joy.name, params_->stamp},
       cmd_vel_user_{node.create_publisher(topics::cmd_vel_user)},
       leader_pose_{node.create_publisher(topics::leader_pose)},
@@ -45,6 +48,13 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
   const Stick stick = read_stick(msg.axes(), msg.buttons(), params_->teleop);
   if (!may_drive(msg, sender, stick)) return;
   if (!holder_.counts(sender, stick.deadman, node_.now())) return;
+  if (const auto gap = rhythm_.on_message(stick.deadman, node_.now()))
+    node_.log().warn_every(
+        kReminder,
+        "joy comes every {:.2f} s, which is too seldom for joy_timeout ({} s): the robot stutters; "
+        "let the joystick's driver repeat more often (autorepeat_rate of joy_node), or raise "
+        "joy_timeout",
+        *gap, params_->teleop.joy_timeout);
   if (const auto intent = teleop_.on_stick(stick, robot_pose(), node_.now())) {
     cmd_vel_user_.publish(to_msg(intent->twist));
     if (intent->X_ML) publish_leader(*intent->X_ML);

@@ -7,6 +7,7 @@
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "stamp_check.hpp"
+#include "teleop/joy_rhythm.hpp"
 #include "teleop/rest_check.hpp"
 #include "teleop/stick_holder.hpp"
 #include "teleop/teleop.hpp"
@@ -56,6 +57,7 @@ class TeleopNode {
   RobotStateInput robot_;
   StickHolder holder_, writer_;  // of joy; of cmd_vel_user, but for this node
   RestCheck rest_;
+  JoyRhythm rhythm_;
   StampCheck joy_stamp_;
   bool end_pressed_ = false;
   std::map<std::string, std::string> troubles_;  // by sender of joy

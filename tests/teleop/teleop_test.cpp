@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/teleop.hpp"
+#include "teleop/joy_rhythm.hpp"
 #include "teleop/rest_check.hpp"
 #include "teleop/stick_holder.hpp"
 
@@ -14,6 +15,22 @@ namespace tandem {
 namespace {
 
 constexpr Pose2 kOrigin{};
+
+// Whether a stick that is held and speaks every `period` is found to speak too seldom.
+bool is_too_seldom(double period) {
+  JoyRhythm rhythm{0.12};
+  bool found = false;
+  for (int i = 1; i <= 20; ++i) found = rhythm.on_message(true, i * period).has_value();
+  return found;
+}
+
+TEST(JoyRhythm, TellsAStickThatSpeaksTooSeldomFromOneThatFellSilent) {
+  EXPECT_TRUE(is_too_seldom(0.2));
+  EXPECT_FALSE(is_too_seldom(0.05));
+  EXPECT_FALSE(is_too_seldom(2.0));
+  JoyRhythm rhythm{0.12};
+  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(rhythm.on_message(i % 4 == 0, i * 0.2));
+}
 
 TEST(ReadStick, MapsAxesAndButtonsAsTheThesisDoes) {
   const std::array<float, 4> axes{0.25f, 1.0f, 0.0f, 0.0f};
