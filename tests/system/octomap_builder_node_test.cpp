@@ -374,6 +374,13 @@ TEST_F(BuilderOverDds, AScanOfATimeWithoutOdometryIsDropped) {
   EXPECT_FALSE(is_occupied(kRobot.x + 1.001, kRobot.y));
 }
 
+void cover_ground(octomap::OcTree& tree) {
+  const auto middle = [](int i) { return 0.05F * (static_cast<float>(i) + 0.5F); };
+  for (int ix = -40; ix < 40; ++ix)
+    for (int iy = -40; iy < 40; ++iy)
+      tree.updateNode(octomap::point3d(middle(ix), middle(iy), 0.3F), false);
+}
+
 TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNothingIsAnyMore) {
   const auto filter = load("safety_filter", {{"map_is_odom", "true"}, {"map_source", "local"}});
   double v = -1.0;
@@ -400,10 +407,7 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsUntilSomethingIsSeenAndWhenNoth
   msg.data(encode_octomap(tree));  // nothing stands there, and that is no error
   auto looks = node_.create_wall_timer(0.1, [&] { map.publish(msg); });
   ASSERT_TRUE(wait_until([&] { return v == 0.15 && reason == "unseen ground"; }));
-  const auto middle = [](int i) { return 0.05F * (static_cast<float>(i) + 0.5F); };
-  for (int ix = -40; ix < 40; ++ix)
-    for (int iy = -40; iy < 40; ++iy)
-      tree.updateNode(octomap::point3d(middle(ix), middle(iy), 0.3F), false);
+  cover_ground(tree);
   msg.data(encode_octomap(tree));
   ASSERT_TRUE(wait_until([&] { return v == 0.3 && reason == "clear"; }));
 
@@ -432,7 +436,7 @@ TEST_F(OneComponent, AFilterWithLiveSensingStandsWhileTheBuilderSaysThatItsSenso
   msg.id("OcTree");
   msg.resolution(0.05);
   octomap::OcTree tree(0.05);
-  tree.updateNode(octomap::point3d(0.0F, 0.0F, 0.3F), false);
+  cover_ground(tree);
   msg.data(encode_octomap(tree));
   const auto beat = node_.create_wall_timer(0.02, [&] {
     odom.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
