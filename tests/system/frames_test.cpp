@@ -311,17 +311,18 @@ TEST_F(OneComponent, TheFrameOfAJoyIsADevicesNameAndNeverRefused) {
   });
   for (const char* name : {"map", "odom", "/dev/input/js0", ""}) {
     frame = name;
-    double axis = 0.0;
+    bool held = false;
+    int beats_held = 0;  // the first ones at rest
     const auto push = node_.create_wall_timer(kBeat, [&] {
       sensor_msgs::msg::Joy msg;
       msg.header(header(node_.stamp(), frame));
-      msg.axes({0.0F, static_cast<float>(axis)});
-      msg.buttons({axis > 0.0 ? 1 : 0, 0});
+      msg.axes({0.0F, held && ++beats_held > 5 ? 0.5F : 0.0F});
+      msg.buttons({held ? 1 : 0, 0});
       joy.publish(msg);
     });
     const double begin = node_.steady_now();
     ASSERT_TRUE(wait_until([&] { return node_.steady_now() - begin > 0.6; }));  // another's turn
-    axis = 0.5;
+    held = true;
     EXPECT_TRUE(wait_until([&] { return drives.contains(frame); })) << name;
   }
 }
