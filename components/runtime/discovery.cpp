@@ -94,19 +94,6 @@ std::vector<KnownEndpoint> Discovery::endpoints() const {
   return all;
 }
 
-bool Discovery::wait_for_newcomer(const std::stop_token& stop, double timeout) {
-  std::unique_lock lock{mutex_};
-  newcomer_arrived_.wait_for(lock, stop, std::chrono::duration<double>{timeout},
-                             [this] { return newcomer_; });
-  return std::exchange(newcomer_, false);
-}
-
-void Discovery::on_newcomer() {
-  const std::lock_guard lock{mutex_};
-  newcomer_ = true;
-  newcomer_arrived_.notify_all();
-}
-
 std::optional<Policies> Discovery::policies(const rtps::GUID_t& guid) const {
   const std::lock_guard lock{mutex_};
   const auto known = endpoints_.find(guid);
@@ -115,11 +102,6 @@ std::optional<Policies> Discovery::policies(const rtps::GUID_t& guid) const {
 }
 
 #if TANDEM_FASTDDS_3
-void Discovery::on_participant_discovery(fdds::DomainParticipant*,
-                                         rtps::ParticipantDiscoveryStatus status,
-                                         const rtps::ParticipantBuiltinTopicData&, bool&) {
-  if (status == rtps::ParticipantDiscoveryStatus::DISCOVERED_PARTICIPANT) on_newcomer();
-}
 void Discovery::on_data_writer_discovery(fdds::DomainParticipant*,
                                          rtps::WriterDiscoveryStatus status,
                                          const rtps::PublicationBuiltinTopicData& info, bool&) {
@@ -137,10 +119,6 @@ void Discovery::on_data_reader_discovery(fdds::DomainParticipant*,
     add(from_builtin(info, false));
 }
 #else
-void Discovery::on_participant_discovery(fdds::DomainParticipant*,
-                                         rtps::ParticipantDiscoveryInfo&& info) {
-  if (info.status == rtps::ParticipantDiscoveryInfo::DISCOVERED_PARTICIPANT) on_newcomer();
-}
 void Discovery::on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
   if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER)
     remove(info.info.guid());

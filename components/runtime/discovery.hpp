@@ -3,11 +3,9 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -47,31 +45,20 @@ class Discovery final : public fdds::DomainParticipantListener {
   /// Counts changes.
   [[nodiscard]] long generation() const { return generation_; }
 
-  /// Returns when another participant is discovered (true), after `timeout` [s], or at a stop.
-  [[nodiscard]] bool wait_for_newcomer(const std::stop_token& stop, double timeout);
-
 #if TANDEM_FASTDDS_3
-  void on_participant_discovery(fdds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
-                                const rtps::ParticipantBuiltinTopicData& info, bool&) override;
   void on_data_writer_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
                                 const rtps::PublicationBuiltinTopicData& info, bool&) override;
   void on_data_reader_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryStatus status,
                                 const rtps::SubscriptionBuiltinTopicData& info, bool&) override;
 #else
-  void on_participant_discovery(fdds::DomainParticipant*,
-                                rtps::ParticipantDiscoveryInfo&& info) override;
   void on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override;
   void on_subscriber_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) override;
 #endif
 
  private:
-  void on_newcomer();
-
   mutable std::mutex mutex_;
   std::map<rtps::GUID_t, KnownEndpoint> endpoints_;
   std::atomic<long> generation_ = 0;
-  std::condition_variable_any newcomer_arrived_;
-  bool newcomer_ = false;
 };
 
 }  // namespace tandem::runtime

@@ -17,12 +17,8 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr const char* kEnclave = "enclave=/;";  // what ROS 2 reads in a participant's user data
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr uint32_t kParticipantsPerHost = 32;  // ids that unicast discovery asks, as ROS 2 does
-constexpr double kFirstAnnouncement = 0.01;    // [s] after a newcomer was discovered; then doubled
-constexpr double kLastAnnouncement = 0.3;      // [s]
-constexpr double kNever = 3600.0;              // [s]
 constexpr uint32_t kSocketBuffer = 4U << 20;   // the kernel lowers it to its own limit
 
 // The first IPv4 address of a host name, as the system resolves it; an address is its own.
@@ -94,17 +90,14 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   qos.transport().user_transports = {udp};
 }
 
-void set_user_data(fdds::DomainParticipantQos& qos, const std::string& text) {
-  qos.user_data().data_vec({text.begin(), text.end()});
-}
-
 fdds::DomainParticipantQos participant_qos(const Environment& environment) {
   fdds::DomainParticipantQos qos;
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   factory->load_profiles();
   factory->get_default_participant_qos(qos);
   qos.name("/");
-  set_user_data(qos, kEnclave);
+  const std::string enclave = "enclave=/;";
+  qos.user_data().data_vec({enclave.begin(), enclave.end()});
   qos.wire_protocol().builtin.readerHistoryMemoryPolicy =
       rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.wire_protocol().builtin.writerHistoryMemoryPolicy =
@@ -158,9 +151,6 @@ Participant::Participant(const Environment& environment, bool is_first)
   publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
   subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
   graph_ = std::make_unique<Graph>(*this, is_first ? Graph::Nodes::kOwn : Graph::Nodes::kHidden);
-  const bool has_server = std::getenv("ROS_DISCOVERY_SERVER") != nullptr;  // which introduces us
-  if (is_first && !has_server)
-    announcer_ = std::jthread{[this](const std::stop_token& stop) { announce_to_newcomers(stop); }};
 }
 
 Participant& Participant::second() {
@@ -172,35 +162,11 @@ Participant& Participant::second() {
 // The second goes after all endpoints of the first: what removes one of these is told to the second
 // too, and Fast DDS 2.9 calls readers of the same process by pointers that may outlive them.
 Participant::~Participant() {
-  announcer_.request_stop();
-  if (announcer_.joinable()) announcer_.join();
   graph_.reset();
   dds_->set_listener(nullptr);
   dds_->delete_contained_entities();
   second_.reset();
   fdds::DomainParticipantFactory::get_instance()->delete_participant(dds_);
-}
-
-// Announces this process again, soon after another one was discovered. DDS answers a newcomer at
-// once, often before it listens, and says no more until its announcement period of 3 s is over:
-// meanwhile a program that sends once and leaves would not be heard.
-void Participant::announce_to_newcomers(const std::stop_token& stop) {
-  double delay = kNever;
-  while (!stop.stop_requested()) {
-    if (discovery_.wait_for_newcomer(stop, delay)) {
-      delay = kFirstAnnouncement;
-    } else if (!stop.stop_requested()) {
-      announce();
-      delay = delay < kLastAnnouncement ? 2.0 * delay : kNever;
-    }
-  }
-}
-
-// A change of user data is what makes DDS announce.
-void Participant::announce() {
-  fdds::DomainParticipantQos qos = dds_->get_qos();
-  set_user_data(qos, kEnclave + ("announcement=" + std::to_string(++announcements_)) + ";");
-  dds_->set_qos(qos);
 }
 
 fdds::Topic* Participant::acquire_topic(const std::string& dds_name, const std::string& dds_type) {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include "runtime/dds.hpp"
 #include "runtime/discovery.hpp"
@@ -64,8 +63,6 @@ class Participant {
   fdds::Topic* acquire_topic(const std::string& dds_name, const std::string& dds_type);
   void release_topic(const std::string& dds_name);
   void register_type(const std::string& dds_type);
-  void announce_to_newcomers(const std::stop_token& stop);
-  void announce();
 
   struct TopicUse {
     fdds::Topic* dds;
@@ -83,8 +80,6 @@ class Participant {
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;
   std::unique_ptr<Participant> second_;
-  int announcements_ = 0;  // for announcer_ only
-  std::jthread announcer_;
 };
 
 }  // namespace tandem::runtime
