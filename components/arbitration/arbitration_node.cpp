@@ -8,6 +8,32 @@
 #include "topics.hpp"
 
 namespace tandem {
+namespace {
+
+// What would let the robot drive; empty where the reason says it.
+const char* remedy(ArbitrationReason reason) {
+  switch (reason) {
+    case ArbitrationReason::kEmergencyStop:
+      return "let every sender of e_stop say false, then call release_emergency_stop";
+    case ArbitrationReason::kUserSilent:
+      return "hold the dead-man button and steer, or publish cmd_vel_user";
+    case ArbitrationReason::kSharedSilent:
+      return "run a planner, or set policy manual";
+    case ArbitrationReason::kAllSilent:
+      return "publish cmd_vel_nav, or give the planner a goal";
+    case ArbitrationReason::kClockSilent:
+      return "run what publishes /clock, or set use_sim_time: false";
+    case ArbitrationReason::kFollowsSource:
+    case ArbitrationReason::kHandover:
+    case ArbitrationReason::kUserTakesOver:
+    case ArbitrationReason::kLetGoFirst:
+    case ArbitrationReason::kSteerFirst:
+      return "";
+  }
+  return "";
+}
+
+}  // namespace
 
 ArbitrationNode::ArbitrationNode(rt::Node& node)
     : node_{node},
@@ -142,7 +168,9 @@ void ArbitrationNode::watch() {
 
 void ArbitrationNode::say_why() {
   const std::string why = arbiter_.why(decision_, node_.now());
-  diagnostics_.say(decision_.source != Source::kNone && why == name(decision_.reason), why);
+  const bool is_own = why == name(decision_.reason);
+  diagnostics_.say(decision_.source != Source::kNone && is_own, why,
+                   is_own ? remedy(decision_.reason) : "");
   if (std::exchange(why_, why) == why) return;
   publish_status();
   if (why != name(decision_.reason))  // decide() has said that

@@ -11,6 +11,40 @@ namespace {
 
 constexpr double kLook = 1.0;  // [s] between looks at who publishes cmd_vel
 
+// What would let the robot drive; the reason itself says more of a sensor or a frame.
+const char* remedy(FilterReason reason) {
+  switch (reason) {
+    case FilterReason::kClear:
+    case FilterReason::kSlowed:
+    case FilterReason::kDeflected:
+    case FilterReason::kBackingOut:
+      return "";
+    case FilterReason::kUnseen:
+      return "turn a sensor there, or raise unseen_speed";
+    case FilterReason::kStopped:
+      return "steer to where there is room";
+    case FilterReason::kStoppedInDoubt:
+      return "let odom give its twist in the frame of the base, with the right sign";
+    case FilterReason::kNoCommand:
+      return "run arbitration, and give it a command";
+    case FilterReason::kNotFinite:
+      return "find the node that sends cmd_vel_arbitrated a number that is none";
+    case FilterReason::kNotLocalized:
+      return "publish odom and the transform from map to odom, or set map_is_odom";
+    case FilterReason::kPoseJumped:
+      return "wait; if two nodes publish odom or /tf, stop one";
+    case FilterReason::kTooFast:
+      return "correct odom, or v_max, v_min and w_max";
+    case FilterReason::kNoMap:
+      return "run map_server, or octomap_builder with map_source: local";
+    case FilterReason::kNoPeople:
+      return "run what publishes people, or do not watch them";
+    case FilterReason::kClockSilent:
+      return "run what publishes /clock, or set use_sim_time: false";
+  }
+  return "";
+}
+
 }  // namespace
 
 SafetyFilterNode::SafetyFilterNode(rt::Node& node)
@@ -129,9 +163,12 @@ void SafetyFilterNode::look_for_others() {
 }
 
 void SafetyFilterNode::diagnose() {
-  if (others_ > 0) return diagnostics_.say(false, "others publish cmd_vel, past this filter");
+  if (others_ > 0)
+    return diagnostics_.say(false, "others publish cmd_vel, past this filter",
+                            "remap them to cmd_vel_nav or cmd_vel_user");
   if (params_->filter.enforce)
-    return diagnostics_.say(last_.reason < FilterReason::kNoCommand, why(last_));
+    return diagnostics_.say(last_.reason < FilterReason::kNoCommand, why(last_),
+                            remedy(last_.reason));
   node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
   diagnostics_.say(false, "NOT ENFORCING: commands pass unchanged");
 }
