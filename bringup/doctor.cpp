@@ -184,8 +184,9 @@ class FrameWatch {
  public:
   explicit FrameWatch(rt::Node& node)
       : frames_{node, Frames{}, LocalizationParams{}},
-        filter_{node.create_subscription(topics::filter_status,
-                                         [this](const auto& msg) { reason_ = msg.reason(); })} {}
+        filter_{node.create_subscription(topics::filter_status, [this](const auto& msg) {
+          if (msg.reason() != "no command") reason_ = msg.reason();  // which hides the others
+        })} {}
 
   void print(const Domain& domain) const {
     std::printf("\nFrames\n");
