@@ -185,7 +185,7 @@ class FrameWatch {
   explicit FrameWatch(rt::Node& node)
       : frames_{node, Frames{}, LocalizationParams{}},
         filter_{node.create_subscription(topics::filter_status, [this](const auto& msg) {
-          if (msg.reason() != "no command") reason_ = msg.reason();  // which hides the others
+          if (msg.reason() != "no command") reason_ = msg.reason();  // it hides other reasons
         })} {}
 
   void print(const Domain& domain) const {

@@ -61,7 +61,7 @@ struct Odometry {
                                                      const std_msgs::msg::Header& header);
 
 [[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg);
-/// Ground truth, of which nobody asks /tf; nothing in another frame than `map` or none either.
+/// Ground truth. It is not transformed: nothing if its frame is neither `map` nor empty.
 [[nodiscard]] std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg,
                                                  const std::string& map);
 [[nodiscard]] nav_msgs::msg::Odometry to_msg(const Odometry& odometry,

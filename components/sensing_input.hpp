@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: sensing_status. Out: why nobody may drive by octomap_local.
+// In: sensing_status. Out: why octomap_local must not be driven by.
 #pragma once
 
 #include <string>

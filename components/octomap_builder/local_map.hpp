@@ -64,8 +64,8 @@ struct Look {
 ///
 /// One echo makes a voxel an obstacle, whatever was there before; a single one in space known to be
 /// free is gone with the next beam that passes through it, and an obstacle long seen needs several.
-/// What nothing has covered for coverage_timeout, or never, is unknown in the tree, from up to a
-/// second before that on: whoever drives by the map must have slowed down by then. A beam covers
+/// Voxels that were not covered for coverage_timeout, or never, are unknown in the tree. They are
+/// forgotten up to a second early, so that a moving robot has slowed down in time. A beam covers
 /// the voxels from the sensor to its echo, so what lies behind an echo stays unknown, and what lies
 /// within the sensor's least range is covered by every beam that reaches beyond it. Memory is
 /// bounded by the window.

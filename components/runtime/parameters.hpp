@@ -55,8 +55,8 @@ class ParameterStore {
   [[nodiscard]] bool gives_any(const std::string& prefix) const;
 
   /// Throws std::invalid_argument for the first key that is meant for this node and that no
-  /// struct declared. Keys of `/**` sections are exempt, but for retired names: to ignore those
-  /// would put a default in the place of what the file means.
+  /// struct declared. Keys of `/**` sections are exempt, except retired names: ignoring one
+  /// would silently replace the file's value by a default.
   void check_unknown() const;
 
  private:

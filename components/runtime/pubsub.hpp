@@ -92,7 +92,7 @@ class Publisher {
 
   /// Subscriptions that receive it now.
   [[nodiscard]] int matched() const { return publisher_.matched(); }
-  /// What Subscription::sender() tells of its messages; zeros if it is empty.
+  /// The id that Subscription::sender() returns for its messages; zeros if it is empty.
   [[nodiscard]] PublisherId id() const { return publisher_.id(); }
 
  private:

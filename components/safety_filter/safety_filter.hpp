@@ -105,7 +105,7 @@ enum class FilterReason {
   kNotFinite,       ///< the command is not a number
   kNotLocalized,
   kPoseJumped,  ///< the pose is not where the wheels lead
-  kTooFast,     ///< odometry tells of a speed that the robot does not have
+  kTooFast,     ///< odometry reports a speed beyond the robot's limits
   kNoMap,
   kNoPeople,     ///< they are watched, and nobody says where they are
   kClockSilent,  ///< the node's word: nobody knows what is old

@@ -54,8 +54,8 @@ TEST(TerminalKeys, ScaleAndKeepDriving) {
   EXPECT_EQ(keys.angular_scale(), 1.0);
 }
 
-// Over ssh: the line stands, silence lets go of the key, and then everything comes at once. Whoever
-// held the key all the time must be seen to let go before the robot drives.
+// Over ssh a connection stalls, its silence releases the key, and then the backlog arrives at once.
+// A key that was held all the time must be seen released before the robot drives.
 TEST(TerminalKeys, WhatAStalledLineHasKeptBackHoldsNoStickUntilItIsLetGo) {
   TerminalKeys keys;
   (void)keys.type("i", 0.0);

@@ -27,7 +27,7 @@ inline double between(Random& random, double low, double high) {
 
 /// What becomes of a scan, of a scanner that fails in this way.
 using ScanFault = std::function<void(SimulatedScan&, Random&)>;
-/// What odometry at X_WB tells of a twist.
+/// The twist that faulty odometry at X_WB reports for the true twist.
 using TwistFault = Twist2 (*)(const Twist2& twist, const Pose2& X_WB);
 
 struct SensingFault {

@@ -125,7 +125,7 @@ std::shared_ptr<const StaticMap> random_room(std::mt19937& random) {
   });
 }
 
-// Whoever holds the stick, however narrow the scanner.
+// For any stick input and any width of the scanner.
 TEST(UnseenGround, IsNeverDrivenOverFasterThanAllowed) {
   int looks = 0;
   for (unsigned seed = 1; seed <= samples(6, 1); ++seed) {
