@@ -14,6 +14,7 @@
 
 #include "bringup/bag_qos.hpp"
 #include "bringup/zstd.hpp"
+#include "config/yaml_document.hpp"
 
 namespace tandem {
 namespace {
@@ -59,11 +60,11 @@ void check_metadata(const fs::path& folder) {
   };
   std::string storage, format;
   try {
-    const YAML::Node info = YAML::LoadFile(file)["rosbag2_bagfile_information"];
+    const YAML::Node info = load_document(file)["rosbag2_bagfile_information"];
     storage = info["storage_identifier"].as<std::string>("");
     format = info["compression_format"].as<std::string>("");
-  } catch (const YAML::Exception&) {
-    return;
+  } catch (const std::exception&) {
+    return;  // as a recorder that was killed leaves it
   }
   refuse_unless("storage_identifier", storage, "sqlite3");
   refuse_unless("compression_format", format, "zstd");

@@ -5,6 +5,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "config/yaml_document.hpp"
+
 namespace tandem {
 namespace {
 
@@ -58,7 +60,7 @@ rt::QoS together(const rt::QoS& a, const rt::QoS& b) {
 
 rt::QoS parse_qos(const std::string& yaml) {
   try {
-    const YAML::Node profiles = YAML::Load(yaml);
+    const YAML::Node profiles = parse_document(yaml);
     if (!profiles.IsSequence() || profiles.size() == 0) return kUnsaid;
     rt::QoS qos = qos_of(profiles[0]);
     for (std::size_t i = 1; i < profiles.size(); ++i) qos = together(qos, qos_of(profiles[i]));

@@ -10,8 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "bringup/scenario.hpp"
-#include "runtime/yaml_text.hpp"
-#include "yaml_document.hpp"
+#include "config/yaml_document.hpp"
 
 namespace tandem {
 namespace {
@@ -112,7 +111,7 @@ class Section {
     } catch (const YAML::Exception&) {  // said below
     }
     tandem::fail(path_, node,
-                 std::string("`") + key + "` = " + rt::yaml_text(node) + " is not " + kind(T{}));
+                 std::string("`") + key + "` = " + yaml_text(node) + " is not " + kind(T{}));
   }
 
   YAML::Node node_;
@@ -243,8 +242,7 @@ Values read_values(const YAML::Node& node, const std::string& path) {
   Values values;
   if (!node || node.IsNull()) return values;
   for (const auto& key : keys_of(node, path))
-    values[key] = {rt::yaml_text(node[key]),
-                   path + ":" + std::to_string(node[key].Mark().line + 1)};
+    values[key] = {yaml_text(node[key]), path + ":" + std::to_string(node[key].Mark().line + 1)};
   return values;
 }
 
@@ -272,16 +270,7 @@ std::map<std::string, std::map<std::string, rt::ParameterValue>> component_param
 }
 
 Scenario load_scenario(const std::string& path) {
-  YAML::Node root;
-  try {
-    root = one_document(YAML::LoadAllFromFile(path));
-  } catch (const YAML::BadFile&) {
-    throw std::invalid_argument(path + ": no such scenario file");
-  } catch (const YAML::Exception& error) {
-    throw std::invalid_argument(path + ":" + std::to_string(error.mark.line + 1) + ": " +
-                                error.msg);
-  }
-  Section file{root, path};
+  Section file{load_document(path), path};
   Scenario s;
   s.path = path;
   s.name = read_name(file);

@@ -14,8 +14,8 @@
 #include "bringup/checksum.hpp"
 #include "bringup/drive_jobs.hpp"
 #include "bringup/world.hpp"
-#include "map/yaml_reader.hpp"
-#include "runtime/yaml_text.hpp"
+#include "config/yaml_document.hpp"
+#include "config/yaml_reader.hpp"
 
 namespace tandem {
 namespace {
@@ -196,7 +196,7 @@ class StudyReader {
       else if (key == "recording_topic")
         person.recording_topic = word(entry.second, "recording_topic");
       else
-        person.parameters[key] = {rt::yaml_text(entry.second),
+        person.parameters[key] = {yaml_text(entry.second),
                                   fmt::format("{}:{}", path_, entry.second.Mark().line + 1)};
     }
     if (person.name.empty()) yaml_.fail(node, "'name' is missing");
@@ -210,7 +210,7 @@ class StudyReader {
     if (!node) yaml_.fail(root_, "`seeds` is missing: 20, 1-20 or [3, 5, 8]");
     std::vector<unsigned> seeds;
     const auto wrong = [&] {
-      yaml_.fail(node, "`seeds` = " + rt::yaml_text(node) +
+      yaml_.fail(node, "`seeds` = " + yaml_text(node) +
                            ": expected 20, 1-20 or [3, 5, 8], the smallest 1");
     };
     const auto number = [&](const YAML::Node& value) {
@@ -268,7 +268,7 @@ class StudyReader {
   void describe() {
     auto& description = study_.description;
     description["study"] = study_.name;
-    description["study file"] = rt::yaml_text(root_);
+    description["study file"] = yaml_text(root_);
     for (const auto& cell : study_.cells) {
       const Scenario& scenario = cell.scenario;
       files_.insert(scenario.robot);

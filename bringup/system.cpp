@@ -10,12 +10,11 @@
 
 #include "bringup/parameter_names.hpp"
 #include "bringup/processes.hpp"
+#include "config/yaml_document.hpp"
 #include "runtime/arguments.hpp"
 #include "runtime/names.hpp"
 #include "runtime/parameter_files.hpp"
 #include "runtime/shutdown.hpp"
-#include "runtime/yaml_text.hpp"
-#include "yaml_document.hpp"
 
 namespace tandem {
 namespace {
@@ -28,7 +27,7 @@ class SystemReader {
   explicit SystemReader(const std::string& path) : path_{path} {}
 
   System read() {
-    const YAML::Node root = load();
+    const YAML::Node root = load_document(path_);
     require_keys(root, {"use_sim_time", "parameter_files", "components"});
     if (const auto value = root["use_sim_time"]) use_sim_time_ = as<bool>(value, "true or false");
     for (const auto& file : list(root, "parameter_files"))
@@ -46,17 +45,6 @@ class SystemReader {
 
   [[nodiscard]] std::string place(const YAML::Node& node) const {
     return path_ + ":" + std::to_string(node.Mark().line + 1);
-  }
-
-  [[nodiscard]] YAML::Node load() const {
-    try {
-      return one_document(YAML::LoadAllFromFile(path_));
-    } catch (const YAML::BadFile&) {
-      throw std::invalid_argument("system file " + path_ + " cannot be read");
-    } catch (const YAML::Exception& error) {
-      throw std::invalid_argument(path_ + ":" + std::to_string(error.mark.line + 1) + ": " +
-                                  error.msg);
-    }
   }
 
   template <class T>
@@ -120,7 +108,7 @@ class SystemReader {
     require_each_once(map);
     for (const auto& entry : map)
       options.parameters.values[as<std::string>(entry.first, "a key")] = {
-          expand(rt::yaml_text(entry.second)), place(entry.first)};
+          expand(yaml_text(entry.second)), place(entry.first)};
   }
 
   // `$(dirname)` is the system file's folder, as in ROS 2's launch files.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "map/yaml_reader.hpp"
+#include "config/yaml_reader.hpp"
 
 namespace tandem {
 namespace {

@@ -34,7 +34,7 @@ struct Fixtures {
 ///       - {name: lane, line: [[x, y], [x, y]], reach: 0.5, strength: 0.5}
 ///
 /// in metres in the map frame; either list may be absent, reach and strength too. Throws
-/// std::runtime_error naming the file, the line and what is wrong there; an unknown key is wrong.
+/// std::invalid_argument naming the file, the line and what is wrong there; an unknown key is wrong.
 [[nodiscard]] Fixtures load_fixtures(const std::filesystem::path& file);
 
 /// The grid with every cell occupied that a forbidden region reaches into (and some whose square

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "config/yaml_reader.hpp"
 #include "map/gray_image.hpp"
-#include "map/yaml_reader.hpp"
 
 namespace tandem {
 namespace {

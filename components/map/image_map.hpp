@@ -23,8 +23,8 @@ namespace tandem {
 ///     negate: 0                        # default; 1: white is occupied
 ///     mode: trinary                    # default; scale, raw
 ///
-/// Keys that map_server does not know are ignored, as there. Throws std::runtime_error, one line
-/// that names the file and what is wrong with it.
+/// Keys that map_server does not know are ignored, as there. Throws std::invalid_argument for what
+/// is wrong in the YAML and std::runtime_error for the image, each one line that names the file.
 [[nodiscard]] OccupancyPlane load_image_map(const std::filesystem::path& file);
 
 }  // namespace tandem

@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
-#include "map/yaml_reader.hpp"
+#include "config/yaml_reader.hpp"
 
 namespace tandem {
 namespace {
@@ -165,11 +163,7 @@ void paint_solid(Painter& painter, const Solid& solid, double resolution) {
         painter.paint(ix, iy, z, true);
 }
 
-}  // namespace
-
-MapDescription parse_map_description(const std::string& text, const std::string& name) {
-  const YamlReader reader(name);
-  const YAML::Node root = reader.parse(text);
+MapDescription read_map(const YamlReader& reader, const YAML::Node& root) {
   reader.allow(root,
                {"resolution", "bounds", "free_space", "floor", "walls", "boxes", "cylinders"});
   MapDescription map;
@@ -192,14 +186,16 @@ MapDescription parse_map_description(const std::string& text, const std::string&
   return map;
 }
 
+}  // namespace
+
+MapDescription parse_map_description(const std::string& text, const std::string& name) {
+  const YamlReader reader{name};
+  return read_map(reader, reader.parse(text));
+}
+
 MapDescription load_map_description(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  if (!std::filesystem::is_regular_file(file) || !(text << stream.rdbuf()))
-    throw std::runtime_error(file.string() +
-                             ": no such file, or it cannot be read; give the path "
-                             "of a map description such as maps/forest.yaml");
-  return parse_map_description(text.str(), file.string());
+  const YamlReader reader{file.string()};
+  return read_map(reader, reader.load());
 }
 
 std::unique_ptr<octomap::OcTree> build_octomap(const MapDescription& description) {

@@ -3,11 +3,11 @@
 
 #include <stdexcept>
 
+#include "config/yaml_reader.hpp"
 #include "map/extrude.hpp"
 #include "map/image_map.hpp"
 #include "map/map_description.hpp"
 #include "map/octomap_file.hpp"
-#include "map/yaml_reader.hpp"
 
 namespace tandem {
 namespace {

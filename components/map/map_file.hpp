@@ -13,8 +13,8 @@ namespace tandem {
 inline constexpr double kWallHeight = 2.0;
 
 /// An OctoMap (.bt, .ot), or in YAML a map of Nav2's map_server, whose walls become `wall_height`
-/// [m] high, or a description. Throws std::runtime_error, one line that names the file and what is
-/// wrong with it.
+/// [m] high, or a description. Throws std::invalid_argument for what is wrong in the YAML and
+/// std::runtime_error for a tree or an image, each one line that names the file.
 [[nodiscard]] std::unique_ptr<octomap::OcTree> load_map(const std::filesystem::path& file,
                                                         double wall_height = kWallHeight);
 

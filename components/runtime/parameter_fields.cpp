@@ -9,7 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <yaml-cpp/yaml.h>
 
-#include "yaml_document.hpp"
+#include "config/yaml_document.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -277,7 +277,7 @@ ParameterDescriptor descriptor_of(const Field& field, bool read_only) {
 
 ParameterValue value_from_yaml(const std::string& yaml) {
   try {
-    const YAML::Node node = one_document(YAML::LoadAll(yaml));
+    const YAML::Node node = parse_document(yaml);
     if (node.IsScalar()) return from_scalar(node);
     if (node.IsSequence()) return from_sequence(node);
   } catch (const YAML::Exception&) {  // no YAML is no parameter

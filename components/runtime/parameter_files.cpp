@@ -2,14 +2,12 @@
 #include "runtime/parameter_files.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <stdexcept>
 
 #include <yaml-cpp/yaml.h>
 
-#include "runtime/yaml_text.hpp"
-#include "yaml_document.hpp"
+#include "config/yaml_document.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -25,14 +23,8 @@ std::string place(const std::string& path, const YAML::Node& node) {
 }
 
 YAML::Node load(const std::string& path) {
-  if (std::filesystem::is_directory(path))
-    throw std::invalid_argument("parameter file " + path + " is a folder; name a file in it");
-  try {
-    const YAML::Node root = one_document(YAML::LoadAllFromFile(path));
-    if (!root.IsNull()) return root;
-  } catch (const YAML::BadFile&) {
-    throw std::invalid_argument("parameter file " + path + " cannot be read");
-  }
+  const YAML::Node root = load_document(path);
+  if (!root.IsNull()) return root;
   // Half a robot file is another robot; an empty one is what a power loss leaves of it.
   throw std::invalid_argument("parameter file " + path +
                               " is empty; restore it, or take it out of the list");
@@ -44,8 +36,7 @@ auto named(const std::string& path, const Read& read) {
   try {
     return read();
   } catch (const YAML::Exception& error) {
-    throw std::invalid_argument(path + ":" + std::to_string(error.mark.line + 1) + ": " +
-                                error.msg);
+    throw std::invalid_argument(describe(path, error));
   }
 }
 
@@ -119,18 +110,6 @@ std::string_view take_token(std::string_view& name) {
 }
 
 }  // namespace
-
-std::string yaml_text(const YAML::Node& value) {
-  YAML::Emitter out;
-  if (value.IsScalar() && value.Tag() == "!") {
-    out << YAML::DoubleQuoted << value.Scalar();
-    return out.c_str();
-  }
-  if (!value.IsSequence()) return YAML::Dump(value);
-  std::string text;
-  for (const auto& element : value) text += (text.empty() ? "" : ", ") + yaml_text(element);
-  return "[" + text + "]";
-}
 
 bool matches_node(std::string_view pattern, std::string_view full_name) {
   if (pattern.empty()) return full_name.empty();

@@ -212,7 +212,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"seed_too_large", "duration: 60", "seed: 4294967295", "above the largest"},
         Mistake{"map_missing", "forest.bt", "nowhere.bt", "nowhere.bt: no such file"},
         Mistake{"robot_folder", "/mir100.yaml", "", "/robots is a folder; name a robot's file"},
-        Mistake{"robot_missing", "mir100", "nobot", "nobot.yaml cannot be read"}),
+        Mistake{"robot_missing", "mir100", "nobot", "nobot.yaml: no such file"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(ScenarioFile, RobotOfNegativeSizeIsRefused) {

@@ -32,7 +32,7 @@ class FixtureFile : public ::testing::Test {
     try {
       (void)load(text);
       FAIL() << "accepted: " << text;
-    } catch (const std::runtime_error& error) {
+    } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string{error.what()}.find(about), std::string::npos) << error.what();
       EXPECT_NE(std::string{error.what()}.find(path_.string()), std::string::npos);
     }
@@ -73,7 +73,7 @@ TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [.nan, 1], [1, 1]]}\n", "outside");
   expect_complaint("guidance:\n  - {line: [[0, 0]]}\n", ":2: expected two points");
   expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], strength: 2}\n", "outside");
-  EXPECT_THROW((void)load_fixtures("/nowhere.yaml"), std::runtime_error);
+  EXPECT_THROW((void)load_fixtures("/nowhere.yaml"), std::invalid_argument);
 }
 
 TEST(Forbidden, RegionOccupiesEveryCellItReachesInto) {

@@ -58,7 +58,7 @@ class ImageMap : public testing::Test {
     try {
       (void)load_map(file);
       return "";
-    } catch (const std::runtime_error& error) {
+    } catch (const std::exception& error) {
       EXPECT_EQ(std::string{error.what()}.find('\n'), std::string::npos) << error.what();
       return error.what();
     }

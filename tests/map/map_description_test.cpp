@@ -25,7 +25,7 @@ StaticMap world(const std::string& text) {
 std::string complaint(const std::string& text) {
   try {
     (void)parse_map_description(text, "test.yaml");
-  } catch (const std::runtime_error& error) {
+  } catch (const std::invalid_argument& error) {
     return error.what();
   }
   return {};
@@ -112,7 +112,7 @@ TEST(MapDescription, RefusesWhatMakesNoMap) {
             "");
   EXPECT_NE(complaint(kHead + "walls: [{points: [[0, 0], [0, 0]], thickness: 0.1, height: 1}]\n"),
             "");
-  EXPECT_THROW((void)load_map_description("/nonexistent.yaml"), std::runtime_error);
+  EXPECT_THROW((void)load_map_description("/nonexistent.yaml"), std::invalid_argument);
 }
 
 TEST(MapDescription, TheProjectsMapsAreWhatTheirDescriptionsSay) {

@@ -10,7 +10,7 @@
 
 namespace tandem {
 
-/// Reads values out of one file. Every function throws std::runtime_error naming the file, the
+/// Reads values out of one file. Every function throws std::invalid_argument naming the file, the
 /// line and what is wrong there.
 class YamlReader {
  public:
@@ -18,7 +18,7 @@ class YamlReader {
 
   explicit YamlReader(std::string name) : name_{std::move(name)} {}
 
-  /// The root of the text, or of the file that the reader is named after.
+  /// The root of the text, or of the file that the reader is named after; see yaml_document.hpp.
   [[nodiscard]] YAML::Node parse(const std::string& text) const;
   [[nodiscard]] YAML::Node load() const;
 
