@@ -11,6 +11,7 @@
 
 #include "runtime/codec.hpp"
 #include "runtime/dds_log.hpp"
+#include "runtime/dds_settings.hpp"
 #include "runtime/graph.hpp"
 #include "runtime/names.hpp"
 
@@ -143,6 +144,7 @@ std::shared_ptr<Participant> Participant::shared() {
 Participant::Participant(const Environment& environment, bool is_first)
     : environment_{environment} {
   redirect_dds_log();
+  check_dds_settings();
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   dds_ = created(factory->create_participant(
                      static_cast<uint32_t>(environment.domain), participant_qos(environment),

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <vector>
 
+#include "runtime/dds_settings.hpp"
 #include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
@@ -108,6 +109,46 @@ TEST(Environment, WhereItForbidsToSpeakUnsecuredOrNamesNoHostNothingStarts) {
   unsetenv("ROS_STATIC_PEERS");
 }
 
+// Why a node does not start; empty: it does.
+std::string complaint_at_start() {
+  try {
+    rt::Node{"careful"};
+    return {};
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+struct Setting {
+  const char* variable;
+  const char* value;
+  const char* complaint;
+};
+
+// Fast DDS logs an error and goes on with its defaults where these are wrong.
+TEST(Environment, WhereFastDdsWouldGoOnWithItsDefaultsNothingStarts) {
+  for (const auto& [variable, value, complaint] :
+       {Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:99999", "'99999' is no port"},
+        Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:1181x", "'1181x' is no port"},
+        Setting{"ROS_DISCOVERY_SERVER", ";;", "names no server"},
+        Setting{"ROS_DISCOVERY_SERVER", "no.such.host.invalid:11811", "no name that resolves"},
+        Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:11811;a:b:c:d", "is no locator"},
+        Setting{"FASTDDS_ENVIRONMENT_FILE", "/nowhere.json", "no such file"}}) {
+    setenv(variable, value, 1);
+    const std::string said = complaint_at_start();
+    EXPECT_NE(said.find(variable), std::string::npos) << said;
+    EXPECT_NE(said.find(complaint), std::string::npos) << said;
+    unsetenv(variable);
+  }
+}
+
+TEST(Environment, TakesWhatFastDdsTakesAsDiscoveryServers) {
+  for (const char* servers :
+       {"127.0.0.1", "127.0.0.1:11811", ";127.0.0.1:11888", "localhost:11811;127.0.0.1:11812;",
+        "[::1]:11811", "UDPv4:[127.0.0.1]:11811", "TCPv4:[127.0.0.1]:42100"})
+    EXPECT_NO_THROW(rt::check_discovery_servers(servers)) << servers;
+}
+
 // A profile of Fast DDS that lets the peer use one network interface only.
 class ProfilesFile : public testing::Test {
  protected:
@@ -118,20 +159,20 @@ class ProfilesFile : public testing::Test {
     for (const char* name : kVariables) unsetenv(name);
     std::remove(path_.c_str());
   }
+  void write(const std::string& text) const { std::ofstream{path_} << text; }
   // By this process, which may have read its own profiles long ago.
   [[nodiscard]] bool finds_peer_on(const std::string& interface, double timeout) const {
-    std::ofstream{path_}
-        << R"(<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
+    write(R"(<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
   <transport_descriptors><transport_descriptor>
     <transport_id>one</transport_id><type>UDPv4</type>
-    <interfaceWhiteList><address>)"
-        << interface << R"(</address></interfaceWhiteList>
+    <interfaceWhiteList><address>)" +
+          interface + R"(</address></interfaceWhiteList>
   </transport_descriptor></transport_descriptors>
   <participant profile_name="mine" is_default_profile="true"><rtps>
     <userTransports><transport_id>one</transport_id></userTransports>
     <useBuiltinTransports>false</useBuiltinTransports>
   </rtps></participant>
-</profiles>)";
+</profiles>)");
     ChildProcess peer{"peer", {"echo"}};
     rt::Node node{"seeker"};
     const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
@@ -141,12 +182,21 @@ class ProfilesFile : public testing::Test {
  private:
   static constexpr const char* kVariables[] = {"FASTRTPS_DEFAULT_PROFILES_FILE",
                                                "FASTDDS_DEFAULT_PROFILES_FILE"};
-  std::string path_ = testing::TempDir() + "tandem_profiles_" + std::to_string(getpid()) + ".xml";
+  // A file of its own for each test: Fast DDS does not read one of the same name again.
+  std::string path_ = testing::TempDir() + "tandem_profiles_" + std::to_string(getpid()) + "_" +
+                      testing::UnitTest::GetInstance()->current_test_info()->name() + ".xml";
 };
 
 TEST_F(ProfilesFile, IsObeyed) {
   EXPECT_TRUE(finds_peer_on("127.0.0.1", kTimeout));
   EXPECT_FALSE(finds_peer_on("203.0.113.7", 2.0)) << "no such interface here";
+}
+
+TEST_F(ProfilesFile, ThatIsMissingOrBrokenStartsNothing) {
+  EXPECT_NE(complaint_at_start().find("no such file"), std::string::npos) << complaint_at_start();
+  write("<profiles><participant></profiles>");
+  EXPECT_NE(complaint_at_start().find("no file of Fast DDS profiles"), std::string::npos)
+      << complaint_at_start();
 }
 
 // As Jazzy does in range LOCALHOST, the seeker names all addresses of the host as its own.
