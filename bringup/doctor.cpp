@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "bringup/diagnoses.hpp"
+#include "config/printable.hpp"
 #include "frames_input.hpp"
 #include "runtime/shutdown.hpp"
 #include "topics.hpp"
@@ -190,11 +191,11 @@ class FrameWatch {
 
   void print(const Domain& domain) const {
     std::printf("\nFrames\n");
-    frames_.tree().for_each(
-        [&](const auto& child, const auto& parent, bool is_static, const FrameSender& sender) {
-          std::printf("  %-40s %-10s %s\n", (parent + " → " + child).c_str(),
-                      is_static ? "/tf_static" : "/tf", sender_name(domain, sender).c_str());
-        });
+    frames_.tree().for_each([&](const auto& child, const auto& parent, bool is_static,
+                                const FrameSender& sender) {
+      std::printf("  %-40s %-10s %s\n", printable(parent + " → " + child).c_str(),
+                  is_static ? "/tf_static" : "/tf", printable(sender_name(domain, sender)).c_str());
+    });
     if (frames_.heard() == 0) std::printf("  nobody publishes /tf or /tf_static\n");
   }
 
@@ -253,7 +254,8 @@ void print_participants(const Domain& domain) {
   std::printf("\nNodes\n");
   for (const auto& participant : domain.participants)
     for (const auto& node : participant.nodes)
-      if (!participant.ours) std::printf("  %-40s %s\n", node.c_str(), name(participant.form));
+      if (!participant.ours)
+        std::printf("  %-40s %s\n", printable(node).c_str(), name(participant.form));
 }
 
 void print_topics(const Domain& domain) {
@@ -270,14 +272,16 @@ void print_topics(const Domain& domain) {
   }
   std::printf("\nTopics%73s\n", "pub sub");
   for (const auto& [key, count] : topics)
-    std::printf("  %-28s %-44s %3d %3d  %s\n", key.first.c_str(), key.second.c_str(),
-                count.publishers, count.subscriptions, count.hash.c_str());
+    std::printf("  %-28s %-44s %3d %3d  %s\n", printable(key.first).c_str(),
+                printable(key.second).c_str(), count.publishers, count.subscriptions,
+                printable(count.hash).c_str());
 }
 
 int print_findings(const std::vector<Finding>& found) {
   if (found.empty()) std::printf("\nNothing is wrong.\n");
   for (const auto& finding : found)
-    std::printf("\n! %s\n  → %s\n", finding.what.c_str(), finding.remedy.c_str());
+    std::printf("\n! %s\n  → %s\n", printable(finding.what).c_str(),
+                printable(finding.remedy).c_str());
   return found.empty() ? 0 : 1;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "config/yaml_document.hpp"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +8,8 @@
 #include <stdexcept>
 
 #include <yaml-cpp/eventhandler.h>
+
+#include "config/printable.hpp"
 
 namespace tandem {
 namespace {
@@ -130,7 +131,7 @@ YAML::Node load_document(const std::string& file) {
 }
 
 std::string describe(const std::string& file, const YAML::Exception& error) {
-  return file + ":" + std::to_string(error.mark.line + 1) + ": " + one_line(error.msg);
+  return file + ":" + std::to_string(error.mark.line + 1) + ": " + printable(error.msg);
 }
 
 std::string yaml_text(const YAML::Node& value) {
@@ -143,12 +144,6 @@ std::string yaml_text(const YAML::Node& value) {
   std::string text;
   for (const auto& element : value) text += (text.empty() ? "" : ", ") + yaml_text(element);
   return "[" + text + "]";
-}
-
-std::string one_line(std::string text) {
-  const auto breaks = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
-  std::replace_if(text.begin(), text.end(), breaks, '?');
-  return text;
 }
 
 }  // namespace tandem

@@ -25,7 +25,4 @@ namespace tandem {
 /// A value as YAML text in one line, for a parameter; unlike YAML::Dump it keeps quotes.
 [[nodiscard]] std::string yaml_text(const YAML::Node& value);
 
-/// `text` without control characters, which would break the one line that an error is.
-[[nodiscard]] std::string one_line(std::string text);
-
 }  // namespace tandem

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "config/printable.hpp"
 #include "config/yaml_document.hpp"
 
 namespace tandem {
@@ -22,7 +23,7 @@ YAML::Node YamlReader::load() const { return load_document(name_); }
 
 void YamlReader::fail(const YAML::Node& where, const std::string& what) const {
   throw std::invalid_argument(name_ + ":" + std::to_string(where.Mark().line + 1) + ": " +
-                              one_line(what));
+                              printable(what));
 }
 
 void YamlReader::each_once(const YAML::Node& map) const {

@@ -11,6 +11,7 @@
 #include <spdlog/logger.h>
 #include <spdlog/sinks/stdout_sinks.h>
 
+#include "config/printable.hpp"
 #include "runtime/time.hpp"
 
 namespace tandem::runtime {
@@ -123,8 +124,10 @@ void Logger::set_sink(Sink sink) {
 
 bool Logger::is_young() const { return steady_seconds() < state_->start + State::kYouth; }
 
-void Logger::write(LogLevel level, const std::string& text, const Place& place) {
+// Messages name what others sent: topics, frames, reasons.
+void Logger::write(LogLevel level, const std::string& raw, const Place& place) {
   if (!enabled(level)) return;
+  const std::string text = printable(raw);
   if (to_stderr()) state_->logger.log(to_spdlog(level), spdlog::string_view_t{text});
   if (const auto sink = state_->current_sink()) (*sink)({level, text, place});
 }

@@ -6,6 +6,23 @@
 namespace tandem::runtime {
 namespace {
 
+// rmw's limits (rmw/validate_*.h): DDS takes 255 characters, of which rmw keeps 8 for its prefixes
+// and suffixes.
+constexpr std::size_t kMaxTopic = 247, kMaxNamespace = kMaxTopic - 2, kMaxNode = 255;
+
+// Long names come from scripts; an error stays a line.
+std::string shortened(std::string_view name) {
+  constexpr std::size_t kShown = 40;
+  return name.size() <= kShown ? std::string{name} : std::string{name.substr(0, kShown)} + "…";
+}
+
+void check_length(std::string_view name, const char* kind, std::size_t limit) {
+  if (name.size() > limit)
+    throw std::invalid_argument("'" + shortened(name) + "' is too long for " + kind + ": " +
+                                std::to_string(name.size()) + " characters of " +
+                                std::to_string(limit) + " allowed");
+}
+
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -45,6 +62,8 @@ std::string NodeName::full() const { return join(ns, name); }
 
 NodeName make_node_name(const std::string& ns, const std::string& name) {
   NodeName result{ns.empty() || ns.front() != '/' ? "/" + ns : ns, name};
+  check_length(name, "a node name", kMaxNode);
+  check_length(result.ns, "a namespace", kMaxNamespace);
   if (!is_token(name))
     throw std::invalid_argument("'" + name +
                                 "' is no node name: letters, digits and '_', no digit first");
@@ -60,6 +79,7 @@ std::string expand_name(std::string_view name, const NodeName& node) {
     full = node.full() + full.substr(1);
   else if (!full.starts_with('/'))
     full = join(node.ns, full);
+  check_length(full, "a topic or service name", kMaxTopic);
   if (!is_full_name(full))
     throw std::invalid_argument("'" + std::string{name} + "' is no topic or service name of node " +
                                 node.full() + ": tokens of letters, digits and '_' between '/'");

@@ -20,12 +20,13 @@ struct NodeName {
 /// ROS 2 nodes may use other names.
 [[nodiscard]] bool is_full_name(std::string_view name);
 
-/// Throws std::invalid_argument unless both follow ROS 2's rules; "a" as namespace means "/a".
+/// Throws std::invalid_argument unless both follow ROS 2's rules (at most 255 characters, the
+/// namespace 245); "a" as namespace means "/a".
 [[nodiscard]] NodeName make_node_name(const std::string& ns, const std::string& name);
 
 /// Absolute form of "/x", "x" or "~/x"; {node}, {ns} and {namespace} stand for the node's. Throws
 /// std::invalid_argument for a name that ROS 2 would not take (letters, digits, '_', '/'; no token
-/// starts with a digit).
+/// starts with a digit; at most 247 characters).
 [[nodiscard]] std::string expand_name(std::string_view name, const NodeName& node);
 
 /// expand_name(), then the first remapping whose expanded left side is that name.

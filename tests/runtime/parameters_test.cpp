@@ -312,6 +312,11 @@ TEST(Names, ExpandAsRos2Does) {
   EXPECT_EQ(rt::expand_name("a__b", rt::NodeName{"/", "gate"}), "/a__b");
   for (const char* bad : {"", "/", "a//b", "a/", "1a", "a b", "ä", "~x", "a-b"})
     EXPECT_THROW((void)rt::expand_name(bad, node), std::invalid_argument) << bad;
+  EXPECT_NO_THROW((void)rt::make_node_name("/" + std::string(244, 'a'), std::string(255, 'a')));
+  EXPECT_THROW((void)rt::make_node_name("/", std::string(256, 'a')), std::invalid_argument);
+  EXPECT_THROW((void)rt::make_node_name(std::string(245, 'a'), "n"), std::invalid_argument);
+  EXPECT_NO_THROW((void)rt::expand_name("/" + std::string(246, 'a'), node));
+  EXPECT_THROW((void)rt::expand_name("/" + std::string(247, 'a'), node), std::invalid_argument);
   EXPECT_THROW((void)rt::make_node_name("/", "a b"), std::invalid_argument);
   EXPECT_THROW((void)rt::make_node_name("/a//b", "n"), std::invalid_argument);
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// YAML that would take all memory or the stack, at every place where YAML is read.
+// Text from outside: YAML that would take all memory or the stack, at every place where YAML is
+// read, and control characters.
+#include "config/printable.hpp"
 #include "config/yaml_document.hpp"
 
 #include <gtest/gtest.h>
@@ -95,6 +97,16 @@ TEST(YamlDocument, NamesAFileThatIsNone) {
       EXPECT_NE(std::string{error.what()}.find(what), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(Printable, KeepsALineALine) {
+  EXPECT_EQ(printable("a\nb\x1b[31m\x7f"), "a?b?[31m?");
+  EXPECT_EQ(printable("\xc2\x9b"
+                      "31m"),
+            "?31m")
+      << "C1's CSI";
+  EXPECT_EQ(printable("0,8 m – 2 µs, größer"), "0,8 m – 2 µs, größer");
+  EXPECT_EQ(printable(""), "");
 }
 
 struct Entrance {
