@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <system_error>
 
 #include "bringup/container.hpp"
 #include "bringup/describe_command.hpp"
@@ -26,6 +27,15 @@ std::string unknown_command(const CLI::App& app) {
   while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
   const auto words = at->remaining();
   return at->get_require_subcommand_min() == 0 || words.empty() ? "" : words.front();
+}
+
+// What the system says of a thread or process too many does not say what to do.
+std::string explained(const std::exception& error) {
+  const std::string what = error.what();
+  const auto no_more = std::make_error_code(std::errc::resource_unavailable_try_again).message();
+  return what.find(no_more) == std::string::npos
+             ? what
+             : what + ": no more threads or processes for this user; raise `ulimit -u`";
 }
 
 }  // namespace
@@ -63,7 +73,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 1;  // 0: --help
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "tandem: %s\n", error.what());
+    std::fprintf(stderr, "tandem: %s\n", explained(error).c_str());
     return 1;
   }
 }

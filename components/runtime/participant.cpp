@@ -14,12 +14,14 @@
 #include "runtime/dds_settings.hpp"
 #include "runtime/graph.hpp"
 #include "runtime/names.hpp"
+#include "runtime/thread_limit.hpp"
 
 namespace tandem::runtime {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr uint32_t kParticipantsPerHost = 32;  // ids that unicast discovery asks, as ROS 2 does
+constexpr int kParticipantThreads = 8;         // of Fast DDS 2.9, and some to spare
 constexpr uint32_t kSocketBuffer = 4U << 20;   // the kernel lowers it to its own limit
 
 // The first IPv4 address of a host name, as the system resolves it; an address is its own.
@@ -145,6 +147,7 @@ Participant::Participant(const Environment& environment, bool is_first)
     : environment_{environment} {
   redirect_dds_log();
   check_dds_settings();
+  require_threads(kParticipantThreads);
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   dds_ = created(factory->create_participant(
                      static_cast<uint32_t>(environment.domain), participant_qos(environment),

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -8,6 +10,7 @@
 
 #include "runtime/dds_settings.hpp"
 #include "runtime/node.hpp"
+#include "runtime/thread_limit.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -147,6 +150,25 @@ TEST(Environment, TakesWhatFastDdsTakesAsDiscoveryServers) {
        {"127.0.0.1", "127.0.0.1:11811", ";127.0.0.1:11888", "localhost:11811;127.0.0.1:11812;",
         "[::1]:11811", "UDPv4:[127.0.0.1]:11811", "TCPv4:[127.0.0.1]:42100"})
     EXPECT_NO_THROW(rt::check_discovery_servers(servers)) << servers;
+}
+
+// Ends with status 0 if an error names the limit. A root user has none, so it becomes another one.
+[[noreturn]] void start_threads_beyond_the_limit() {
+  const rlimit limit{1, 1};
+  setrlimit(RLIMIT_NPROC, &limit);
+  const bool is_limited = getuid() != 0 || setuid(65534) == 0;
+  try {
+    rt::require_threads(4);
+  } catch (const std::runtime_error& error) {
+    const bool names_it = std::string{error.what()}.find("ulimit -u") != std::string::npos;
+    _exit(is_limited && names_it ? 0 : 1);
+  }
+  _exit(2);
+}
+
+TEST(Environment, ThatGivesTooFewThreadsIsNamed) {
+  EXPECT_NO_THROW(rt::require_threads(4));
+  EXPECT_EXIT(start_threads_beyond_the_limit(), testing::ExitedWithCode(0), "");
 }
 
 // A profile of Fast DDS that lets the peer use one network interface only.
