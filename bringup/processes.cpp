@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -16,8 +17,10 @@
 namespace tandem {
 namespace {
 
-constexpr double kPatience = 2.0;  // [s] between SIGTERM and SIGKILL
-constexpr double kLook = 0.05;     // [s] between looks at who died
+constexpr double kPatience = 2.0;      // [s] between SIGTERM and SIGKILL
+constexpr double kLook = 0.05;         // [s] between looks at who died
+constexpr double kHealthyStart = 5.0;  // [s] what ends by itself before that has a wrong setting
+constexpr double kStarted = -1.0;      // start time of what no longer waits for one
 
 rt::Logger& log() {
   static rt::Logger logger{"tandem"};
@@ -42,7 +45,15 @@ std::string how(int status) {
 
 }  // namespace
 
-void Processes::start(const std::string& name, const std::vector<std::string>& arguments) {
+double respawn_delay(double last, double life) {
+  constexpr double kShortest = 0.5, kLongest = 30.0, kHealthy = 60.0;  // [s]
+  return life >= kHealthy ? kShortest : std::clamp(2.0 * last, kShortest, kLongest);
+}
+
+void Processes::start(const ProcessPlan& plan) { launch(plan, plan.arguments, 0.0); }
+
+void Processes::launch(const ProcessPlan& plan, const std::vector<std::string>& arguments,
+                       double delay) {
   std::vector<std::string> words{"tandem"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -50,24 +61,62 @@ void Processes::start(const std::string& name, const std::vector<std::string>& a
   argv.push_back(nullptr);
   const pid_t parent = getpid();
   const pid_t pid = fork();
-  if (pid < 0) throw std::runtime_error("no process for " + name + ": " + std::strerror(errno));
+  if (pid < 0)
+    throw std::runtime_error("no process for " + plan.name + ": " + std::strerror(errno));
   if (pid == 0) become(argv.data(), parent);
-  children_.push_back({name, pid});
+  children_.push_back({plan, pid, rt::steady_seconds(), delay});
 }
 
 void Processes::reap(bool expected) {
   std::erase_if(children_, [&](const Child& child) {
     int status = 0;
     if (waitpid(child.pid, &status, WNOHANG) != child.pid) return false;
-    if (!expected || status != 0)
-      log().error("{} (process {}) {}", child.name, child.pid, how(status));
+    if (!expected && child.plan.respawn && !failed_at_once(child, status))
+      plan_respawn(child, how(status));
+    else if (!expected || status != 0)
+      log().error("{} (process {}) {}", child.plan.name, child.pid, how(status));
     return true;
   });
 }
 
+// A wrong parameter or a missing file does not mend itself.
+bool Processes::failed_at_once(const Child& child, int status) {
+  const bool is_first = child.delay == 0.0;
+  return is_first && WIFEXITED(status) && rt::steady_seconds() - child.start < kHealthyStart;
+}
+
+void Processes::plan_respawn(const Child& child, const std::string& how) {
+  const double now = rt::steady_seconds();
+  const double delay = respawn_delay(child.delay, now - child.start);
+  log().error("{} (process {}) {}; it starts again in {:.1f} s", child.plan.name, child.pid, how,
+              delay);
+  pending_.push_back({child.plan, now + delay, delay});
+}
+
+// One that cannot be made now (too many processes, no memory) is tried again later.
+void Processes::start_pending() {
+  const double now = rt::steady_seconds();
+  for (auto& pending : pending_) {
+    if (now < pending.start) continue;
+    std::vector<std::string> arguments = pending.plan.arguments;
+    const auto& added = pending.plan.respawn_arguments;
+    arguments.insert(arguments.end(), added.begin(), added.end());
+    try {
+      launch(pending.plan, arguments, pending.delay);
+      pending.start = kStarted;
+    } catch (const std::runtime_error& error) {
+      pending.delay = respawn_delay(pending.delay, 0.0);
+      pending.start = now + pending.delay;
+      log().error("{}; the next try is in {:.1f} s", error.what(), pending.delay);
+    }
+  }
+  std::erase_if(pending_, [](const Pending& pending) { return pending.start == kStarted; });
+}
+
 int Processes::run() {
-  while (!children_.empty()) {
+  while (!children_.empty() || !pending_.empty()) {
     if (rt::wait_for_shutdown(kLook)) return died_ ? 1 : 0;
+    start_pending();
     const std::size_t before = children_.size();
     reap(false);
     died_ = died_ || children_.size() < before;

@@ -3,10 +3,24 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace tandem {
+
+/// A process that runs this program.
+struct ProcessPlan {
+  std::string name;                    ///< as the log calls it
+  std::vector<std::string> arguments;  ///< behind the program's name
+  /// Whether it starts again after it ended by itself, unless that was an error at its first start.
+  bool respawn = false;
+  std::vector<std::string> respawn_arguments;  ///< behind `arguments` whenever it starts again
+};
+
+/// How long to wait before a process starts again [s]: `last`, the wait before its start (0: its
+/// first), doubled and within [0.5, 30]; 0.5 again after it lived for `life` ≥ 60 s.
+[[nodiscard]] double respawn_delay(double last, double life);
 
 /// Child processes that run this program. None outlives this process, however it ends.
 class Processes {
@@ -16,24 +30,36 @@ class Processes {
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;
 
-  /// Starts `<this program> arguments...`; `name` is what the log calls it. Throws
-  /// std::runtime_error if the process cannot be made.
-  void start(const std::string& name, const std::vector<std::string>& arguments);
+  /// Throws std::runtime_error if the process cannot be made.
+  void start(const ProcessPlan& plan);
 
   /// Watches the children until a shutdown (SIGINT, SIGTERM) or until none is left; each death is
-  /// logged and the others run on. The exit status: 0 after a shutdown, 1 if one died by itself.
+  /// logged, the others run on, and those that respawn start again after respawn_delay(). The exit
+  /// status: 0 after a shutdown, 1 if one died by itself.
   int run();
 
  private:
   struct Child {
-    std::string name;
+    ProcessPlan plan;
     pid_t pid;
+    double start;  // [s] steady
+    double delay;  // [s] before that start
+  };
+  struct Pending {
+    ProcessPlan plan;
+    double start;
+    double delay;
   };
 
+  void launch(const ProcessPlan& plan, const std::vector<std::string>& arguments, double delay);
   void reap(bool expected);
+  [[nodiscard]] static bool failed_at_once(const Child& child, int status);
+  void plan_respawn(const Child& child, const std::string& how);
+  void start_pending();
 
   std::vector<Child> children_;
-  bool died_ = false;  // one of them, unasked
+  std::vector<Pending> pending_;  // that start again
+  bool died_ = false;             // one of them, unasked
 };
 
 }  // namespace tandem

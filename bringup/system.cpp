@@ -86,13 +86,14 @@ class SystemReader {
   }
 
   SystemNode read_node(const YAML::Node& map) const {
-    require_keys(map,
-                 {"component", "name", "namespace", "parameters", "parameter_files", "remappings"});
+    require_keys(map, {"component", "name", "namespace", "parameters", "parameter_files",
+                       "remappings", "respawn"});
     if (!map["component"]) fail(map, "a component needs `component:`");
     SystemNode node{as<std::string>(map["component"], "a component's name"), {}};
     auto& options = node.options;
     options.name = map["name"] ? as<std::string>(map["name"], "a node's name") : node.component;
     if (map["namespace"]) options.ns = as<std::string>(map["namespace"], "a namespace");
+    if (map["respawn"]) node.respawn = as<bool>(map["respawn"], "true or false");
     options.use_sim_time = use_sim_time_;
     options.parameters.files = files_;
     for (const auto& file : list(map, "parameter_files"))
@@ -203,6 +204,13 @@ rt::RunningComponent construct(const System& system, const SystemNode& node) {
   }
 }
 
+// What arbitration is told when it starts again: it has forgotten whether the emergency stop was
+// pressed, so it must take it for pressed.
+std::vector<std::string> respawn_arguments(const SystemNode& node) {
+  if (node.component != "arbitration") return {};
+  return {"--ros-args", "-p", node.options.name + ":start_stopped:=true"};
+}
+
 std::vector<std::string> command_for(const std::string& path, const std::string& name,
                                      const std::vector<std::string>& ros_args) {
   std::vector<std::string> command{"run", path, "--only", name};
@@ -243,7 +251,8 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
     Processes processes;
     for (const auto& node : system.nodes)
       if (wanted(node, only))
-        processes.start(node.options.name, command_for(path, node.options.name, ros_args));
+        processes.start({node.options.name, command_for(path, node.options.name, ros_args),
+                         node.respawn, respawn_arguments(node)});
     return processes.run();
   }
   for (auto& node : system.nodes) node.options = rt::with_arguments(node.options, arguments);

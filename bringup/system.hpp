@@ -14,6 +14,7 @@ namespace tandem {
 struct SystemNode {
   std::string component;
   rt::NodeOptions options;
+  bool respawn = false;  ///< as a process of its own it starts again after it ended by itself
 };
 
 /// Which components run, under which names, with which parameters and remappings.

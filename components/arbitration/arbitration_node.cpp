@@ -64,6 +64,8 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
         arbiter_.on_filter(nothing_passes ? msg.reason() : "", node_.now());
       })} {
   for (TwistInput* input : {&user_, &shared_, &nav_}) input->set_frames(params_->frames);
+  // As if a sender had pressed it and left; sequence numbers begin at 1.
+  if (params_->start_stopped) on_stop(rt::PublisherId{}, 1, true);
   subscribe_emergency_stop();
   offer_services();
   watchdog_ = node.create_wall_timer(kWatchdog, [this] { watch(); });

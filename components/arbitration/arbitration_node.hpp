@@ -17,12 +17,16 @@ struct ArbitrationNodeParams {
   ArbiterParams arbiter;
   StampParams input;
   Frames frames;
+  bool start_stopped = false;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     arbiter.visit(field);
     input.visit(field);
     frames.visit(field);
+    field("start_stopped", start_stopped,
+          "starts with the emergency stop pressed, by nobody: e_stop must say false before it can "
+          "be released. `respawn` in a system file sets it when arbitration starts again");
   }
 };
 

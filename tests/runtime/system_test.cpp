@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
+#include "bringup/processes.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -14,6 +16,7 @@ namespace {
 
 using std_msgs::msg::Float64;
 using test::ChildProcess;
+using test::children_of;
 using test::spin_until;
 
 constexpr double kTimeout = 20.0;  // [s]
@@ -62,13 +65,6 @@ class SystemFile : public testing::Test {
   std::string path_ = testing::TempDir() + "system_" + std::to_string(getpid()) + ".yaml";
   rt::Node node_{"tester"};
 };
-
-std::vector<pid_t> children_of(pid_t pid) {
-  std::ifstream file{"/proc/" + std::to_string(pid) + "/task/" + std::to_string(pid) + "/children"};
-  std::vector<pid_t> pids;
-  for (pid_t child = 0; file >> child;) pids.push_back(child);
-  return pids;
-}
 
 bool gone(pid_t pid) { return kill(pid, 0) != 0; }
 
@@ -140,6 +136,41 @@ TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
   EXPECT_TRUE(heard("b", 1));
   program.send(SIGINT);
   EXPECT_EQ(program.wait(5.0), 1);  // whoever looks at the exit status learns of it
+}
+
+TEST_F(SystemFile, StartsAgainWhatIsToRespawn) {
+  std::string yaml = kTwoDoublers;
+  yaml.replace(yaml.find("name: first"), 11, "name: first, respawn: true");
+  ChildProcess program{"run_system", {"run", write(yaml), "--separate"}};
+  ASSERT_TRUE(chain_answers());
+  const auto before = children_of(program.pid());
+  kill(before.at(0), SIGKILL);
+  ASSERT_TRUE(spin_until(
+      [&] {
+        const auto now = children_of(program.pid());
+        return now.size() == 2 && std::find(now.begin(), now.end(), before[0]) == now.end();
+      },
+      kTimeout, node_));
+  EXPECT_TRUE(chain_answers());
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait(5.0), 1);
+}
+
+TEST_F(SystemFile, DoesNotStartAgainWhatAWrongParameterEnded) {
+  ChildProcess program{"run_system",
+                       {"run",
+                        write("components:\n  - {component: test_component, name: first, respawn: "
+                              "true, parameters: {factor: wrong}}\n"),
+                        "--separate"}};
+  EXPECT_EQ(program.wait(10.0), 1);
+}
+
+TEST(Respawn, WaitsLongerAfterEachEarlyEndAndStartsAnewAfterAHealthyLife) {
+  EXPECT_EQ(respawn_delay(0.0, 10.0), 0.5);
+  EXPECT_EQ(respawn_delay(0.5, 1.0), 1.0);
+  EXPECT_EQ(respawn_delay(16.0, 1.0), 30.0);
+  EXPECT_EQ(respawn_delay(30.0, 1.0), 30.0);
+  EXPECT_EQ(respawn_delay(30.0, 61.0), 0.5);
 }
 
 TEST_F(SystemFile, LeavesNoOrphanWhenKilled) {

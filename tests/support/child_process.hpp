@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,14 @@
 #include "runtime/time.hpp"
 
 namespace tandem::test {
+
+/// The processes that `pid` has started and that are not reaped yet.
+[[nodiscard]] inline std::vector<pid_t> children_of(pid_t pid) {
+  std::ifstream file{"/proc/" + std::to_string(pid) + "/task/" + std::to_string(pid) + "/children"};
+  std::vector<pid_t> pids;
+  for (pid_t child = 0; file >> child;) pids.push_back(child);
+  return pids;
+}
 
 /// A program of the tests' own folder, or one named by its whole path; killed when this goes.
 class ChildProcess {

@@ -62,6 +62,40 @@ TEST(KillPlanner, TheOthersSayWhyAndARestartDrivesOn) {
   EXPECT_TRUE(system.wait_until_driving());
 }
 
+// It has forgotten whether the stop was pressed.
+TEST(KillArbitration, ThatRespawnsStandsUntilTheStopIsTakenBackAndReleased) {
+  SystemUnderTest system;
+  for (const char* name : kComponents)
+    if (std::string{name} != "arbitration") system.start(name);
+  ChildProcess supervisor{"../tandem",
+                          {"run", system.system(), "--separate", "--only", "arbitration"}};
+  ASSERT_TRUE(system.wait_until_driving());
+  const auto victims = children_of(supervisor.pid());
+  ASSERT_EQ(victims.size(), 1u);
+  kill(victims.front(), SIGKILL);
+  ASSERT_TRUE(system.wait_until(
+      [&] { return system.reason == "emergency stop" && system.stands(); }, 20.0));
+
+  const auto release = system.node().create_client(
+      rt::ServiceName<std_srvs::srv::Trigger>{"arbitration/release_emergency_stop"});
+  bool answered = false, released = true;
+  const auto ask = [&] {
+    answered = false;
+    release.call({}, [&](const auto& response) {
+      answered = true;
+      released = response.success();
+    });
+    return system.wait_until([&] { return answered; }, 5.0);
+  };
+  ASSERT_TRUE(ask());
+  EXPECT_FALSE(released) << "nobody took the press back";
+  const auto e_stop = system.node().create_publisher(topics::e_stop);
+  ASSERT_TRUE(system.wait_until([&] { return e_stop.matched() == 3; }, 5.0));
+  e_stop.publish(std_msgs::msg::Bool{});
+  ASSERT_TRUE(system.wait_until([&] { return ask() && released; }, 5.0));
+  EXPECT_EQ(system.collisions, 0u);
+}
+
 TEST(Terminate, EveryComponentEndsCleanlyOnSigterm) {
   SystemUnderTest system;
   system.start_all();
