@@ -36,6 +36,7 @@ bool TwistInput::is_of_robot(const std::string& frame) const {
 
 void TwistInput::hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from) {
   sender_ = from.sender();
+  is_stamped_ = &from == &stamped_;
   if (const auto twist = from_msg(msg)) return command_(*twist);
   if (passes_not_finite_) return command_({msg.linear().x(), msg.angular().z()});
   node_.log().write_every(1.0, rt::LogLevel::kWarn, stamped_topic_.name,

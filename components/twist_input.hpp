@@ -32,6 +32,8 @@ class TwistInput {
   void pass_not_finite() { passes_not_finite_ = true; }
   /// The publisher of the last command; valid within its callback.
   [[nodiscard]] rt::PublisherId sender() const { return sender_; }
+  /// Whether that command came as TwistStamped; valid there too.
+  [[nodiscard]] bool is_stamped() const { return is_stamped_; }
   TwistInput(const TwistInput&) = delete;
   TwistInput& operator=(const TwistInput&) = delete;
 
@@ -47,6 +49,7 @@ class TwistInput {
   Frames frames_;
   bool passes_not_finite_ = false;
   rt::PublisherId sender_{};
+  bool is_stamped_ = false;
   rt::Subscription plain_, stamped_;
   std::shared_ptr<void> stamped_wanted_;
 };

@@ -29,12 +29,18 @@ DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
   return sim;
 }
 
+// A base that never times out needs one for this.
+double source_timeout(const RobotParams& robot) {
+  return robot.base_timeout > 0.0 ? robot.base_timeout : 0.5;
+}
+
 }  // namespace
 
 DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<DiffDriveSimNodeParams>()},
       sim_{simulation(*params_)},
+      source_{source_timeout(params_->robot)},
       clock_{node.create_publisher(topics::clock)},
       odom_{node.create_publisher(topics::odom)},
       ground_truth_{node.create_publisher(topics::ground_truth)},
@@ -44,12 +50,24 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       collision_{node.create_publisher(topics::collision)},
       people_{node.create_publisher(topics::people)},
       cmd_vel_{node, topics::cmd_vel, params_->input,
-               [this](const Twist2& twist) { sim_.command(twist, sim_.state().t); }} {
+               [this](const Twist2& twist) { on_command(twist); }} {
   cmd_vel_.set_frames(params_->frames);
   cmd_vel_.judge_stamps_by([this] { return sim_.state().t; });
   subscribe();
   publish_frames();
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
+}
+
+void DiffDriveSimNode::on_command(const Twist2& twist) {
+  using enum SingleSource::Type;
+  const double now = sim_.state().t;
+  const bool alone =
+      source_.on_command(cmd_vel_.sender(), cmd_vel_.is_stamped() ? kTwistStamped : kTwist, now);
+  if (alone || !params_->single_source) return sim_.command(twist, now);
+  sim_.command({}, now);
+  node_.log().warn_every(1.0,
+                         "two programs publish cmd_vel, so the base stands: end the one that is no "
+                         "safety filter (`tandem doctor` names them), or set single_source: false");
 }
 
 void DiffDriveSimNode::subscribe() {

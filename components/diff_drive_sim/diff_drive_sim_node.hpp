@@ -6,6 +6,7 @@
 
 #include "convert.hpp"
 #include "diff_drive_sim/diff_drive_sim.hpp"
+#include "diff_drive_sim/single_source.hpp"
 #include "map/slice.hpp"
 #include "runtime/node.hpp"
 #include "twist_input.hpp"
@@ -31,6 +32,7 @@ struct DiffDriveSimNodeParams {
   double scan_range = 10.0;
   double scan_angle = kAllAround;
   std::string scan_frame = "base_scan";
+  bool single_source = true;
   StampParams input{.max_stamp_age = 0.0};  // not all who send know its time
 
   template <class Visitor>
@@ -58,6 +60,9 @@ struct DiffDriveSimNodeParams {
     field("scan_angle", scan_angle, Range{0.01, 6.2832},
           "[rad] width of a scan, of which the middle is straight ahead; 2π: all around");
     field("scan_frame", scan_frame, "name of the scanner's frame, 0.3 m above base_link's");
+    field("single_source", single_source,
+          "the base stands while commands of two programs arrive within base_timeout, of which one "
+          "bypasses the safety filter");
     input.visit(field);
   }
 };
@@ -93,6 +98,7 @@ class DiffDriveSimNode {
 
  private:
   void subscribe();
+  void on_command(const Twist2& twist);
   void reset(const Pose2& X_MB);
   void tick();
   [[nodiscard]] bool due(double rate) const;
@@ -109,6 +115,7 @@ class DiffDriveSimNode {
   rt::Node& node_;
   rt::Parameters<DiffDriveSimNodeParams> params_;
   DiffDriveSim sim_;
+  SingleSource source_;
   long ticks_ = 0;
   std::vector<float> ranges_;  // of the scanner's turn so far
   double turn_began_ = 0.0;    // [s]

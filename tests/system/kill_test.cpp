@@ -62,6 +62,38 @@ TEST(KillPlanner, TheOthersSayWhyAndARestartDrivesOn) {
   EXPECT_TRUE(system.wait_until_driving());
 }
 
+TEST(KillFilter, ARestartDrivesOnWithinASecond) {
+  SystemUnderTest system;
+  system.start_all();
+  ASSERT_TRUE(system.wait_until_driving());
+  system.kill_hard("safety_filter");
+  ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, 5.0));
+  const long before = system.commands;
+  system.start("safety_filter");
+  ASSERT_TRUE(system.wait_until([&] { return system.commands > before; }, 20.0));
+  const double first_command = system.sim_time;
+  ASSERT_TRUE(system.wait_until([&] { return system.truth.twist.v > 0.1; }, 20.0));
+  EXPECT_LE(system.sim_time - first_command, 1.0);
+}
+
+TEST(SecondSource, OfCmdVelMakesTheBaseStandUntilItIsGone) {
+  SystemUnderTest system;
+  system.start_all();
+  ASSERT_TRUE(system.wait_until_driving());
+  auto intruder = system.node().create_publisher(topics::cmd_vel);
+  auto push = system.node().create_wall_timer(0.02, [&] {
+    intruder.publish(to_msg(Twist2{0.8, 0.0}));
+  });
+  ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, 5.0));
+  const Pose2 there = system.truth.X;
+  const double stood_at = system.sim_time;
+  EXPECT_TRUE(system.wait_until([&] { return system.sim_time > stood_at + 3.0; }, 10.0));
+  EXPECT_LT((system.truth.X.position() - there.position()).norm(), 0.01);
+  push = {};
+  EXPECT_TRUE(system.wait_until([&] { return system.truth.twist.v > 0.1; }, 20.0));
+  EXPECT_EQ(system.collisions, 0u);
+}
+
 // It has forgotten whether the stop was pressed.
 TEST(KillArbitration, ThatRespawnsStandsUntilTheStopIsTakenBackAndReleased) {
   SystemUnderTest system;

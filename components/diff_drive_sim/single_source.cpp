@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "diff_drive_sim/single_source.hpp"
+
+#include <algorithm>
+
+namespace tandem {
+namespace {
+
+// More writers than that do not make the base stand more.
+constexpr std::size_t kMaxWriters = 16;
+
+}  // namespace
+
+bool SingleSource::same_source(const Heard& a, const Heard& b) {
+  constexpr int kProcessBytes = 8;
+  if (a.writer == b.writer) return true;
+  return a.type != b.type &&
+         std::equal(a.writer.begin(), a.writer.begin() + kProcessBytes, b.writer.begin());
+}
+
+bool SingleSource::on_command(const Writer& writer, Type type, double t) {
+  const Heard now{writer, type, t};
+  // Also those of a time to come: the clock was set back.
+  std::erase_if(heard_, [&](const Heard& before) {
+    return before.writer == writer || before.t > t || t - before.t > timeout_;
+  });
+  const bool alone = std::all_of(heard_.begin(), heard_.end(),
+                                 [&](const Heard& other) { return same_source(now, other); });
+  if (heard_.size() < kMaxWriters) heard_.push_back(now);
+  return alone;
+}
+
+}  // namespace tandem

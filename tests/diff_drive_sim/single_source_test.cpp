@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "diff_drive_sim/single_source.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tandem {
+namespace {
+
+using enum SingleSource::Type;
+
+constexpr double kTimeout = 0.1;  // [s]
+
+SingleSource::Writer writer(std::uint8_t process, std::uint8_t participant, std::uint8_t entity) {
+  SingleSource::Writer id{};
+  id[7] = process;
+  id[11] = participant;
+  id[15] = entity;
+  return id;
+}
+
+const auto kFilter = writer(1, 0, 1);
+
+TEST(SingleSource, OneWriterDrives) {
+  SingleSource source{kTimeout};
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.02 * i));
+}
+
+TEST(SingleSource, WhileTwoWritersAreHeardNeitherDrives) {
+  SingleSource source{kTimeout};
+  EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.0));
+  for (int i = 1; i < 100; ++i) {
+    EXPECT_FALSE(source.on_command(writer(2, 0, 1), kTwist, 0.05 * i)) << i;
+    EXPECT_FALSE(source.on_command(kFilter, kTwist, 0.05 * i + 0.02)) << i;
+  }
+}
+
+TEST(SingleSource, TwoWritersOfOneTypeAreTwoSourcesInOneProcessToo) {
+  SingleSource source{kTimeout};
+  EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.0));
+  EXPECT_FALSE(source.on_command(writer(1, 0, 2), kTwist, 0.01));
+}
+
+TEST(SingleSource, TwistAndTwistStampedOfOneProcessAreOneSource) {
+  SingleSource source{kTimeout};
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.02 * i));
+    EXPECT_TRUE(source.on_command(writer(1, 1, 3), kTwistStamped, 0.02 * i + 0.001));
+  }
+  EXPECT_FALSE(source.on_command(writer(2, 1, 3), kTwistStamped, 0.2));
+}
+
+TEST(SingleSource, AWriterThatIsSilentForTheTimeoutIsNone) {
+  SingleSource source{kTimeout};
+  EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.0));
+  EXPECT_FALSE(source.on_command(writer(2, 0, 1), kTwist, 0.1));
+  EXPECT_TRUE(source.on_command(writer(2, 0, 1), kTwist, 0.11));
+}
+
+TEST(SingleSource, AClockThatWasSetBackLocksNobodyOut) {
+  SingleSource source{kTimeout};
+  EXPECT_TRUE(source.on_command(kFilter, kTwist, 100.0));
+  EXPECT_TRUE(source.on_command(writer(2, 0, 1), kTwist, 1.0));
+}
+
+}  // namespace
+}  // namespace tandem
