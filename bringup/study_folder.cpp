@@ -15,6 +15,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/checksum.hpp"
+#include "config/json_text.hpp"
 
 namespace tandem {
 namespace {
@@ -93,7 +94,7 @@ void StudyFolder::read_back() {
   std::size_t begin = 0, number = 1;
   for (auto end = text.find('\n'); end != std::string::npos;
        begin = end + 1, end = text.find('\n', begin), ++number) {
-    const auto line = nlohmann::json::parse(text.substr(begin, end - begin), nullptr, false);
+    const auto line = parse_json_or_null(text.substr(begin, end - begin));
     if (!line.is_object() || !line.contains("name") || !line.contains("drive"))
       fail(name + ":" + std::to_string(number), "no finished drive; remove the line");
     try {
@@ -150,7 +151,7 @@ nlohmann::json read_study(const std::string& folder) {
   const std::string file = folder + "/study.json";
   std::ifstream in{file};
   if (!in) fail(file, "no such file, or it cannot be read; name the folder of a study");
-  auto study = nlohmann::json::parse(in, nullptr, false);
+  auto study = parse_json_or_null(in);
   const auto is_word = [](const nlohmann::json& value) { return value.is_string(); };
   const auto has = [&](const char* key) { return study.is_object() && study.contains(key); };
   if (has("study") && has("description") && has("drives") && study["description"].is_object() &&

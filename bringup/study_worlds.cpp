@@ -7,6 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "config/json_text.hpp"
 #include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "map/map_file.hpp"
 
@@ -72,7 +73,7 @@ json kept(const StudyFolder& folder) {
   const std::string file = file_of(folder);
   if (!fs::exists(file)) return json::object();
   std::ifstream in{file};
-  json all = json::parse(in, nullptr, false);
+  json all = parse_json_or_null(in);
   if (all.is_object() && std::all_of(all.begin(), all.end(), is_scene)) return all;
   throw std::runtime_error(file + ": is damaged; remove it: only pictures are drawn of it, and " +
                            "`tandem study FILE --out " + folder.path() + "` writes it anew");

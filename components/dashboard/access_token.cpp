@@ -10,7 +10,7 @@
 namespace tandem {
 namespace {
 
-constexpr std::size_t kShortest = 6, kLongest = 128;
+constexpr std::size_t kShortest = 12, kLongest = 128;
 constexpr std::size_t kDigits = 32;  // of 4 bits
 
 bool fits_an_address(unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; }
@@ -26,7 +26,7 @@ std::string token_from(const std::string& path) {
   if (token.size() < kShortest || token.size() > kLongest ||
       !std::all_of(token.begin(), token.end(), fits_an_address))
     throw std::invalid_argument("token_file = \"" + path +
-                                "\": the first line is to be 6 to 128 letters, digits, - and _");
+                                "\": the first line is to be 12 to 128 letters, digits, - and _");
   return token;
 }
 

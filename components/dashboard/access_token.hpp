@@ -8,7 +8,7 @@ namespace tandem {
 
 /// The first line of a file. A file, not a parameter, for parameters are everybody's to read, and
 /// so are the arguments of a process. Throws std::invalid_argument in one line if there is no such
-/// file, or if that line is not 6 to 128 letters, digits, - and _.
+/// file, or if that line is not 12 to 128 letters, digits, - and _.
 [[nodiscard]] std::string token_from(const std::string& path);
 
 /// 128 random bits, hexadecimal.

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "config/json_text.hpp"
+
 namespace tandem::foxglove {
 namespace {
 
@@ -120,7 +122,7 @@ std::string dump(const json& value) {
 
 Request parse_text(std::string_view frame) {
   try {
-    return parse_request(json::parse(frame));
+    return parse_request(parse_json(frame));
   } catch (const std::exception& error) {
     return Malformed{error.what()};
   }

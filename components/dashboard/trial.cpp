@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "config/json_text.hpp"
+
 namespace tandem {
 namespace {
 
@@ -32,7 +34,7 @@ MetricsSetting setting_of(const TrialRequest& request) {
 
 TrialRequest parse_trial_request(std::string_view text) {
   try {
-    const json from = json::parse(text);
+    const json from = parse_json(text);
     TrialRequest request{.id = from.at("id").get<std::int64_t>(), .asked = parse_trial_asked(from)};
     if (from.contains("region")) request.region = region_from(from["region"]);
     return request;

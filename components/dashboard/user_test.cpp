@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "config/json_text.hpp"
+
 namespace tandem {
 namespace {
 
@@ -70,7 +72,7 @@ UserTrial parse_trial_asked(const json& from) {
 
 UserTest parse_user_test(std::string_view text) {
   try {
-    const json from = json::parse(text);
+    const json from = parse_json(text);
     UserTest test{static_cast<int>(bounded(from, "person", 1e6)), {}};
     for (const auto& trial : from.at("trials")) test.trials.push_back(trial_from(trial));
     if (test.trials.empty() || test.trials.size() > kMaxTrials)

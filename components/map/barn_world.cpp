@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "config/json_text.hpp"
+
 namespace tandem {
 namespace {
 
@@ -26,7 +28,7 @@ Json load(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!std::filesystem::is_regular_file(file) || !stream)
     fail(file, "no such file, or it cannot be read; give the path of a file of BARN worlds");
-  Json root = Json::parse(stream, nullptr, false);
+  Json root = parse_json_or_null<Json>(stream);
   if (!root.is_object() || !root.contains("meta") || !root.contains("worlds") ||
       !root["meta"].is_object() || !root["worlds"].is_object())
     fail(file, "not a file of BARN worlds: expected JSON with 'meta' and 'worlds'");

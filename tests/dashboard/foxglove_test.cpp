@@ -19,6 +19,10 @@ T parsed(const std::string& frame) {
 }
 
 Request binary(const Bytes& frame) { return parse_binary(frame); }
+std::string deep_list(std::size_t depth) {
+  return std::string(depth, '[') + std::string(depth, ']');
+}
+
 bool is_malformed(const Request& request) { return std::holds_alternative<Malformed>(request); }
 
 TEST(FoxgloveText, ReadsASubscription) {
@@ -60,6 +64,12 @@ TEST(FoxgloveText, RefusesWhatIsNoRequest) {
 
 TEST(FoxgloveText, SurvivesDeepNesting) {
   const std::string deep(60'000, '[');
+  EXPECT_TRUE(is_malformed(parse_text(R"({"op": "setParameters", "parameters": [{"name": "a.b", )"
+                                      R"("value": )" +
+                                      deep_list(200'000) + "}]}")));
+  EXPECT_FALSE(is_malformed(parse_text(R"({"op": "setParameters", "parameters": [{"name": "a.b", )"
+                                       R"("value": )" +
+                                       deep_list(10) + "}]}")));
   EXPECT_TRUE(is_malformed(parse_text(deep)));
   EXPECT_TRUE(is_malformed(parse_text(deep + std::string(60'000, ']'))));
 }

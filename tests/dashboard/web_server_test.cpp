@@ -50,6 +50,13 @@ TEST(WebServer, ServesThePageAndNothingElse) {
   EXPECT_TRUE(page.starts_with("HTTP/1.1 200")) << page;
   EXPECT_NE(page.find("<title>Tandem</title>"), std::string::npos);
   EXPECT_NE(page.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
+  for (const char* part : {"connect-src 'self' ws://a wss://a;", "base-uri 'none'",
+                           "form-action 'none'", "frame-ancestors 'none'"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_NE(
+      ask(*server, "GET / HTTP/1.1\r\nHost: a; img-src *\r\n\r\n").find("connect-src 'self';"),
+      std::string::npos)
+      << "a host that would add to the policy";
   for (const char* path : {"/../../etc/passwd", "/app.js/", "/x"})
     EXPECT_TRUE(ask(*server, std::string{"GET "} + path + " HTTP/1.1\r\nHost: a\r\n\r\n")
                     .starts_with("HTTP/1.1 404"));
@@ -70,9 +77,10 @@ TEST(WebServer, TakesItsTokenFromAFile) {
     std::ofstream{path} << line;
     return why_not({.port = 0, .token_file = path});
   };
-  EXPECT_EQ(says("se-cret_1\nand more\n"), "");
-  EXPECT_EQ(serve({.port = 0, .token_file = path})->token(), "se-cret_1");
-  for (const char* line : {"\n", "short", "a&b=c d", "\xff\xfe\xfd\xfc\xfb\xfa"})
+  EXPECT_EQ(says("se-cret_1-of-12\nand more\n"), "");
+  EXPECT_EQ(serve({.port = 0, .token_file = path})->token(), "se-cret_1-of-12");
+  for (const char* line :
+       {"\n", "short", "eleven_long", "a&b=c d and more", "\xff\xfe\xfd\xfc\xfb\xfa"})
     EXPECT_NE(says(line).find("letters"), std::string::npos) << line;
   EXPECT_NE(says(std::string(200, 'a')).find("128"), std::string::npos);
   EXPECT_NE(says("").find("is empty"), std::string::npos);

@@ -5,7 +5,7 @@
 // stops in an emergency, loses the network, meets someone else who drives. Both at the same time.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import net from "node:net";
 import { tmpdir } from "node:os";
@@ -45,7 +45,9 @@ async function start(system, ...args) {
 // The tested person starts half way to the region.
 const START = [1.6, -1.9, 1.3];
 const apart = ["__ns:=/robot1", "/tf:=tf", "/clock:=clock"].flatMap((r) => ["-r", r]);
-const testParameters = [`dashboard:user_tests:=${results}`, `diff_drive_sim:start:=[${START.join()}]`];
+const TOKEN = "a-token-of-the-test";
+writeFileSync(`${results}/token`, TOKEN);
+const testParameters = [`dashboard:user_tests:=${results}`, `dashboard:token_file:=${results}/token`, `diff_drive_sim:start:=[${START.join()}]`];
 // Its joystick has its stick and its button elsewhere, and its axis turned round.
 const otherJoystick = ["axis_linear:=4", "deadman_button:=5", "scale_linear:=-0.8", "leader_scale_linear:=-0.9"].flatMap((p) => ["-p", `teleop:${p}`]);
 const [address, testAddress] = await Promise.all([
@@ -111,7 +113,7 @@ const LAPTOP = { width: 1280, height: 800 }, PHONE = { width: 390, height: 844 }
 const [page, watcher, testPage] = await Promise.all([
   open(through, LAPTOP),
   open(address, PHONE),
-  open(testAddress, PHONE, "?user_test=1,1,0"), // seconds: practice, task 1, countdown
+  open(testAddress, PHONE, `?user_test=1,1,0&token=${TOKEN}`), // seconds: practice, task 1, countdown
 ]);
 
 async function step(name, run) {
@@ -179,6 +181,18 @@ async function driveToRegion(page, hands) {
 
 // --- at the robot in a namespace ------------------------------------------------------------------
 const banner = (page, text) => until(page, (t) => document.getElementById("banner").textContent.startsWith(t), text);
+
+// Once used, the token is the tab's: not in the address, and there after a reload.
+async function keepsTheToken(page) {
+  assert.ok(!page.url().includes(TOKEN) && page.url().includes("user_test"), page.url());
+  await page.reload();
+  await until(page, () => window.tandem.robot.pose && window.tandem.robot.speed);
+  const stranger = await (await browser.newContext()).newPage();
+  await stranger.goto(page.url());
+  await until(stranger, () => document.getElementById("connection").textContent === "connection lost");
+  assert.ok(!(await stranger.evaluate(() => window.tandem.robot.pose)), "connected without the token");
+  await stranger.context().close();
+}
 
 async function userTest(page) {
   const begin = (hands) => {
@@ -437,7 +451,8 @@ async function driveAndDisturb() {
 }
 
 await Promise.all([
-  step("a user test to its table: direct by the stick on the screen, shared by the keyboard", () => userTest(testPage)),
+  step("the token leaves the address and is kept", () => keepsTheToken(testPage)).then(() =>
+    step("a user test to its table: direct by the stick on the screen, shared by the keyboard", () => userTest(testPage))),
   driveAndDisturb(),
 ]);
 await browser.close();

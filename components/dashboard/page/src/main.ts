@@ -4,6 +4,7 @@ import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick, US
 import { Goal } from "./goal";
 import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
 import { polygons, rectangle, Robot } from "./robot";
+import { takeToken } from "./token";
 import { UserTest } from "./user_test";
 import { drawPlot, View, type ViewMode } from "./view";
 
@@ -13,7 +14,7 @@ const SLOW = 200; // [ms] between two writings of the numbers
 const at = <T extends HTMLElement = HTMLElement>(id: string) => document.getElementById(id) as T;
 
 function serverUrl(): string {
-  const token = new URLSearchParams(location.search).get("token");
+  const token = takeToken();
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
   return `${scheme}//${location.host}/${token ? `?token=${encodeURIComponent(token)}` : ""}`;
 }
