@@ -24,6 +24,14 @@ inline const std::set<std::string>& parameter_names() {
   return names;
 }
 
+/// Whether a component is one of ours: others may give a retired name a meaning of their own.
+inline bool is_our_component(const std::string& component) {
+  bool is_ours = false;
+  for_each_component(
+      [&](const char* name, const auto&) { is_ours = is_ours || component == name; });
+  return is_ours;
+}
+
 /// How many letters must be put in, taken out or replaced to make one word of the other
 /// (Levenshtein 1966), by the rows of the usual table.
 inline std::size_t letters_apart(const std::string& a, const std::string& b) {

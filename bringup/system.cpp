@@ -193,6 +193,17 @@ void warn_of_strangers(const System& system, const rt::RosArguments& arguments) 
                               system.path, name);
 }
 
+// Once, before each of the processes finds it.
+void refuse_retired_names(const System& system, const std::vector<std::string>& only,
+                          const rt::RosArguments& arguments) {
+  for (const auto& node : system.nodes) {
+    if (!wanted(node, only) || !is_our_component(node.component)) continue;
+    const auto options = rt::with_arguments(node.options, arguments);
+    const auto name = rt::make_node_name(options.ns, options.name).full();
+    rt::ParameterStore{name, options.parameters}.check_retired();
+  }
+}
+
 // Constructs a component; whatever it complains of names the system file and the component.
 rt::RunningComponent construct(const System& system, const SystemNode& node) {
   try {
@@ -248,6 +259,7 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
   rt::install_signal_handlers();
   if (separate_processes) {
     warn_of_unknown(arguments);
+    refuse_retired_names(system, only, arguments);
     Processes processes;
     for (const auto& node : system.nodes)
       if (wanted(node, only))

@@ -93,13 +93,17 @@ bool ParameterStore::gives_any(const std::string& prefix) const {
 }
 
 void ParameterStore::check_unknown() const {
-  for (const auto& [key, entry] : state_->given) {
-    if (entry.declared) continue;
-    const std::string given = key + " = " + entry.value.yaml;
-    if (const char* instead = instead_of(key))
-      state_->fail(entry, given + ": this name meant several things; " + instead);
-    if (!entry.value.for_all) state_->fail(entry, given + " is no parameter of this node");
-  }
+  check_retired();
+  for (const auto& [key, entry] : state_->given)
+    if (!entry.declared && !entry.value.for_all)
+      state_->fail(entry, key + " = " + entry.value.yaml + " is no parameter of this node");
+}
+
+void ParameterStore::check_retired() const {
+  for (const auto& [key, entry] : state_->given)
+    if (const char* instead = instead_of(key); instead && !entry.declared)
+      state_->fail(entry,
+                   key + " = " + entry.value.yaml + ": this name meant several things; " + instead);
 }
 
 std::vector<std::string> unused_wildcard_keys() {

@@ -59,6 +59,10 @@ class ParameterStore {
   /// would silently replace the file's value by a default.
   void check_unknown() const;
 
+  /// Throws std::invalid_argument for the first key that is a retired name, unless a struct has
+  /// declared it. check_unknown() does so too.
+  void check_retired() const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

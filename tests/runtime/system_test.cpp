@@ -127,6 +127,23 @@ TEST_F(SystemFile, RunsAsSeparateProcessesAndEndsThemAll) {
   for (const pid_t child : children) EXPECT_TRUE(gone(child));
 }
 
+// Each process would find it again.
+TEST_F(SystemFile, WithARetiredNameIsRefusedOnceBeforeAnyProcessStarts) {
+  const std::string parameters = path_ + ".parameters";
+  std::ofstream{parameters} << "/**:\n  ros__parameters:\n    command_timeout: 0.6\n";
+  const std::string file = write("parameter_files: [" + parameters +
+                                 "]\ncomponents:\n  - {component: safety_filter}\n"
+                                 "  - {component: local_planner}\n");
+  try {
+    (void)run_system(file, {}, true, {});
+    ADD_FAILURE() << "started";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string{error.what()}.find(parameters + ":3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string{error.what()}.find("base_timeout"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(children_of(getpid()).empty());
+}
+
 TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
   ChildProcess program{"run_system", {"run", write(kTwoDoublers), "--separate"}};
   ASSERT_TRUE(chain_answers());
