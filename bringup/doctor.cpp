@@ -312,7 +312,7 @@ int visit(double duration) {
          "tools need it"});
   clock.examine(found);
   frames.examine(found);
-  for (auto& finding : examine(diagnoses)) found.push_back(std::move(finding));
+  for (auto& finding : examine(diagnoses, found)) found.push_back(std::move(finding));
   for (const auto& segment : stale_segments("/dev/shm", "/proc"))
     found.push_back({segment + " was left behind by a program that died",
                      "rm " + segment + " (or `fastdds shm clean`)"});

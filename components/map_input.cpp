@@ -10,6 +10,7 @@
 #include "map/octomap_file.hpp"
 #include "map/overlay.hpp"
 #include "map/placed_grid.hpp"
+#include "reasons.hpp"
 #include "topics.hpp"
 
 namespace tandem {
@@ -205,7 +206,14 @@ std::string MapInput::missing() const {
   for (const Inbox* inbox : {&static_, &local_})
     if (inbox->unplaced) return inbox->refusal;
   const std::lock_guard lock{mutex_};
-  return map_.value ? "octomap_local is silent" : "no map yet";
+  return text_of(map_.value ? Reason::kLocalMapSilent : Reason::kNoMapYet);
+}
+
+const char* MapInput::missing_topic() const {
+  for (const Inbox* inbox : {&static_, &local_})
+    if (!inbox->trouble.empty() || inbox->unplaced) return "";
+  if (params_.map_source == "static") return static_.topic;
+  return params_.map_source == "both" && !static_.place ? static_.topic : local_.topic;
 }
 
 void MapInput::run() {

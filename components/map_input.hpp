@@ -112,6 +112,8 @@ class MapInput {
 
   /// Why `map` gave none.
   [[nodiscard]] std::string missing() const;
+  /// The topic that it lacks then, by its name in topics.hpp; empty if it lacks none.
+  [[nodiscard]] const char* missing_topic() const;
 
  private:
   using MapMessage = std::variant<octomap_msgs::msg::Octomap, nav_msgs::msg::OccupancyGrid>;

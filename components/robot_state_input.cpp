@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "reasons.hpp"
 #include "topics.hpp"
 
 namespace tandem {
@@ -74,7 +75,7 @@ std::string RobotStateInput::frame_trouble() const {
 
 std::string RobotStateInput::missing() const {
   const std::string trouble = frame_trouble();
-  return "not localised: " +
+  return std::string{text_of(Reason::kNotLocalized)} + ": " +
          (trouble.empty() ? "odom or map → odom is missing or too old" : trouble);
 }
 

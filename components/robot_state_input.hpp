@@ -50,7 +50,7 @@ class RobotStateInput {
   /// What is wrong with the frames of odometry or map → odom, with those that are there; empty if
   /// nothing is: then it is for silence that there is no state.
   [[nodiscard]] std::string frame_trouble() const;
-  /// Why there is no state: "not localised: …".
+  /// Why there is no state: "not localized: …".
   [[nodiscard]] std::string missing() const;
 
  private:

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "reasons.hpp"
+
 namespace tandem {
 namespace {
 
@@ -68,19 +70,19 @@ const char* name(ArbitrationReason reason) {
     case ArbitrationReason::kUserTakesOver:
       return "the person takes over";
     case ArbitrationReason::kEmergencyStop:
-      return "emergency stop";
+      return text_of(Reason::kEmergencyStop);
     case ArbitrationReason::kLetGoFirst:
-      return "let go of the stick first";
+      return text_of(Reason::kLetGoFirst);
     case ArbitrationReason::kSteerFirst:
-      return "steer to drive on";
+      return text_of(Reason::kSteerFirst);
     case ArbitrationReason::kUserSilent:
-      return "cmd_vel_user is silent";
+      return text_of(Reason::kUserSilent);
     case ArbitrationReason::kSharedSilent:
-      return "cmd_vel_shared is silent";
+      return text_of(Reason::kSharedSilent);
     case ArbitrationReason::kAllSilent:
-      return "no command";
+      return text_of(Reason::kNoCommand);
     case ArbitrationReason::kClockSilent:
-      return "/clock is silent";
+      return text_of(Reason::kClockSilent);
   }
   return "?";
 }
@@ -249,7 +251,7 @@ std::string Arbiter::why(const Decision& decision, double now) const {
 }
 
 std::string Arbiter::trouble_of_filter(double now) const {
-  if (filter_.heard && now - filter_.t > kGone) return "safety filter is silent";
+  if (filter_.heard && now - filter_.t > kGone) return text_of(Reason::kFilterSilent);
   return filter_.trouble.empty() ? std::string{} : "safety filter: " + filter_.trouble;
 }
 

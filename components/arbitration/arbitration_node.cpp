@@ -4,34 +4,24 @@
 #include <cmath>
 #include <utility>
 
+#include "reasons.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
 namespace tandem {
 namespace {
 
-// What would let the robot drive; empty where the reason says it.
-const char* remedy(ArbitrationReason reason) {
-  switch (reason) {
-    case ArbitrationReason::kEmergencyStop:
-      return "let every sender of e_stop say false, then call release_emergency_stop";
-    case ArbitrationReason::kUserSilent:
-      return "hold the dead-man button and steer, or publish cmd_vel_user";
-    case ArbitrationReason::kSharedSilent:
-      return "run a planner, or set policy manual";
-    case ArbitrationReason::kAllSilent:
-      return "publish cmd_vel_nav, or give the planner a goal";
-    case ArbitrationReason::kClockSilent:
-      return "run what publishes /clock, or set use_sim_time: false";
-    case ArbitrationReason::kFollowsSource:
-    case ArbitrationReason::kHandover:
-    case ArbitrationReason::kUserTakesOver:
-    case ArbitrationReason::kLetGoFirst:
-    case ArbitrationReason::kSteerFirst:
-      return "";
-  }
-  return "";
+// The topic of the node whose trouble `why` repeats; null if it is arbitration's own.
+const char* topic_behind(const std::string& why) {
+  if (why.starts_with("planner: ")) return topics::planner_status.name;
+  if (why.starts_with("safety filter: ")) return topics::filter_status.name;
+  return why == name(ArbitrationReason::kSharedSilent) ? topics::cmd_vel_shared.name : nullptr;
 }
+
+std::string with_remedy(const std::string& why, const std::string& remedy) {
+  return remedy.empty() ? why : why + " (" + remedy + ")";
+}
+std::string with_remedy(const std::string& why) { return with_remedy(why, remedy_for(why)); }
 
 }  // namespace
 
@@ -43,7 +33,8 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
       arbiter_{params_->arbiter},
       cmd_vel_arbitrated_{node.create_publisher(topics::cmd_vel_arbitrated)},
       status_{node.create_publisher(topics::arbitration_status)},
-      diagnostics_{node},
+      diagnostics_{node, {topics::cmd_vel_arbitrated.name, topics::arbitration_status.name}},
+      causes_{node},
       user_{node, topics::cmd_vel_user, topics::kUserInput, params_->input,
             [this](const Twist2& twist) { on_command(twist, Source::kUser); }},
       shared_{node, topics::cmd_vel_shared, params_->input,
@@ -135,9 +126,8 @@ void ArbitrationNode::decide(Source arrived) {
   const Decision decision = arbiter_.decide(node_.now());
   const bool in_charge = decision.source == arrived || decision.source == Source::kNone ||
                          (decision.source == Source::kBlend && arrived == Source::kUser);
-  if (decision.reason != decision_.reason)
-    node_.log().info("{}: {}", name(decision.source), name(decision.reason));
   decision_ = decision;
+  log_reason(rt::LogLevel::kInfo);
   if (std::abs(decision.performance - performance_) > kTellPerformance) {
     performance_ = decision.performance;
     node_.log().info("performance {:.2f}, the planner's share {:.2f}", performance_,
@@ -148,13 +138,19 @@ void ArbitrationNode::decide(Source arrived) {
   published_ = node_.steady_now();
 }
 
+void ArbitrationNode::log_reason(rt::LogLevel level) {
+  if (std::exchange(logged_, decision_.reason) == decision_.reason) return;
+  const std::string why = with_remedy(name(decision_.reason));
+  node_.log().write(level, fmt::format("{}: {}", name(decision_.source), why));
+}
+
 // While time stands nothing grows old: what was said before it stood must not count as new.
 bool ArbitrationNode::stands_without_clock() {
   if (node_.clock_silence() <= kClockSilence) return false;
-  node_.log().warn_every(1.0, "/clock is silent: stopping");
   cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
   decision_ = Decision{};
   decision_.reason = ArbitrationReason::kClockSilent;
+  log_reason(rt::LogLevel::kWarn);
   say_why();
   return true;
 }
@@ -168,16 +164,31 @@ void ArbitrationNode::watch() {
   say_why();
 }
 
+// Why, and what would mend it: of the first cause, if other nodes' troubles lead to one.
+Causes::Cause ArbitrationNode::explain() {
+  std::string why = arbiter_.why(decision_, node_.now());
+  if (const char* topic = topic_behind(why))
+    if (auto cause = causes_.behind(topic)) return *std::move(cause);
+  std::string remedy = remedy_for(why);
+  return {std::move(why), std::move(remedy)};
+}
+
 void ArbitrationNode::say_why() {
-  const std::string why = arbiter_.why(decision_, node_.now());
+  const Causes::Cause cause = explain();
+  const std::string& why = cause.reason;
   const bool is_own = why == name(decision_.reason);
-  diagnostics_.say(decision_.source != Source::kNone && is_own, why,
-                   is_own ? remedy(decision_.reason) : "");
+  remedy_ = cause.remedy;
+  if (decision_.source != Source::kNone && is_own)
+    diagnostics_.report_well(why);
+  else
+    diagnostics_.report_cause(why, remedy_);
   if (std::exchange(why_, why) == why) return;
   publish_status();
-  if (why != name(decision_.reason))  // decide() has said that
-    node_.log().write_every(kReminder, rt::LogLevel::kInfo, why,
-                            name(decision_.source) + (": " + why));
+  // What decide() has said is not said again; counts in brackets make no other reason.
+  if (!is_own)
+    node_.log().write_every(
+        kReminder, rt::LogLevel::kInfo, why.substr(0, why.find('(')),
+        fmt::format("{}: {}", name(decision_.source), with_remedy(why, remedy_)));
 }
 
 void ArbitrationNode::publish_status() {
@@ -191,6 +202,7 @@ void ArbitrationNode::publish_status() {
   msg.deadman(arbiter_.hears_person(node_.now()));
   msg.command(to_msg(decision_.command));
   msg.silent_sources(arbiter_.silent_sources(node_.now()));
+  msg.remedy(remedy_);
   status_.publish(msg);
 }
 

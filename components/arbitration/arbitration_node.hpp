@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "arbitration/arbiter.hpp"
 #include "arbitration/stop_words.hpp"
@@ -31,11 +33,12 @@ struct ArbitrationNodeParams {
 };
 
 /// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop, teleop/status, planner/status,
-/// safety_filter/status → cmd_vel_arbitrated, arbitration/status, /diagnostics.
+/// safety_filter/status, /diagnostics → cmd_vel_arbitrated, arbitration/status, /diagnostics.
 ///
 /// Passes a command on when it arrives; in between it repeats the command in force, and publishes
 /// zero as soon as the source in charge is silent. Status and diagnostics say at once why the robot
-/// stands, also if teleop, planner or safety filter stopped it. Services: ~/set_policy,
+/// stands, also if teleop, planner or safety filter stopped it, or a node before them: of nodes
+/// that wait for each other's topics the first cause is named. Services: ~/set_policy,
 /// ~/release_emergency_stop.
 class ArbitrationNode {
  public:
@@ -58,8 +61,10 @@ class ArbitrationNode {
   void update_stop_senders();
   void offer_services();
   void decide(Source arrived);
+  void log_reason(rt::LogLevel level);
   [[nodiscard]] bool stands_without_clock();
   void watch();
+  [[nodiscard]] Causes::Cause explain();
   void say_why();
   void publish_status();
 
@@ -69,11 +74,14 @@ class ArbitrationNode {
   Decision decision_;
   double performance_ = 1.0;  ///< as last logged
   double published_ = -1.0;   ///< steady time of the last command [s]
-  std::string why_;           ///< as last published
+  std::optional<ArbitrationReason> logged_;
+  std::string why_;     ///< as last published
+  std::string remedy_;  ///< of that
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;
   Diagnostics diagnostics_;
+  Causes causes_;
   TwistInput user_, shared_, nav_;
   StopWords stop_words_;
   rt::Subscription stick_, planner_, filter_;

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "reasons.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -21,6 +22,7 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
       plan_{node.create_publisher(topics::plan)},
       user_path_{node.create_publisher(topics::user_path)},
       status_out_{node.create_publisher(topics::planner_status)},
+      diagnostics_{node, {topics::cmd_vel_shared.name, topics::planner_status.name}},
       leader_stamp_{node, topics::leader_pose.name, params_->stamp},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const Twist2& twist) {
@@ -90,18 +92,21 @@ void LocalPlannerNode::subscribe() {
   });
 }
 
-const char* LocalPlannerNode::missing(double now) const {
-  if (!obstacles_.fresh(now, params_->obstacle_timeout)) return "obstacles are silent";
+std::optional<Reason> LocalPlannerNode::missing(double now) const {
+  const auto unless = [](bool there, Reason reason) {
+    return there ? std::nullopt : std::optional{reason};
+  };
+  if (!obstacles_.fresh(now, params_->obstacle_timeout)) return Reason::kObstaclesSilent;
   switch (method_) {
     case Method::kLeader:
     case Method::kPath:
-      return leader_.fresh(now, params_->user_timeout) ? nullptr : "leader_pose is silent";
+      return unless(leader_.fresh(now, params_->user_timeout), Reason::kLeaderSilent);
     case Method::kIntention:
-      return user_.fresh(now, params_->user_timeout) ? nullptr : "cmd_vel_user is silent";
+      return unless(user_.fresh(now, params_->user_timeout), Reason::kUserSilent);
     case Method::kGoal:
-      return X_MG_ ? nullptr : "no goal_pose yet";
+      return unless(X_MG_.has_value(), Reason::kNoGoal);
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const {
@@ -134,8 +139,11 @@ void LocalPlannerNode::plan() {
   const double now = node_.now();
   watch_clock(now);
   const auto robot = robot_.state();
-  if (!robot) return stop(robot_.missing());
-  if (const char* reason = missing(now)) return stop(reason);
+  if (!robot) {
+    diagnostics_.report_trouble(robot_.missing(), topics::odom.name);
+    return stop(robot_.missing());
+  }
+  if (const auto reason = missing(now)) return stop(*reason);
   planning_ = true;
   standing_for_ = {};
   const PlanRequest plan_request = request(*robot, now);
@@ -144,13 +152,26 @@ void LocalPlannerNode::plan() {
 
 void LocalPlannerNode::watch() {
   if (!planning_) return;
-  if (const char* reason = missing(node_.now())) stop(reason);
+  if (const auto reason = missing(node_.now())) stop(*reason);
+}
+
+// To wait for a person, or for a goal, is no trouble.
+void LocalPlannerNode::stop(Reason reason) {
+  if (reason == Reason::kObstaclesSilent)
+    diagnostics_.report_trouble(text_of(reason), topics::obstacles.name);
+  else
+    diagnostics_.report_well(text_of(reason));
+  stop(text_of(reason));
 }
 
 void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   cmd_vel_shared_.publish(to_msg(plan.command));
   write_status(plan);
   status_.status_text(name(plan.status));
+  if (plan.status >= PlanStatus::kOptimal)
+    diagnostics_.report_well("plans");
+  else
+    diagnostics_.report_trouble(name(plan.status));
   status_.cycles(status_.cycles() + 1);
   if (plan.source != PlanSource::kSolution) status_.fallbacks(status_.fallbacks() + 1);
   const double budget = params_->live.nmpc.time_budget;
@@ -196,7 +217,7 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
 
 void LocalPlannerNode::stop(const std::string& reason) {
   planning_ = false;
-  if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
+  if (std::exchange(standing_for_, reason) != reason)
     node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   write_status({.status = PlanStatus::kRefused, .source = PlanSource::kStanding});

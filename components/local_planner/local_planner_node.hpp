@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "diagnostics.hpp"
 #include "local_planner/nmpc.hpp"
 #include "map/fixtures.hpp"
 #include "model/heard.hpp"
+#include "reasons.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "twist_input.hpp"
@@ -62,7 +64,8 @@ struct LocalPlannerNodeParams {
 }
 
 /// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
-/// user_path, planner/status. safety_filter/status, where there is one, says whether plans pass.
+/// user_path, planner/status, /diagnostics. safety_filter/status, where there is one, says whether
+/// plans pass.
 ///
 /// Plans every control period, and is drawn to the guidance lines of the file `fixtures`. While an
 /// input that it needs is silent it says zero, and why; it notices between two plans too.
@@ -77,12 +80,13 @@ class LocalPlannerNode {
   void watch_clock(double now);
   void plan();
   void watch();
-  /// Why there can be no plan now; null if there can.
-  [[nodiscard]] const char* missing(double now) const;
+  /// Why there can be no plan now; nothing if there can.
+  [[nodiscard]] std::optional<Reason> missing(double now) const;
   [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
   void publish_paths(const Plan& plan, const PlanRequest& request);
+  void stop(Reason reason);
   void stop(const std::string& reason);
 
   rt::Node& node_;
@@ -101,6 +105,7 @@ class LocalPlannerNode {
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
   rt::Publisher<nav_msgs::msg::Path> plan_, user_path_;
   rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
+  Diagnostics diagnostics_;
   StampCheck leader_stamp_;
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;

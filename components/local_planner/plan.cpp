@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "reasons.hpp"
+
 namespace tandem {
 namespace {
 
@@ -40,11 +42,11 @@ const char* name(PlanStatus status) {
     case PlanStatus::kAcceptable:
       return "acceptable";
     case PlanStatus::kTimeout:
-      return "timeout";
+      return text_of(Reason::kPlanTimeout);
     case PlanStatus::kInfeasible:
-      return "infeasible";
+      return text_of(Reason::kPlanInfeasible);
     case PlanStatus::kRefused:
-      return "refused";
+      return text_of(Reason::kPlanRefused);
   }
   return "?";
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "obstacle_extractor/obstacle_extractor_node.hpp"
 
+#include <utility>
+
+#include "reasons.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -15,7 +18,8 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       map_{node, params_->map, robot_.frames()},
       shapes_{extractor_for_robot(*params_)},
       obstacles_{node.create_publisher(topics::obstacles)},
-      markers_{node.create_publisher(topics::obstacle_markers)} {
+      markers_{node.create_publisher(topics::obstacle_markers)},
+      diagnostics_{node, {topics::obstacles.name}} {
   if (params_->people)
     on_people_ = std::make_unique<PeopleInput>(node, robot_.frames(), [this](auto all) {
       people_ = {std::move(all), node_.now()};
@@ -26,27 +30,27 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
 void ObstacleExtractorNode::extract() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
-  if (!map || !robot) {
-    node_.log().missing_every(1.0, "no obstacles: {}", map ? robot_.missing() : map_.missing());
-    return;
-  }
+  if (!map) return report_none(map_.missing(), map_.missing_topic());
+  if (!robot) return report_none(robot_.missing(), topics::odom.name);
   const auto near = shapes_.near(map, robot->X_MB.position());
-  if (!near) {
-    node_.log().missing_every(1.0, "no obstacles: not fitted yet");
-    return;
-  }
+  if (!near) return report_none(text_of(Reason::kNotFitted));
   if (!params_->people) return publish(*near);
   people_.forget_later_than(node_.now());
-  if (!people_.fresh(node_.now(), params_->people_timeout)) {
-    node_.log().missing_every(1.0, "no obstacles: people are silent");
-    return;
-  }
+  if (!people_.fresh(node_.now(), params_->people_timeout))
+    return report_none(text_of(Reason::kPeopleSilent), topics::people.name);
   auto shapes = *near;
   shapes.insert(shapes.end(), people_.value.begin(), people_.value.end());
   publish(shapes);
 }
 
+void ObstacleExtractorNode::report_none(const std::string& why, const char* waits_for) {
+  diagnostics_.report_trouble(why, waits_for);
+  if (std::exchange(none_for_, why) != why) node_.log().missing_every(1.0, "no obstacles: {}", why);
+}
+
 void ObstacleExtractorNode::publish(const std::vector<Obstacle>& shapes) {
+  none_for_.clear();
+  diagnostics_.report_well("lists what is near");
   const auto map_header = header(node_.stamp(), params_->input.frames.map);
   obstacles_.publish(to_msg(shapes, map_header));
   if (markers_.matched() == 0 || lists_++ % kMarkersEvery != 0) return;

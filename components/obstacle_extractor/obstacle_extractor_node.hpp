@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "diagnostics.hpp"
 #include "map_input.hpp"
 #include "model/heard.hpp"
 #include "model/robot.hpp"
@@ -46,10 +49,10 @@ struct ObstacleExtractorNodeParams {
   return out;
 }
 
-/// octomap_binary, octomap_local, people, odom, tf → obstacles, obstacles/markers.
+/// octomap_binary, octomap_local, people, odom, tf → obstacles, obstacles/markers, /diagnostics.
 ///
 /// Silent until there is a map, the robot is localised and the place is fitted: no list is not an
-/// empty list.
+/// empty list. The diagnostics say what is missing.
 class ObstacleExtractorNode {
  public:
   static constexpr int kMarkersEvery = 8;  // lists per markers: eyes need fewer
@@ -58,6 +61,7 @@ class ObstacleExtractorNode {
 
  private:
   void extract();
+  void report_none(const std::string& why, const char* waits_for = "");
   void publish(const std::vector<Obstacle>& shapes);
 
   rt::Node& node_;
@@ -66,11 +70,13 @@ class ObstacleExtractorNode {
   MapInput map_;
   ShapesAhead shapes_;
   int lists_ = 0;
+  std::string none_for_;  ///< why there is no list, as it was logged
   Heard<std::vector<Obstacle>> people_;
   std::unique_ptr<PeopleInput> on_people_;
 
   rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
+  Diagnostics diagnostics_;
   rt::Timer timer_;
 };
 

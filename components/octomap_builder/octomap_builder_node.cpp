@@ -38,7 +38,7 @@ OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
       robot_{node, params_->input, [this](double stamp) { on_odometry(stamp); }},
       octomap_{node.create_publisher(topics::octomap_local)},
       status_{node.create_publisher(topics::sensing_status)},
-      diagnostics_{node} {
+      diagnostics_{node, {topics::octomap_local.name, topics::sensing_status.name}} {
   subscribe();
   timer_ = node.create_timer(params_->period, [this] { publish_if_due(); });
   status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
@@ -191,7 +191,7 @@ std::optional<Pose2> OctomapBuilderNode::odometry_at(const Stamp& stamp) {
 std::string OctomapBuilderNode::why_no_pose(const Stamp& stamp) {
   const auto newest = poses_.newest();
   if (!newest || !robot_.state())
-    return "not localised: odom, or the transform from map to odom, is silent";
+    return "not localized: odom, or the transform from map to odom, is silent";
   const double ahead = rt::to_seconds(stamp) - *newest;
   return fmt::format(
       "no odometry of its time: its stamp is {:.1f} s {} odometry's; set the clock of the "
@@ -231,16 +231,17 @@ void OctomapBuilderNode::warn_of(const std::string& reason) {
 void OctomapBuilderNode::diagnose(const std::string& reason) {
   if (!reason.empty()) {
     warn_of(reason);
-    return diagnostics_.say(false, reason);
+    return diagnostics_.report_trouble(reason);
   }
   for (const Sensor* sensor : {&scanner_, &camera_})
     if (const std::string warning = sensor->watch.warning(); !warning.empty()) {
       node_.log().write_every(kReminder, rt::LogLevel::kWarn, sensor->topic, warning);
-      return diagnostics_.say(false, warning);
+      return diagnostics_.report_trouble(warning);
     }
-  diagnostics_.say(true, fmt::format("all sensors see; inside the outline are {} echoes of scan, "
-                                     "{} of cloud_in, and are dropped",
-                                     scanner_.own_body, camera_.own_body));
+  diagnostics_.report_well(
+      fmt::format("all sensors see; inside the outline are {} echoes of scan, "
+                  "{} of cloud_in, and are dropped",
+                  scanner_.own_body, camera_.own_body));
 }
 
 void OctomapBuilderNode::publish_if_due() {

@@ -81,8 +81,10 @@ bool Node::is_present(const PublisherId& publisher) const {
   return core_->discovery().policies(to_guid(publisher)).has_value();
 }
 
+std::string Node::resolve(const char* topic) const { return core_->resolve(topic); }
+
 std::size_t Node::count_publishers(const std::string& topic) const {
-  const std::string name = core_->resolve(topic.c_str());
+  const std::string name = resolve(topic.c_str());
   std::size_t count = 0;
   for (const auto& info : topics()) count += info.name == name ? info.publishers.size() : 0;
   return count;

@@ -85,6 +85,9 @@ class Node {
   /// Publishers of a topic on the domain now, of whatever type, own ones included.
   [[nodiscard]] std::size_t count_publishers(const std::string& topic) const;
 
+  /// The topic's name as it is on the domain: "/ns/name", after remapping.
+  [[nodiscard]] std::string resolve(const char* topic) const;
+
   /// Calls `fn` once, as soon as anybody publishes messages of that type on that topic; not after
   /// the result is destroyed.
   template <class M>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reasons.hpp"
 #include "safety_filter/safety_filter.hpp"
 
 namespace tandem {
@@ -14,27 +15,27 @@ const char* name(FilterReason reason) {
     case FilterReason::kBackingOut:
       return "backing out";
     case FilterReason::kUnseen:
-      return "unseen ground";
+      return text_of(Reason::kUnseenGround);
     case FilterReason::kStopped:
-      return "stopped";
+      return text_of(Reason::kStopped);
     case FilterReason::kStoppedInDoubt:
-      return "stopped: odom's twist contradicts its poses";
+      return text_of(Reason::kTwistInDoubt);
     case FilterReason::kNoCommand:
-      return "no command";
+      return text_of(Reason::kNoCommand);
     case FilterReason::kNotFinite:
-      return "command not finite";
+      return text_of(Reason::kCommandNotFinite);
     case FilterReason::kNotLocalized:
-      return "not localized";
+      return text_of(Reason::kNotLocalized);
     case FilterReason::kPoseJumped:
-      return "pose jumped";
+      return text_of(Reason::kPoseJumped);
     case FilterReason::kTooFast:
-      return "odom is faster than the robot can be (v_max, v_min, w_max)";
+      return text_of(Reason::kTooFast);
     case FilterReason::kNoMap:
-      return "no map";
+      return text_of(Reason::kNoMap);
     case FilterReason::kNoPeople:
-      return "people silent";
+      return text_of(Reason::kPeopleSilent);
     case FilterReason::kClockSilent:
-      return "/clock is silent";
+      return text_of(Reason::kClockSilent);
   }
   return "unknown";
 }

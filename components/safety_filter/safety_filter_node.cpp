@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "reasons.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -11,38 +12,11 @@ namespace {
 
 constexpr double kLook = 1.0;  // [s] between looks at who publishes cmd_vel
 
-// What would let the robot drive; the reason itself says more of a sensor or a frame.
-const char* remedy(FilterReason reason) {
-  switch (reason) {
-    case FilterReason::kClear:
-    case FilterReason::kSlowed:
-    case FilterReason::kDeflected:
-    case FilterReason::kBackingOut:
-      return "";
-    case FilterReason::kUnseen:
-      return "turn a sensor there, or raise unseen_speed";
-    case FilterReason::kStopped:
-      return "steer to where there is room";
-    case FilterReason::kStoppedInDoubt:
-      return "let odom give its twist in the frame of the base, with the right sign";
-    case FilterReason::kNoCommand:
-      return "run arbitration, and give it a command";
-    case FilterReason::kNotFinite:
-      return "find the node that sends cmd_vel_arbitrated a number that is none";
-    case FilterReason::kNotLocalized:
-      return "publish odom and the transform from map to odom, or set map_is_odom";
-    case FilterReason::kPoseJumped:
-      return "wait; if two nodes publish odom or /tf, stop one";
-    case FilterReason::kTooFast:
-      return "correct odom, or v_max, v_min and w_max";
-    case FilterReason::kNoMap:
-      return "run map_server, or octomap_builder with map_source: local";
-    case FilterReason::kNoPeople:
-      return "run what publishes people, or do not watch them";
-    case FilterReason::kClockSilent:
-      return "run what publishes /clock, or set use_sim_time: false";
-  }
-  return "";
+// What the filter lacks where it does not drive for that reason.
+const char* topic_missing(FilterReason reason) {
+  if (reason == FilterReason::kNoCommand) return topics::cmd_vel_arbitrated.name;
+  if (reason == FilterReason::kNotLocalized) return topics::odom.name;
+  return reason == FilterReason::kNoPeople ? topics::people.name : "";
 }
 
 }  // namespace
@@ -55,7 +29,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
       map_{node, params_->map, robot_.frames(), UnseenGround::kHeeded},
       sensing_{node, params_->map},
       status_{node.create_publisher(topics::filter_status)},
-      diagnostics_{node},
+      diagnostics_{node, {topics::cmd_vel.name, topics::filter_status.name}},
       command_{node, topics::cmd_vel_arbitrated, params_->stamp, [this](const Twist2& twist) {
                  filter_.on_command(twist, node_.now());
                  update();
@@ -98,7 +72,7 @@ void SafetyFilterNode::update() {
 // While time stands nothing grows old: what was said before it stood must not count as new.
 Filtered SafetyFilterNode::next() {
   if (node_.clock_silence() > kClockSilence) {
-    node_.log().warn_every(1.0, "/clock is silent: stopping");
+    node_.log().warn_every(10.0, "/clock is silent: stopping");
     return filter_.stop(FilterReason::kClockSilent, node_.now());
   }
   const auto robot = robot_.state();
@@ -117,6 +91,11 @@ std::string SafetyFilterNode::why(const Filtered& out) const {
       return std::string{name(out.reason)} + ": " + trouble;
   if (out.reason != FilterReason::kNoMap) return name(out.reason);
   return blind_.empty() ? map_.missing() : blind_;
+}
+
+// The topic that there is no map for.
+const char* SafetyFilterNode::map_missing() const {
+  return blind_.empty() ? map_.missing_topic() : topics::sensing_status.name;
 }
 
 void SafetyFilterNode::send(const Twist2& twist) {
@@ -163,14 +142,15 @@ void SafetyFilterNode::look_for_others() {
 }
 
 void SafetyFilterNode::diagnose() {
-  if (others_ > 0)
-    return diagnostics_.say(false, "others publish cmd_vel, past this filter",
-                            "remap them to cmd_vel_nav or cmd_vel_user");
-  if (params_->filter.enforce)
-    return diagnostics_.say(last_.reason < FilterReason::kNoCommand, why(last_),
-                            remedy(last_.reason));
-  node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
-  diagnostics_.say(false, "NOT ENFORCING: commands pass unchanged");
+  if (others_ > 0) return diagnostics_.report_trouble(text_of(Reason::kOthersDrive));
+  if (!params_->filter.enforce) {
+    node_.log().warn_every(10.0, "not enforcing: commands pass unchanged");
+    return diagnostics_.report_trouble(text_of(Reason::kNotEnforcing));
+  }
+  if (last_.reason < FilterReason::kNoCommand) return diagnostics_.report_well(why(last_));
+  diagnostics_.report_trouble(why(last_), last_.reason == FilterReason::kNoMap
+                                              ? map_missing()
+                                              : topic_missing(last_.reason));
 }
 
 }  // namespace tandem

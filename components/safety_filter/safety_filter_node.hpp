@@ -54,6 +54,7 @@ class SafetyFilterNode {
   void update();
   [[nodiscard]] Filtered next();
   [[nodiscard]] std::string why(const Filtered& out) const;  // in words
+  [[nodiscard]] const char* map_missing() const;
   void send(const Twist2& twist);
   void watch();
   void publish_status(const Filtered& out);

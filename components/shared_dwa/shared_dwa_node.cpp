@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "reasons.hpp"
 #include "runtime/component.hpp"
 #include "topics.hpp"
 
@@ -16,6 +17,7 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
       map_{node, params_->map, robot_.frames()},
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
       status_out_{node.create_publisher(topics::planner_status)},
+      diagnostics_{node, {topics::cmd_vel_shared.name, topics::planner_status.name}},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                [this](const Twist2& twist) {
                  user_ = {twist, node_.now()};
@@ -29,10 +31,13 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
 void SharedDwaNode::choose() {
   const auto robot = robot_.state();
   const auto map = map_.map(robot);
-  if (!robot) return stop(robot_.missing());
-  if (!map) return stop(map_.missing());
+  if (!robot) return stop_in_trouble(robot_.missing(), topics::odom.name);
+  if (!map) return stop_in_trouble(map_.missing(), map_.missing_topic());
   user_.forget_later_than(node_.now());
-  if (!user_.fresh(node_.now(), params_->user_timeout)) return stop("cmd_vel_user is silent");
+  if (!user_.fresh(node_.now(), params_->user_timeout)) {
+    diagnostics_.report_well(text_of(Reason::kUserSilent));  // to wait for a person is no trouble
+    return stop(text_of(Reason::kUserSilent));
+  }
   standing_for_ = {};
   const double start = node_.steady_now();
   const DwaChoice choice = dwa_.choose(robot->X_MB, robot->twist, user_.value, *map);
@@ -43,7 +48,11 @@ void SharedDwaNode::publish(const DwaChoice& choice, double time) {
   cmd_vel_shared_.publish(to_msg(choice.command));
   status_.header(header(node_.stamp(), params_->input.frames.map));
   status_.status(choice.admissible ? 0 : -1);
-  status_.status_text(choice.admissible ? "chosen" : "nothing is admissible: braking");
+  status_.status_text(choice.admissible ? "chosen" : text_of(Reason::kNothingAdmissible));
+  if (choice.admissible)
+    diagnostics_.report_well("chosen");
+  else
+    diagnostics_.report_trouble(text_of(Reason::kNothingAdmissible));
   status_.source(choice.admissible ? "solution" : "braking");
   status_.solve_time(time);
   status_.guesses(choice.looked_at);
@@ -54,8 +63,13 @@ void SharedDwaNode::publish(const DwaChoice& choice, double time) {
   status_out_.publish(status_);
 }
 
+void SharedDwaNode::stop_in_trouble(const std::string& reason, const char* waits_for) {
+  diagnostics_.report_trouble(reason, waits_for);
+  stop(reason);
+}
+
 void SharedDwaNode::stop(const std::string& reason) {
-  if (std::exchange(standing_for_, reason) != reason)  // once: to wait for a person is no trouble
+  if (std::exchange(standing_for_, reason) != reason)
     node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   // Nothing of the last choice: its clearance would be taken for how near things are now.

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "diagnostics.hpp"
 #include "map_input.hpp"
 #include "model/heard.hpp"
 #include "robot_state_input.hpp"
@@ -31,7 +32,8 @@ struct SharedDwaNodeParams {
   }
 };
 
-/// cmd_vel_user, octomap_binary, octomap_local, odom, tf → cmd_vel_shared, planner/status.
+/// cmd_vel_user, octomap_binary, octomap_local, odom, tf → cmd_vel_shared, planner/status,
+/// /diagnostics.
 ///
 /// In the place of local_planner. Chooses every control period; while an input that it needs is
 /// silent it says zero, and why.
@@ -42,6 +44,7 @@ class SharedDwaNode {
  private:
   void choose();
   void publish(const DwaChoice& choice, double time);
+  void stop_in_trouble(const std::string& reason, const char* waits_for);
   void stop(const std::string& reason);
 
   rt::Node& node_;
@@ -55,6 +58,7 @@ class SharedDwaNode {
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
   rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
+  Diagnostics diagnostics_;
   TwistInput on_user_;
   rt::Timer timer_;
 };

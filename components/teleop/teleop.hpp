@@ -9,6 +9,7 @@
 
 #include "model/se2.hpp"
 #include "params.hpp"
+#include "reasons.hpp"
 
 namespace tandem {
 
@@ -99,7 +100,7 @@ struct Intent {
 };
 
 /// Why a stick drives nothing that was not seen at rest, see RestCheck.
-inline constexpr const char* kNotAtRest = "stick is not at rest";
+inline constexpr const char* kNotAtRest = text_of(Reason::kStickMoved);
 
 /// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
 /// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in

@@ -36,8 +36,10 @@ TeleopNode::TeleopNode(rt::Node& node)
       markers_{node.create_publisher(topics::leader_markers)},
       end_sim_{node.create_publisher(topics::end_sim)},
       status_{node.create_publisher(topics::teleop_status)},
+      diagnostics_{node, {topics::teleop_status.name, topics::cmd_vel_user.name}},
       on_twist_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                 [this](const Twist2& twist) { on_twist(twist); }} {
+  diagnostics_.report_well("no stick is hindered");
   joy_ = node.create_subscription(topics::joy, topics::kStickInput,
                                   [this](const auto& msg) { on_joy(msg); });
 }
@@ -98,6 +100,10 @@ void TeleopNode::say(const std::string& sender, const std::string& trouble) {
   if (!trouble.empty() || troubles_.erase(sender) > 0) status_.publish(msg);
   if (troubles_.size() >= kMaxTroubles) troubles_.clear();
   if (!trouble.empty()) troubles_[sender] = trouble;
+  if (troubles_.empty())
+    diagnostics_.report_well("no stick is hindered");
+  else
+    diagnostics_.report_trouble(troubles_.begin()->second);
 }
 
 void TeleopNode::on_twist(const Twist2& twist) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "diagnostics.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "stamp_check.hpp"
@@ -29,7 +30,7 @@ struct TeleopNodeParams {
 };
 
 /// joy, cmd_vel_user of others, odom, tf → cmd_vel_user, leader_pose, leader/markers,
-/// teleop/status, end_sim.
+/// teleop/status, /diagnostics, end_sim.
 ///
 /// Publishes on every joy while the dead-man is held, and one zero at its release; nothing while
 /// the joystick is silent, was not seen at rest (see RestCheck) or exceeds `axis_range`: then
@@ -67,6 +68,7 @@ class TeleopNode {
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
   rt::Publisher<std_msgs::msg::Bool> end_sim_;
   rt::Publisher<std_msgs::msg::String> status_;
+  Diagnostics diagnostics_;
   rt::Subscription joy_;
   TwistInput on_twist_;
 };

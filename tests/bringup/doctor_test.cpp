@@ -121,6 +121,60 @@ TEST(Doctor, TellsOfARobotThatStandsItsFirstCauseAndRemedy) {
   EXPECT_EQ(found[0].remedy, "start a map_server");
 }
 
+// As word(), of a node that gives one topic and lacks another.
+diagnostic_msgs::msg::DiagnosticArray link(const std::string& name, const std::string& message,
+                                           const std::string& gives, const std::string& waits_for) {
+  auto msg = word(name, 1, message, "mend " + name);
+  msg.status()[0].values().resize(3);
+  msg.status()[0].values()[1].key("gives");
+  msg.status()[0].values()[1].value(gives);
+  msg.status()[0].values()[2].key("waits_for");
+  msg.status()[0].values()[2].value(waits_for);
+  return msg;
+}
+
+TEST(Doctor, FollowsNodesThatWaitForEachOtherToTheFirstCause) {
+  Diagnoses diagnoses;
+  add(diagnoses,
+      link("local_planner", "obstacles are silent", "/plan /cmd_vel_shared", "/obstacles"));
+  add(diagnoses,
+      link("obstacle_extractor", "octomap_local is silent", "/obstacles", "/octomap_local"));
+  add(diagnoses, link("octomap_builder", "scan is silent", "/octomap_local", ""));
+  const auto found = examine(diagnoses);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what, "octomap_builder (warning): scan is silent");
+  EXPECT_EQ(found[0].remedy, "mend octomap_builder");
+  EXPECT_EQ(first_cause(diagnoses, diagnoses["local_planner"]).name(), "octomap_builder");
+}
+
+TEST(Doctor, TakesANodeThatIsWellOrAnotherRobotsForNoCause) {
+  Diagnoses diagnoses;
+  add(diagnoses, link("a/local_planner", "obstacles are silent", "/a/plan", "/a/obstacles"));
+  add(diagnoses, link("b/obstacle_extractor", "no map yet", "/b/obstacles", ""));
+  auto well = link("a/obstacle_extractor", "lists what is near", "/a/obstacles", "");
+  well.status()[0].level(0);
+  add(diagnoses, well);
+  EXPECT_EQ(first_cause(diagnoses, diagnoses["a/local_planner"]).name(), "a/local_planner");
+}
+
+TEST(Doctor, EndsWhereNodesWaitForEachOtherInACircle) {
+  Diagnoses diagnoses;
+  add(diagnoses, link("first", "b is silent", "/a", "/b"));
+  add(diagnoses, link("second", "a is silent", "/b", "/a"));
+  EXPECT_FALSE(first_cause(diagnoses, diagnoses["first"]).name().empty());
+}
+
+TEST(Doctor, TellsOnceWhatSeveralNodesSayAndWhatWasFoundAlready) {
+  Diagnoses diagnoses;
+  add(diagnoses, word("obstacle_extractor", 1, "no map yet"));
+  add(diagnoses, word("safety_filter", 1, "no map yet"));
+  add(diagnoses, word("shared_dwa", 1, "not localized: `odom` is not on /tf"));
+  EXPECT_EQ(examine(diagnoses).size(), 2U);
+  const std::vector<Finding> found{
+      {"the safety filter stands: not localized: `odom` is not on /tf; the frames are none", ""}};
+  EXPECT_EQ(examine(diagnoses, found).size(), 1U);
+}
+
 TEST(Doctor, TellsNothingOfANodeThatIsWellAgain) {
   Diagnoses diagnoses;
   add(diagnoses, word("safety_filter", 1, "no map yet"));

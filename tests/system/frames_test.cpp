@@ -199,7 +199,7 @@ TEST_F(PeopleInFrames, PeopleAreWhereTheirFrameSays) {
   frame = "map";
   EXPECT_TRUE(wait_for_reason("clear")) << reason_;
   frame = "";
-  EXPECT_TRUE(wait_for_reason("people silent")) << reason_;
+  EXPECT_TRUE(wait_for_reason("people are silent")) << reason_;
 }
 
 class PlannerInFrames : public FramesOverDds {

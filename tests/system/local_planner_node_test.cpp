@@ -108,7 +108,7 @@ TEST_F(PlannerOverDds, SilentObstaclesAreAReasonToStand) {
 TEST_F(PlannerOverDds, OdometryThatIsNotANumberIsNone) {
   ASSERT_TRUE(wait_until_driving());
   sees_nan_ = true;
-  EXPECT_TRUE(wait_until_standing("not localised"));
+  EXPECT_TRUE(wait_until_standing("not localized"));
   EXPECT_GE(log_.lines("odom is not finite: dropped"), 1);
 }
 
@@ -179,7 +179,7 @@ class PlannerWithLocaliser : public PlannerOverDds {
 
 TEST_F(PlannerWithLocaliser, StandsUntilTheRobotIsLocalised) {
   send_goal({5.0, 0.0, 0.0});
-  ASSERT_TRUE(wait_until_standing("not localised"));
+  ASSERT_TRUE(wait_until_standing("not localized"));
   EXPECT_EQ(X_, Pose2{});
   const auto tf = node_.create_publisher(topics::tf);
   tf2_msgs::msg::TFMessage msg;

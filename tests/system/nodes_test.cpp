@@ -342,7 +342,7 @@ class FilterAmongPeople : public FilterOverDds {
 };
 
 TEST_F(FilterAmongPeople, SlowsForSomebodyAheadAndStandsWhenNobodySaysWhereTheyAre) {
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
   list_.emplace();
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));  // nobody is there
   list_ = somebody(0.85);
@@ -350,18 +350,18 @@ TEST_F(FilterAmongPeople, SlowsForSomebodyAheadAndStandsWhenNobodySaysWhereTheyA
   list_.emplace();
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   list_.reset();
-  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
 }
 
 TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
   list_ = somebody(5.0);
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   list_->push_back(somebody(kNaN).front());
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
   list_->pop_back();
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   frame_ = "camera";
-  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
 }
 
 // Another robot's tracker sees nobody, and says so more often.
@@ -371,9 +371,9 @@ TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
   const auto other = node_.create_publisher(topics::people);
   auto others_beat = node_.create_wall_timer(
       0.007, [&] { other.publish(to_msg(std::vector<Obstacle>{}, header({}, frame_))); });
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
   words_.clear();
-  ASSERT_TRUE(wait_until([&] { return words_["people silent"] > 100; }));
+  ASSERT_TRUE(wait_until([&] { return words_["people are silent"] > 100; }));
   EXPECT_EQ(words_.size(), 1U);
   others_beat = {};
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
@@ -398,7 +398,7 @@ TEST_F(FilterAmongPeople, NoNumberOfAnyoneMayBeNotFinite) {
       list = to_msg(somebody(5.0), header({}, "map"));
       ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
       number(list.obstacles()[0], value);
-      ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people silent"; }));
+      ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
     }
   people_beat_ = {};
 }

@@ -351,6 +351,7 @@ async function driveAndDisturb() {
     await page.keyboard.down("i");
     await until(page, () => window.tandem.robot.get("arbitration/status")?.emergency_stop);
     await until(page, () => document.getElementById("notice").textContent.startsWith("Emergency stop"));
+    await until(page, () => document.getElementById("remedy").textContent.startsWith("let every sender of e_stop"));
     await picture(page, "emergency_stop");
     assert.ok((await speed(page)) < STANDS);
     await page.locator("#release").click(); // with the key still held: that starts nothing

@@ -202,6 +202,7 @@ function showNumbers(): void {
   write("policy", arbitration?.policy ?? "–");
   write("source", SOURCES[arbitration?.source] ?? arbitration?.source ?? "–");
   write("reason", arbitration ? (REASONS[arbitration.reason] ?? arbitration.reason) : "no word from arbitration");
+  write("remedy", arbitration?.remedy || "–");
   write("alpha", arbitration ? percent(arbitration.alpha) : "–");
   write("filter", filter ? `${filter.reason}${filter.scale < 0.995 ? ` (${percent(filter.scale)} passes)` : ""}` : "–");
   write("planner", planner ? `${planner.method}: ${planner.status_text}` : "no word from the planner");

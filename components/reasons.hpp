@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every reason for which the robot stands or a node is unwell, and what would mend it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace tandem {
+
+/// What a node reports. The order is that of the data: sensors first, the base last.
+enum class Reason : std::size_t {
+  kNothingSensed,
+  kSensorMissing,
+  kSensorSilent,
+  kSensorBlind,
+  kSensorFrozen,
+  kSensorRefused,
+  kSensorUnplaced,
+  kSensorInWorld,
+  kSensorUnlocalized,
+  kSensorUntimely,
+  kSensorTooFar,
+  kFewBeams,
+  kSensingSilent,
+  kLocalMapSilent,
+  kNoMap,
+  kNoMapYet,
+  kOtherFrame,
+  kMapNotPlaced,
+  kMapMoved,
+  kNotLocalized,
+  kPoseJumped,
+  kTooFast,
+  kStickMoved,
+  kStickIncomplete,
+  kStickNotFinite,
+  kStickBeyondRange,
+  kUserSilent,
+  kLeaderSilent,
+  kNoGoal,
+  kNotFitted,
+  kPeopleSilent,
+  kObstaclesSilent,
+  kPlanTimeout,
+  kPlanInfeasible,
+  kPlanRefused,
+  kNothingAdmissible,
+  kEmergencyStop,
+  kLetGoFirst,
+  kSteerFirst,
+  kSharedSilent,
+  kNoCommand,
+  kClockSilent,
+  kFilterSilent,
+  kCommandNotFinite,
+  kTwistInDoubt,
+  kUnseenGround,
+  kStopped,
+  kOthersDrive,
+  kNotEnforcing,
+  kCount
+};
+
+/// A reason as nodes write it. "…" stands for what differs: other words may stand there. A reason
+/// without it may be followed by ": " or " (" and details.
+struct ReasonText {
+  const char* text;
+  const char* remedy;
+};
+
+// The one table. A new reason does not compile without its words: the switch has no default, and
+// the assertion below wants a remedy.
+[[nodiscard]] constexpr ReasonText words(Reason reason) {
+  switch (reason) {
+    case Reason::kNothingSensed:
+      return {"nothing is heard on scan or cloud_in…",
+              "start a sensor's driver, or remap scan or cloud_in to its topic"};
+    case Reason::kSensorMissing:
+      return {"… is silent, and required_sensors names it…",
+              "start the sensor's driver, or take the sensor out of required_sensors"};
+    case Reason::kSensorSilent:
+      return {"… is silent: is its driver running?…",
+              "start the sensor's driver again; if the sensor was taken off, restart "
+              "octomap_builder"};
+    case Reason::kSensorBlind:
+      return {"… gives no valid range…",
+              "uncover or clean the sensor; name in no_return what it sends where nothing is in "
+              "range"};
+    case Reason::kSensorFrozen:
+      return {"… is frozen…",
+              "restart the sensor's driver; if the wheels slip, free the robot and call "
+              "octomap_builder's ~/reset"};
+    case Reason::kSensorRefused:
+      return {"… is refused: …", "mend the field of the sensor's message that the reason names"};
+    case Reason::kSensorUnplaced:
+      return {"… is dropped: /tf_static does not say where…",
+              "publish where the sensor sits on /tf_static, or set scan_pose or cloud_pose"};
+    case Reason::kSensorInWorld:
+      return {"… is dropped: it is given in frame…", "publish the sensor in its own frame"};
+    case Reason::kSensorUnlocalized:
+      return {"… is dropped: not localized…", "publish odom, and map → odom on /tf"};
+    case Reason::kSensorUntimely:
+      return {"… is dropped: no odometry of its time…",
+              "set the clock of the computer that stamps it, or restart its driver"};
+    case Reason::kSensorTooFar:
+      return {"… is farther than an OctoMap reaches",
+              "let the localiser place the robot nearer to the map's origin"};
+    case Reason::kFewBeams:
+      return {"… of its beams are usable…", "clean the sensor, or uncover it"};
+    case Reason::kSensingSilent:
+      return {"sensing_status is silent…", "start octomap_builder again"};
+    case Reason::kLocalMapSilent:
+      return {"octomap_local is silent", "start octomap_builder, or set map_source: static"};
+    case Reason::kNoMap:
+    case Reason::kNoMapYet:
+      return {reason == Reason::kNoMap ? "no map" : "no map yet",
+              "start map_server with a map, or octomap_builder with map_source: local"};
+    case Reason::kOtherFrame:
+      return {"… is given in frame …",
+              "publish on /tf where that frame is, or let its sender use the frame of map_frame or "
+              "odom_frame"};
+    case Reason::kMapNotPlaced:
+      return {"… cannot be placed: …", "publish on /tf where the map's frame is"};
+    case Reason::kMapMoved:
+      return {"… is being placed anew: …",
+              "wait; if it lasts, let one localiser alone say where the map's frame is"};
+    case Reason::kNotLocalized:
+      return {"not localized",
+              "publish odom, and map → odom on /tf; name the frames with map_frame, odom_frame and "
+              "base_frame, or set map_is_odom: true without a localiser"};
+    case Reason::kPoseJumped:
+      return {"pose jumped", "wait; if two nodes publish odom or map → odom, stop one"};
+    case Reason::kTooFast:
+      return {"odom is faster than the robot can be (v_max, v_min, w_max)",
+              "let the base give odom in m and s, or correct v_max, v_min and w_max"};
+    case Reason::kStickMoved:
+      return {"stick is not at rest",
+              "let go of the stick; if it rests beside its centre, raise deadzone"};
+    case Reason::kStickIncomplete:
+      return {"joy has no …",
+              "set axis_linear, axis_angular and deadman_button to what the device has"};
+    case Reason::kStickNotFinite:
+      return {"… is not finite", "let the device's driver send numbers"};
+    case Reason::kStickBeyondRange:
+      return {"… is beyond axis_range", "set axis_range to what the device sends at full stick"};
+    case Reason::kUserSilent:
+      return {"cmd_vel_user is silent",
+              "hold the dead-man button and steer, or publish cmd_vel_user at 20 Hz"};
+    case Reason::kLeaderSilent:
+      return {"leader_pose is silent", "start teleop and steer, or set method: intention"};
+    case Reason::kNoGoal:
+      return {"no goal_pose yet", "publish goal_pose, or set the planner's parameter goal"};
+    case Reason::kNotFitted:
+      return {"not fitted yet", "wait: shapes are being fitted to the map"};
+    case Reason::kPeopleSilent:
+      return {"people are silent", "start what publishes people, or set people: false"};
+    case Reason::kObstaclesSilent:
+      return {"obstacles are silent", "start obstacle_extractor"};
+    case Reason::kPlanTimeout:
+      return {"timeout",
+              "wait; if it lasts, raise time_budget, or let nothing else load the "
+              "computer"};
+    case Reason::kPlanInfeasible:
+      return {"infeasible", "steer to where there is room"};
+    case Reason::kPlanRefused:
+      return {"refused", "see the planner's log: its inputs are not finite"};
+    case Reason::kNothingAdmissible:
+      return {"nothing is admissible: braking", "steer to where there is room"};
+    case Reason::kEmergencyStop:
+      return {"emergency stop",
+              "let every sender of e_stop say false, then call release_emergency_stop"};
+    case Reason::kLetGoFirst:
+      return {"let go of the stick first", "let go of the stick for a second"};
+    case Reason::kSteerFirst:
+      return {"steer to drive on", "steer"};
+    case Reason::kSharedSilent:
+      return {"cmd_vel_shared is silent", "start a planner, or set policy manual"};
+    case Reason::kNoCommand:
+      return {"no command",
+              "start arbitration, and steer, publish cmd_vel_nav or give the planner a goal"};
+    case Reason::kClockSilent:
+      return {"/clock is silent", "start what publishes /clock, or set use_sim_time: false"};
+    case Reason::kFilterSilent:
+      return {"safety filter is silent", "start safety_filter again"};
+    case Reason::kCommandNotFinite:
+      return {"command not finite", "mend the node that publishes cmd_vel_arbitrated"};
+    case Reason::kTwistInDoubt:
+      return {"stopped: odom's twist contradicts its poses",
+              "let odom give its twist in child_frame_id, forward positive"};
+    case Reason::kUnseenGround:
+      return {"unseen ground", "turn a sensor there, or raise unseen_speed"};
+    case Reason::kStopped:
+      return {"stopped", "steer to where there is room"};
+    case Reason::kOthersDrive:
+      return {"others publish cmd_vel, past this filter",
+              "remap them to cmd_vel_nav or cmd_vel_user"};
+    case Reason::kNotEnforcing:
+      return {"NOT ENFORCING: commands pass unchanged", "set enforce: true"};
+    case Reason::kCount:
+      break;
+  }
+  return {"", ""};
+}
+
+inline constexpr auto kReasons = [] {
+  std::array<ReasonText, static_cast<std::size_t>(Reason::kCount)> all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = words(static_cast<Reason>(i));
+  return all;
+}();
+
+static_assert(
+    [] {
+      for (const ReasonText& reason : kReasons)
+        if (std::string_view{reason.text}.empty() || std::string_view{reason.remedy}.empty())
+          return false;
+      return true;
+    }(),
+    "every reason has words and a remedy");
+
+[[nodiscard]] constexpr const char* text_of(Reason reason) { return words(reason).text; }
+
+/// The remedy of a reason as a node wrote it, behind "node: " or not; empty if the table has none.
+/// Where several reasons fit, that with most words counts.
+[[nodiscard]] std::string remedy_for(std::string_view written);
+
+}  // namespace tandem
