@@ -6,10 +6,18 @@
 #include "topics.hpp"
 
 namespace tandem {
+namespace {
+
+// As the topic, with a queue: the next list must not overwrite that of a second sender, or the two
+// would look like one.
+constexpr rt::Topic<tandem_msgs::msg::ObstacleArray> kPeople{
+    topics::people.name, {.depth = 10}, topics::people.hears};
+
+}  // namespace
 
 PeopleInput::PeopleInput(rt::Node& node, const FramesInput& frames, Heard heard)
     : node_{node}, frames_{frames}, heard_{std::move(heard)} {
-  people_ = node.create_subscription(topics::people, [this](const auto& msg) { take(msg); });
+  people_ = node.create_subscription(kPeople, [this](const auto& msg) { take(msg); });
 }
 
 void PeopleInput::take(const tandem_msgs::msg::ObstacleArray& msg) {

@@ -286,6 +286,7 @@ class FilterOverDds : public OneComponent {
     status_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
       reason_ = msg.reason();
       ++words_[reason_];
+      if (from_msg(msg.passed()) != Twist2{}) ++driven_;
     });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
   }
@@ -314,6 +315,7 @@ class FilterOverDds : public OneComponent {
   std::optional<Pose2> other_;  ///< told of the robot right after where it is
   std::string reason_;
   std::map<std::string, int> words_;  ///< how often each reason was said
+  int driven_ = 0;                    ///< words with which something passed
 };
 
 TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
@@ -373,8 +375,10 @@ TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
       0.007, [&] { other.publish(to_msg(std::vector<Obstacle>{}, header({}, frame_))); });
   ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
   words_.clear();
+  driven_ = 0;
+  // On a busy computer it may stand for a late command, too.
   ASSERT_TRUE(wait_until([&] { return words_["people are silent"] > 100; }));
-  EXPECT_EQ(words_.size(), 1U);
+  EXPECT_EQ(driven_, 0);
   others_beat = {};
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
 }
