@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// A safety filter that goes by what sensors see, without a map.
+#include <optional>
+
+#include "system/builder_over_dds.hpp"
+
+namespace tandem::test {
+namespace {
+
+void cover_ground(octomap::OcTree& tree) {
+  const auto middle = [](int i) { return 0.05F * (static_cast<float>(i) + 0.5F); };
+  for (int ix = -40; ix < 40; ++ix)
+    for (int iy = -40; iy < 40; ++iy)
+      tree.updateNode(octomap::point3d(middle(ix), middle(iy), 0.3F), false);
+}
+
+// A filter that goes by what octomap_local shows, and the tester in the place of builder and base.
+class FilterWithLiveSensing : public OneComponent {
+ protected:
+  FilterWithLiveSensing() {
+    map_.binary(true);
+    map_.id("OcTree");
+    map_.resolution(0.05);
+  }
+  void show(const octomap::OcTree& tree) { map_.data(encode_octomap(tree)); }
+  [[nodiscard]] bool drives(double v, const std::string& reason) {
+    return wait_until([&] { return v_ == v && reason_ == reason; });
+  }
+
+  rt::RunningComponent filter_ =
+      load("safety_filter", {{"map_is_odom", "true"}, {"map_source", "local"}});
+  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
+  rt::Publisher<geometry_msgs::msg::Twist> command_ =
+      node_.create_publisher(topics::cmd_vel_arbitrated);
+  rt::Publisher<octomap_msgs::msg::Octomap> maps_ = node_.create_publisher(topics::octomap_local);
+  rt::Subscription out_ = node_.create_subscription(
+      topics::cmd_vel, [this](const auto& msg) { v_ = msg.linear().x(); });
+  rt::Subscription status_ = node_.create_subscription(
+      topics::filter_status, [this](const auto& msg) { reason_ = msg.reason(); });
+  rt::Timer beat_ = node_.create_wall_timer(0.02, [this] {
+    odom_.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
+    command_.publish(to_msg(Twist2{0.3, 0.0}));
+  });
+  octomap_msgs::msg::Octomap map_;
+  octomap::OcTree tree_{0.05};
+  double v_ = -1.0;
+  std::string reason_;
+};
+
+TEST_F(FilterWithLiveSensing, StandsUntilSomethingIsSeenAndWhenNothingIsAnyMore) {
+  ASSERT_TRUE(drives(0.0, "no map yet"));
+
+  tree_.updateNode(octomap::point3d(0.0F, 0.0F, 0.3F), false);
+  show(tree_);  // nothing stands there, and that is no error
+  auto looks = node_.create_wall_timer(0.1, [&] { maps_.publish(map_); });
+  ASSERT_TRUE(drives(0.15, "unseen ground"));
+  cover_ground(tree_);
+  show(tree_);
+  ASSERT_TRUE(drives(0.3, "clear"));
+
+  for (int i = -20; i <= 20; ++i)
+    tree_.updateNode(octomap::point3d(0.57F, 0.05F * static_cast<float>(i), 0.3F), true);
+  show(tree_);
+  ASSERT_TRUE(wait_until([&] { return v_ < 0.3 && reason_ != "clear"; }));
+  looks = {};
+  EXPECT_TRUE(drives(0.0, "octomap_local is silent"));
+}
+
+// What the builder says of its sensors goes before how fresh the map is.
+TEST_F(FilterWithLiveSensing, StandsWhileTheBuilderSaysThatItsSensorsDoNotSee) {
+  cover_ground(tree_);
+  show(tree_);
+  const auto looks = node_.create_wall_timer(0.02, [&] { maps_.publish(map_); });
+  ASSERT_TRUE(drives(0.3, "clear"));  // a foreign map source
+
+  auto sensing = std::optional{node_.create_publisher(topics::sensing_status)};
+  tandem_msgs::msg::SensingStatus word;
+  auto words = node_.create_wall_timer(0.1, [&] { sensing->publish(word); });
+  ASSERT_TRUE(wait_until([&] { return sensing->matched() > 0; }));
+  ASSERT_TRUE(drives(0.3, "clear"));
+  word.reason("scan gives no valid range");
+  ASSERT_TRUE(drives(0.0, "scan gives no valid range"));
+  word.reason("");
+  ASSERT_TRUE(drives(0.3, "clear"));
+  words = {};
+  ASSERT_TRUE(wait_until(
+      [&] { return v_ == 0.0 && reason_.find("sensing_status is silent") != std::string::npos; }));
+  sensing.reset();
+  EXPECT_TRUE(drives(0.3, "clear"));
+}
+
+// Both over DDS: whichever of two sensors is lost, the robot stands and says which.
+class FilterBesideABuilder : public BuilderOverDds {
+ protected:
+  FilterBesideABuilder() {
+    status_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
+      stands_ = msg.passed().linear().x() == 0.0;
+      filters_reason_ = msg.reason();
+    });
+    push_ = node_.create_wall_timer(0.02, [this] { command_.publish(to_msg(Twist2{0.1, 0.0})); });
+  }
+  [[nodiscard]] bool stands_for(const std::string& part) const {
+    return stands_ && filters_reason_.find(part) != std::string::npos;
+  }
+
+  rt::RunningComponent filter_ =
+      load("safety_filter", {{"map_is_odom", "true"}, {"map_source", "local"}});
+  rt::Publisher<geometry_msgs::msg::Twist> command_ =
+      node_.create_publisher(topics::cmd_vel_arbitrated);
+  rt::Subscription status_;
+  rt::Timer push_;
+  bool stands_ = true;
+  std::string filters_reason_;
+};
+
+TEST_F(FilterBesideABuilder, StandsForEitherOfTwoSensorsThatIsLost) {
+  auto camera = camera_that_sees(true);
+  ASSERT_TRUE(wait_with_scans([](auto&) {}, [&] { return !stands_; }));
+  ASSERT_TRUE(wait_with_scans([](auto& msg) { msg.ranges().assign(360, 0.0F); },
+                              [&] { return stands_for("scan gives no valid range"); }));
+  ASSERT_TRUE(wait_with_scans([](auto&) {}, [&] { return !stands_; }));
+  camera = {};
+  EXPECT_TRUE(wait_with_scans([](auto&) {}, [&] { return stands_for("cloud_in is silent"); }));
+}
+
+}  // namespace
+}  // namespace tandem::test
