@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/parameter_names.hpp"
 #include "bringup/replay.hpp"
 #include "bringup/world.hpp"
+#include "diff_drive_sim/diff_drive_sim_node.hpp"
 #include "driver/driver.hpp"
 #include "teleop/teleop_node.hpp"
 
@@ -158,6 +160,22 @@ void hand_over_recording(const Scenario& scenario, System& system) {
   }
 }
 
+// From where an edge of the robot is to be to where base_link then is.
+Scenario with_base_link_goal(Scenario scenario, const DriveOptions& options) {
+  auto* goal = std::get_if<PoseGoal>(&scenario.goal);
+  const std::string edge = std::exchange(scenario.goal_edge, "");
+  if (!goal || edge.empty()) return scenario;
+  const System system = system_of(scenario, options);
+  const Extent e =
+      extent(footprint_of(parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim").robot));
+  const Eigen::Vector2d p_BE = edge == "front"  ? Eigen::Vector2d{e.front, 0.0}
+                               : edge == "rear" ? Eigen::Vector2d{-e.rear, 0.0}
+                               : edge == "left" ? Eigen::Vector2d{0.0, e.left}
+                                                : Eigen::Vector2d{0.0, -e.right};
+  goal->X_MG = compose(goal->X_MG, {-p_BE.x(), -p_BE.y(), 0.0});
+  return scenario;
+}
+
 }  // namespace
 
 void check_scenario(const Scenario& scenario) {
@@ -211,7 +229,8 @@ Scenario with_options(Scenario scenario, const DriveOptions& options) {
                                 " is above the largest, " + text(kLargestSeed));
   check_scenario(scenario);
   if (is_family(scenario.map)) return in_its_world(std::move(scenario));
-  return scenario.goals.empty() ? scenario : with_its_goal(std::move(scenario));
+  if (!scenario.goals.empty()) scenario = with_its_goal(std::move(scenario));
+  return with_base_link_goal(std::move(scenario), options);
 }
 
 System system_of(const Scenario& scenario, const DriveOptions& options) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct Scenario {
   std::string map_source = "static";  ///< of extractor and filter; else an octomap_builder runs too
   Pose2 start;
   Goal goal;
+  std::string goal_edge;  ///< front, rear, left or right of the robot is to be at the pose
+  std::optional<RegionGoal> after;   ///< the goal counts once base_link was here
   std::vector<Pose2> goals;          ///< if there are several poses: the seed says whose turn it is
   std::string method;                ///< unless the command line names another
   std::vector<std::string> methods;  ///< those the scenario makes sense for

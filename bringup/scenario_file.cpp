@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -148,29 +149,57 @@ std::vector<Pose2> read_poses(Section& section, const char* key) {
   return poses;
 }
 
-Goal read_goal(const YAML::Node& node, const std::string& path, std::vector<Pose2>& poses) {
+std::optional<RegionGoal> read_region(Section& section, const char* key) {
+  const auto region = section.optional<std::vector<double>>(key, {});
+  if (region.empty()) return std::nullopt;
+  if (region.size() != 4 || region[0] >= region[2] || region[1] >= region[3])
+    section.fail(key, std::string(key) + " needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
+  return RegionGoal{{region[0], region[1]}, {region[2], region[3]}};
+}
+
+double read_positive(Section& section, const char* key, double value) {
+  value = section.optional(key, value);
+  if (!(value > 0.0)) section.fail(key, std::string("`") + key + "` must be above 0");
+  return value;
+}
+
+// All of it but the pose.
+PoseGoal read_tolerances(Section& section) {
+  PoseGoal goal;
+  goal.tolerance = read_positive(section, "tolerance", goal.tolerance);
+  goal.heading_tolerance = read_positive(section, "heading_tolerance", goal.heading_tolerance);
+  goal.stand = section.optional("stand", goal.stand);
+  if (goal.stand < 0.0) section.fail("stand", "`stand` must be 0 or more");
+  return goal;
+}
+
+std::string read_edge(Section& section) {
+  const auto edge = section.optional<std::string>("of", "");
+  if (!edge.empty() && edge != "front" && edge != "rear" && edge != "left" && edge != "right")
+    section.fail("of", "`of` = " + edge + " is none of front, rear, left, right");
+  return edge;
+}
+
+Goal read_goal(const YAML::Node& node, const std::string& path, Scenario& scenario) {
   Section goal{node, path};
-  poses = read_poses(goal, "poses");
-  const auto region = goal.optional<std::vector<double>>("region", {});
+  scenario.goals = read_poses(goal, "poses");
+  scenario.after = read_region(goal, "after");
+  scenario.goal_edge = read_edge(goal);
+  const auto& poses = scenario.goals;
+  const auto region = read_region(goal, "region");
   const auto at = goal.optional<std::vector<double>>("pose", {});
-  const double tolerance = goal.optional("tolerance", 0.2);
+  PoseGoal pose_goal = read_tolerances(goal);
   const double time = goal.optional("roam_time", 0.0);
   const double distance = goal.optional("roam_distance", 0.0);
   goal.finish();
-  if ((region.empty() ? 0 : 1) + (at.empty() ? 0 : 1) + (poses.empty() ? 0 : 1) +
-          (time > 0.0 ? 1 : 0) !=
-      1)
+  if ((region ? 1 : 0) + (at.empty() ? 0 : 1) + (poses.empty() ? 0 : 1) + (time > 0.0 ? 1 : 0) != 1)
     fail(path, node,
          "goal needs one of region: [x1, y1, x2, y2], pose: [x, y, heading], "
          "poses: [x1, y1, heading1, …], roam_time");
-  if (!at.empty() || !poses.empty()) {
-    if (!(tolerance > 0.0)) goal.fail("tolerance", "`tolerance` must be above 0");
-    return PoseGoal{poses.empty() ? pose(at, path + ": goal.pose") : poses.front(), tolerance};
-  }
-  if (region.empty()) return RoamGoal{time, distance};
-  if (region.size() != 4 || region[0] >= region[2] || region[1] >= region[3])
-    goal.fail("region", "region needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
-  return RegionGoal{{region[0], region[1]}, {region[2], region[3]}};
+  if (region) return *region;
+  if (time > 0.0) return RoamGoal{time, distance};
+  pose_goal.X_MG = poses.empty() ? pose(at, path + ": goal.pose") : poses.front();
+  return pose_goal;
 }
 
 std::vector<Eigen::Vector2d> read_points(Section& section, const char* key) {
@@ -284,7 +313,7 @@ Scenario load_scenario(const std::string& path) {
     s.fixtures = beside(path, fixtures);
   s.map_source = file.optional<std::string>("map_source", s.map_source);
   s.start = pose(file.required<std::vector<double>>("start"), path + ": start");
-  s.goal = read_goal(file.required_child("goal"), path, s.goals);
+  s.goal = read_goal(file.required_child("goal"), path, s);
   s.method = file.required<std::string>("method");
   s.methods = file.optional<std::vector<std::string>>("methods", {s.method});
   if (s.methods.empty())

@@ -88,6 +88,7 @@ MetricsSetting metrics_setting(const Scenario& scenario, const System& system,
   return {.goal = scenario.goal,
           .v_max = robot.v_max,
           .w_max = robot.w_max,
+          .after = scenario.after,
           .shortest_way = shortest_way,
           .control_period = planner.live.nmpc.control_period};
 }

@@ -20,8 +20,8 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 }  // namespace
 
 const std::vector<std::string>& all_drivers() {
-  static const std::vector<std::string> all{"navigator", "pointer", "reckless", "adversary",
-                                            "replay"};
+  static const std::vector<std::string> all{"navigator", "pointer",   "script",
+                                            "reckless",  "adversary", "replay"};
   return all;
 }
 
@@ -44,6 +44,8 @@ DriverName::DriverName(const std::string& text) {
 
 Driver::Person Driver::person(const DriverParams& params, const std::string& name, unsigned seed) {
   if (name == "pointer") return Pointer{params.navigator, seed};
+  if (name == "script")
+    return Script{params.script, params.navigator, footprint_of(params.robot), seed};
   if (name == "reckless") return Reckless{params.reckless_time, seed};
   if (name == "adversary") return Adversary{seed};
   if (name == "replay")
@@ -62,6 +64,7 @@ Driver::Driver(const DriverParams& params, unsigned seed)
 Hand Driver::mean(const Pose2& X_MB, const Pose2& X_MS, double t) {
   if (auto* navigator = std::get_if<Navigator>(&person_)) return navigator->steer(X_MB, X_MS, t);
   if (auto* pointer = std::get_if<Pointer>(&person_)) return pointer->steer(X_MB, X_MS, t);
+  if (auto* script = std::get_if<Script>(&person_)) return script->steer(X_MB, X_MS, t);
   if (auto* reckless = std::get_if<Reckless>(&person_)) return reckless->steer(X_MS, t);
   if (auto* adversary = std::get_if<Adversary>(&person_))
     return adversary->steer(X_MB, X_MS, map_.get(), t);
@@ -77,6 +80,7 @@ Hand Driver::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
 bool Driver::arrived() const {
   if (const auto* navigator = std::get_if<Navigator>(&person_)) return navigator->arrived();
   if (const auto* pointer = std::get_if<Pointer>(&person_)) return pointer->arrived();
+  if (const auto* script = std::get_if<Script>(&person_)) return script->arrived();
   if (const auto* reckless = std::get_if<Reckless>(&person_)) return reckless->arrived();
   if (const auto* replay = std::get_if<Replay>(&person_)) return replay->arrived();
   return false;

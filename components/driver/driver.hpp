@@ -9,7 +9,9 @@
 
 #include "driver/hand.hpp"
 #include "driver/navigator.hpp"
+#include "driver/script.hpp"
 #include "driver/wanderers.hpp"
+#include "model/robot.hpp"
 
 namespace tandem {
 
@@ -18,16 +20,20 @@ struct DriverParams {
   NavigatorParams navigator{};
   HandParams hand{};
   double reckless_time = 120.0;
+  std::string script;
+  RobotParams robot{};
   std::vector<double> replay_t, replay_linear, replay_angular;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     field("driver", driver,
-          "navigator, pointer, reckless, adversary or replay, then its modifiers: "
+          "navigator, pointer, script, reckless, adversary or replay, then its modifiers: "
           "navigator+tremor+dropouts");
     navigator.visit(field);
     hand.visit(field);
     field("reckless_time", reckless_time, Range{1.0, 1e6}, "[s] then reckless lets go");
+    field("script", script, "phases of driver `script`, one a line: path, turn, hold, push");
+    robot.visit(field);
     field("replay_t", replay_t, Range{-1e12, 1e12}, "[s] of each sample that replay plays");
     field("replay_linear", replay_linear, Range{-1.0, 1.0}, "[1] stick forward at replay_t");
     field("replay_angular", replay_angular, Range{-1.0, 1.0}, "[1] stick left at replay_t");
@@ -60,11 +66,12 @@ class Driver {
   /// steers, the robot itself or its leader. The hand lets go when the driver has arrived.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
 
-  /// Whether the person is done: at the end of the route, of the time, of the recording.
+  /// Whether the person is done: at the end of the route, of the script, of the time, of the
+  /// recording.
   [[nodiscard]] bool arrived() const;
 
  private:
-  using Person = std::variant<Navigator, Pointer, Reckless, Adversary, Replay>;
+  using Person = std::variant<Navigator, Pointer, Script, Reckless, Adversary, Replay>;
   [[nodiscard]] static Person person(const DriverParams& params, const std::string& name,
                                      unsigned seed);
   [[nodiscard]] Hand mean(const Pose2& X_MB, const Pose2& X_MS, double t);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "driver/wander.hpp"
+
 namespace tandem {
 namespace {
 
@@ -65,7 +67,7 @@ Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
     arrived_ = true;
   if (arrived_) return {};
 
-  sideways_ = wander(sideways_, params_.aim_noise, params_.aim_time);
+  sideways_ = wandered(sideways_, params_.aim_noise, params_.aim_time);
   if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().X_MS));
   const bool leads = !(X_MS == X_MB);
   const Eigen::Vector2d p_MT = aim();
@@ -144,8 +146,8 @@ Hand Navigator::reverse(const Pose2& X_MS) const {
 }
 
 Hand Navigator::with_noise(Hand hand) {
-  hand_linear_ = wander(hand_linear_, params_.stick_noise, 0.3);
-  hand_angular_ = wander(hand_angular_, params_.stick_noise, 0.3);
+  hand_linear_ = wandered(hand_linear_, params_.stick_noise, 0.3);
+  hand_angular_ = wandered(hand_angular_, params_.stick_noise, 0.3);
   return {std::clamp(hand.linear + hand_linear_, -1.0, 1.0),
           std::clamp(hand.angular + hand_angular_, -1.0, 1.0)};
 }
@@ -188,10 +190,8 @@ bool Navigator::backs_out(const Pose2& X_MB, double t) {
   return false;
 }
 
-// Exact discretisation of an Ornstein–Uhlenbeck process at the joystick's rate.
-double Navigator::wander(double value, double deviation, double time) {
-  const double keep = std::exp(-1.0 / (params_.rate * time));
-  return keep * value + deviation * std::sqrt(1.0 - keep * keep) * normal_(random_);
+double Navigator::wandered(double value, double deviation, double time) {
+  return wander(value, deviation, time, 1.0 / params_.rate, normal_(random_));
 }
 
 }  // namespace tandem

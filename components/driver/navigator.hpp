@@ -92,7 +92,7 @@ class Navigator {
   [[nodiscard]] double back_out_distance() const;
   [[nodiscard]] bool backs_out(const Pose2& X_MB, double t);
   void lose_patience(const Pose2& X_MB, bool wants_to_move, double t);
-  double wander(double value, double deviation, double time);
+  double wandered(double value, double deviation, double time);
 
   NavigatorParams params_;
   std::mt19937 random_;

@@ -14,9 +14,17 @@ constexpr double kStands = 0.03;      // [m/s]
 constexpr double kStandsTurn = 0.05;  // [rad/s]
 constexpr double kStickSide = 0.1;    // of the limit: turns to that side
 
+bool stands(const Twist2& twist) {
+  return std::abs(twist.v) < kStands && std::abs(twist.w) < kStandsTurn;
+}
+
 bool is_stuck(const DriveSample& sample) {
   const bool pushes = std::abs(sample.user.v) > kPushes || std::abs(sample.user.w) > kPushes;
-  return pushes && std::abs(sample.twist.v) < kStands && std::abs(sample.twist.w) < kStandsTurn;
+  return pushes && stands(sample.twist);
+}
+
+double heading_error(const PoseGoal& goal, const Pose2& X_MB) {
+  return std::abs(wrap_angle(X_MB.theta - goal.X_MG.theta));
 }
 
 double position_error(const Goal& goal, const Eigen::Vector2d& p_MB) {
@@ -86,7 +94,7 @@ void Metrics::add(const DriveSample& sample) {
   last_ = sample;
   if (finished_ || !is_finished(sample)) return;
   finished_ = true;
-  time_to_goal_ = sample.t - start_;
+  time_to_goal_ = at_rest_.value_or(sample.t) - start_;
 }
 
 Eigen::Vector2d Metrics::in_limits(const Twist2& twist) const {
@@ -115,10 +123,18 @@ void Metrics::watch_stick(const DriveSample& sample) {
   stick_side_ = side;
 }
 
-bool Metrics::is_finished(const DriveSample& sample) const {
+bool Metrics::is_finished(const DriveSample& sample) {
   if (const auto* roam = std::get_if<RoamGoal>(&setting_.goal))
     return sample.t - start_ >= roam->time;
-  return is_at(setting_.goal, sample.X_MB.position());
+  const Eigen::Vector2d p_MB = sample.X_MB.position();
+  was_after_ = was_after_ || !setting_.after || is_at(*setting_.after, p_MB);
+  const auto* pose = std::get_if<PoseGoal>(&setting_.goal);
+  const bool looks = !pose || heading_error(*pose, sample.X_MB) <= pose->heading_tolerance;
+  const bool is_there = was_after_ && looks && is_at(setting_.goal, p_MB);
+  if (!is_there || !stands(sample.twist)) at_rest_.reset();
+  if (!pose || pose->stand <= 0.0) return is_there;
+  if (is_there && stands(sample.twist) && !at_rest_) at_rest_ = sample.t;
+  return at_rest_ && sample.t - *at_rest_ >= pose->stand;
 }
 
 void Metrics::write(DriveResult& result) const {

@@ -22,10 +22,13 @@ namespace tandem {
 struct RegionGoal {
   Eigen::Vector2d low, high;  ///< corners in M [m]
 };
-/// Reached when the distance to the pose's position is at most the tolerance.
+/// Reached when position and heading are within the tolerances of the pose's, and the robot has
+/// stood there for `stand`; then the time is that when it came to rest.
 struct PoseGoal {
   Pose2 X_MG;
-  double tolerance = 0.2;  ///< [m]
+  double tolerance = 0.2;          ///< [m]
+  double heading_tolerance = 4.0;  ///< [rad] more than π: any heading
+  double stand = 0.0;              ///< [s] 0: reached in passing
 };
 /// Reached when the whole time was driven and at least this far.
 struct RoamGoal {
@@ -162,6 +165,7 @@ void from_json(const nlohmann::json& json, DriveResult& result);
 struct MetricsSetting {
   Goal goal;
   double v_max = 1.0, w_max = 1.0;          ///< the robot's limits [m/s, rad/s]
+  std::optional<RegionGoal> after = {};     ///< the goal counts once base_link was in it
   std::optional<double> shortest_way = {};  ///< from start to goal [m], see shortest_way.hpp
   double control_period = 0.05;             ///< the planner's deadline [s]
 };
@@ -199,13 +203,15 @@ class Metrics {
     }
   };
 
-  [[nodiscard]] bool is_finished(const DriveSample& sample) const;
+  [[nodiscard]] bool is_finished(const DriveSample& sample);
   [[nodiscard]] Eigen::Vector2d in_limits(const Twist2& twist) const;
   void compare(const DriveSample& sample, double dt);
   void watch_stick(const DriveSample& sample);
 
   MetricsSetting setting_;
   bool started_ = false, finished_ = false;
+  bool was_after_ = false;           // base_link was in setting_.after
+  std::optional<double> at_rest_{};  // [s] since when it stands at its goal
   double start_ = 0.0, time_to_goal_ = -1.0;
   double path_length_ = 0.0, min_clearance_ = 1e9, stuck_ = 0.0;
   Mean clearance_, squared_difference_, direction_, direction_free_;

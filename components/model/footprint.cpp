@@ -203,6 +203,18 @@ double circumradius(const Footprint& footprint) {
   return radius;
 }
 
+Extent extent(const Footprint& footprint) {
+  Extent e;
+  for (const auto& part : footprint.parts)
+    for (const auto& p_BV : part) {
+      e.front = std::max(e.front, p_BV.x());
+      e.rear = std::max(e.rear, -p_BV.x());
+      e.left = std::max(e.left, p_BV.y());
+      e.right = std::max(e.right, -p_BV.y());
+    }
+  return e;
+}
+
 double width(const Footprint& footprint) {
   double low = kInfinity, high = -kInfinity;
   for (const auto& part : footprint.parts) {

@@ -39,6 +39,12 @@ struct Disc {
 /// Radius of the smallest disc about B's origin that contains the footprint [m].
 [[nodiscard]] double circumradius(const Footprint& footprint);
 
+/// Distances from B's origin to the footprint's extremes along B's axes [m].
+struct Extent {
+  double front = 0.0, rear = 0.0, left = 0.0, right = 0.0;
+};
+[[nodiscard]] Extent extent(const Footprint& footprint);
+
 /// Extent of the footprint across B's x axis, the direction of travel [m].
 [[nodiscard]] double width(const Footprint& footprint);
 

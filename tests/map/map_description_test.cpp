@@ -116,7 +116,7 @@ TEST(MapDescription, RefusesWhatMakesNoMap) {
 }
 
 TEST(MapDescription, TheProjectsMapsAreWhatTheirDescriptionsSay) {
-  for (const char* name : {"forest", "corridor", "hall", "slalom", "ward", "yard"}) {
+  for (const char* name : {"forest", "corridor", "hall", "home", "slalom", "ward", "yard"}) {
     const auto file = test::source_path("maps/" + std::string{name});
     const auto tree = build_octomap(load_map_description(file + ".yaml"));
     std::ifstream stream(file + ".bt", std::ios::binary);
