@@ -8,6 +8,7 @@ Usage: report.py DIR    (what `tandem study` left there: drives.jsonl, drives.js
 import base64
 import html
 import json
+import math
 import pathlib
 import statistics
 import sys
@@ -107,7 +108,8 @@ def scenario_table(study, scenario):
     head = ["method", "driver", "n", "reached", "collisions", "drives with one", "time [s]",
             "÷ free hand", "path ÷ shortest", "closest [m]", "mean clearance [m]", "agreement",
             "… where free", "magnitude", "stuck", "filter changed", "times", "jerk [m/s³]", "SPARC",
-            "stick travel [1/s]", "turned back"]
+            "stick travel [1/s]", "turned back", "reversals of travel", "way to rest [m]",
+            "off goal [m]", "askew [°]", "gap at the end [m]"]
     barn = any(g["barn_score"] is not None for g in study.summary if g["scenario"] == scenario)
     if barn:
         head.append("BARN's score")
@@ -129,7 +131,11 @@ def scenario_table(study, scenario):
             interval(m["agreement_magnitude"]), f"{100 * group['stuck_share']:.1f} %",
             "–" if rate is None else f"{100 * rate:.2f} %", group["intervention_episodes"],
             interval(m["jerk_rms"]), interval(m["spectral_arc_length"]),
-            interval(m["stick_travel_per_s"]), interval(m["stick_reversals"], 0)))
+            interval(m["stick_travel_per_s"]), interval(m["stick_reversals"], 0),
+            interval(m["travel_reversals"], 0), interval(m["way_to_rest_m"]),
+            interval(m["final_position_error_m"], 3),
+            interval(m["final_heading_error_rad"], 1, 180 / math.pi),
+            interval(m["final_clearance_m"], 3)))
         if barn:
             rows[-1] += (number(group["barn_score"], 3),)
     return table(head, rows)

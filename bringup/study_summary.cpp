@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -46,7 +47,11 @@ const char* const kMeasures[] = {"time_to_goal_s",
                                  "jerk_rms",
                                  "angular_jerk_rms",
                                  "spectral_arc_length",
-                                 "final_position_error_m"};
+                                 "travel_reversals",
+                                 "way_to_rest_m",
+                                 "final_position_error_m",
+                                 "final_heading_error_rad",
+                                 "final_clearance_m"};
 
 nlohmann::json medians(const std::vector<DriveResult>& drives) {
   const nlohmann::json all = drives;
@@ -138,6 +143,11 @@ std::string text_of(const nlohmann::json& estimate, const char* format) {
   return fmt::format(fmt::runtime(format), estimate.at("value").get<double>());
 }
 
+std::string degrees_of(const nlohmann::json& estimate) {
+  if (estimate.is_null()) return "-";
+  return fmt::format("{:.1f}°", estimate.at("value").get<double>() * 180.0 / std::numbers::pi);
+}
+
 std::string csv_quoted(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string out = "\"";
@@ -211,9 +221,10 @@ nlohmann::json summary_of(const std::vector<DriveGroup>& groups) {
 
 std::string study_table(const std::vector<DriveGroup>& groups) {
   std::string out = fmt::format(
-      "{:<16} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>7} {:>7}\n",
+      "{:<16} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>7} {:>7} {:>6} "
+      "{:>7} {:>8} {:>6}\n",
       "scenario", "method", "driver", "n", "reached", "collisions", "drives", "time [95 %]",
-      "ratio", "closest", "agreement", "stuck", "filter");
+      "ratio", "closest", "agreement", "stuck", "filter", "turned", "to rest", "off goal", "askew");
   for (const DriveGroup& group : groups) {
     const nlohmann::json s = summary_of(group);
     const auto& m = s.at("medians");
@@ -224,13 +235,18 @@ std::string study_table(const std::vector<DriveGroup>& groups) {
                                      time.at("low").get<double>(), time.at("high").get<double>());
     const auto& rate = s.at("intervention_rate");
     out += fmt::format(
-        "{:<16} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>5.1f} % {:>7}\n",
+        "{:<16} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>5.1f} % {:>7} "
+        "{:>6} "
+        "{:>7} {:>8} {:>6}\n",
         group.scenario, group.method, group.driver, s.at("n").get<long>(),
         s.at("reached").get<long>(), s.at("collisions").get<long>(),
         s.at("drives_with_a_collision").get<long>(), interval,
         text_of(m.at("time_ratio"), "{:.2f}"), text_of(m.at("min_clearance_m"), "{:.3f} m"),
         text_of(m.at("agreement_direction"), "{:.3f}"), 100.0 * s.at("stuck_share").get<double>(),
-        rate.is_null() ? "-" : fmt::format("{:.2f} %", 100.0 * rate.get<double>()));
+        rate.is_null() ? "-" : fmt::format("{:.2f} %", 100.0 * rate.get<double>()),
+        text_of(m.at("travel_reversals"), "{:.0f}"), text_of(m.at("way_to_rest_m"), "{:.2f} m"),
+        text_of(m.at("final_position_error_m"), "{:.3f} m"),
+        degrees_of(m.at("final_heading_error_rad")));
   }
   for (const DriveGroup& group : groups)
     if (const auto score = barn_score(group.drives); !score.is_null())

@@ -12,6 +12,7 @@ namespace {
 constexpr double kPushes = 0.1;       // [m/s, rad/s] the person wants to move
 constexpr double kStands = 0.03;      // [m/s]
 constexpr double kStandsTurn = 0.05;  // [rad/s]
+constexpr double kTravels = 0.05;     // [m/s] slower is not counted as driving
 constexpr double kStickSide = 0.1;    // of the limit: turns to that side
 
 bool stands(const Twist2& twist) {
@@ -89,6 +90,7 @@ void Metrics::add(const DriveSample& sample) {
   if (is_stuck(sample)) stuck_ += dt;
   compare(sample, dt);
   watch_stick(sample);
+  watch_travel(sample);
   v_.add(sample.t, sample.twist.v);
   w_.add(sample.t, sample.twist.w);
   last_ = sample;
@@ -123,11 +125,28 @@ void Metrics::watch_stick(const DriveSample& sample) {
   stick_side_ = side;
 }
 
+// The way to rest is that of each time that the stick comes to rest; the farthest counts.
+void Metrics::watch_travel(const DriveSample& sample) {
+  const bool pushes = in_limits(sample.user).norm() > kMoves;
+  if (pushes)
+    rolled_.reset();
+  else if (in_limits(last_.user).norm() > kMoves)
+    rolled_ = 0.0;
+  else if (rolled_)
+    *rolled_ += (sample.X_MB.position() - last_.X_MB.position()).norm();
+  if (rolled_) way_to_rest_ = std::max(way_to_rest_.value_or(0.0), *rolled_);
+  if (std::abs(sample.twist.v) < kTravels) return;
+  const int side = sample.twist.v > 0.0 ? 1 : -1;
+  if (side == -travel_side_) ++travel_reversals_;
+  travel_side_ = side;
+}
+
 bool Metrics::is_finished(const DriveSample& sample) {
   if (const auto* roam = std::get_if<RoamGoal>(&setting_.goal))
     return sample.t - start_ >= roam->time;
   const Eigen::Vector2d p_MB = sample.X_MB.position();
-  was_after_ = was_after_ || !setting_.after || is_at(*setting_.after, p_MB);
+  was_after_ = was_after_ || !setting_.after ||
+               is_at(*setting_.after, transform(sample.X_MB, setting_.p_BA));
   const auto* pose = std::get_if<PoseGoal>(&setting_.goal);
   const bool looks = !pose || heading_error(*pose, sample.X_MB) <= pose->heading_tolerance;
   const bool is_there = was_after_ && looks && is_at(setting_.goal, p_MB);
@@ -164,6 +183,11 @@ void Metrics::write(DriveResult& result) const {
   std::vector<double> speed;
   for (const double v : v_.means()) speed.push_back(std::abs(v));
   result.spectral_arc_length = spectral_arc_length(speed);
+  result.travel_reversals = travel_reversals_;
+  result.way_to_rest_m = way_to_rest_;
+  result.final_clearance_m = std::min(last_.clearance, kFarClearance);
+  if (const auto* pose = std::get_if<PoseGoal>(&setting_.goal))
+    result.final_heading_error_rad = heading_error(*pose, last_.X_MB);
   result.final_position_error_m = position_error(setting_.goal, last_.X_MB.position());
 }
 
@@ -206,7 +230,11 @@ void visit(Result& r, Field field) {
   field("jerk_rms", r.jerk_rms);
   field("angular_jerk_rms", r.angular_jerk_rms);
   field("spectral_arc_length", r.spectral_arc_length);
+  field("travel_reversals", r.travel_reversals);
+  field("way_to_rest_m", r.way_to_rest_m);
   field("final_position_error_m", r.final_position_error_m);
+  field("final_heading_error_rad", r.final_heading_error_rad);
+  field("final_clearance_m", r.final_clearance_m);
   field("plan_ms", r.plan_ms);
   field("plans", r.counts.plans);
   field("plan_fallbacks", r.counts.plan_fallbacks);

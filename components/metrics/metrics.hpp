@@ -150,7 +150,13 @@ struct DriveResult {
   std::optional<double> jerk_rms;             ///< [m/s³], see rms_of_second_difference
   std::optional<double> angular_jerk_rms;     ///< [rad/s³]
   std::optional<double> spectral_arc_length;  ///< of |v|, see spectral_arc_length()
+  int travel_reversals = 0;                   ///< from driving forward to driving backward, or back
+  /// Farthest that base_link went on after the stick came to rest, until it was moved again or the
+  /// drive ended. Empty: it never came to rest.
+  std::optional<double> way_to_rest_m;
   double final_position_error_m = 0.0;
+  std::optional<double> final_heading_error_rad;  ///< at least 0; where the goal is a pose
+  double final_clearance_m = 0.0;                 ///< `kFarClearance` at most
   DriveCounts counts;
   Quantiles plan_ms;
   long missed_deadlines = 0;          ///< plans that took longer than the control period
@@ -165,7 +171,8 @@ void from_json(const nlohmann::json& json, DriveResult& result);
 struct MetricsSetting {
   Goal goal;
   double v_max = 1.0, w_max = 1.0;          ///< the robot's limits [m/s, rad/s]
-  std::optional<RegionGoal> after = {};     ///< the goal counts once base_link was in it
+  std::optional<RegionGoal> after = {};     ///< the goal counts once p_BA was in it
+  Eigen::Vector2d p_BA = {0.0, 0.0};        ///< a point of the robot [m]
   std::optional<double> shortest_way = {};  ///< from start to goal [m], see shortest_way.hpp
   double control_period = 0.05;             ///< the planner's deadline [s]
 };
@@ -207,10 +214,11 @@ class Metrics {
   [[nodiscard]] Eigen::Vector2d in_limits(const Twist2& twist) const;
   void compare(const DriveSample& sample, double dt);
   void watch_stick(const DriveSample& sample);
+  void watch_travel(const DriveSample& sample);
 
   MetricsSetting setting_;
   bool started_ = false, finished_ = false;
-  bool was_after_ = false;           // base_link was in setting_.after
+  bool was_after_ = false;           // p_BA was in setting_.after
   std::optional<double> at_rest_{};  // [s] since when it stands at its goal
   double start_ = 0.0, time_to_goal_ = -1.0;
   double path_length_ = 0.0, min_clearance_ = 1e9, stuck_ = 0.0;
@@ -218,6 +226,9 @@ class Metrics {
   double asked_ = 0.0, done_ = 0.0;  // integrals of (3) [s]
   double stick_travel_ = 0.0;
   int stick_side_ = 0, stick_reversals_ = 0;
+  int travel_side_ = 0, travel_reversals_ = 0;
+  std::optional<double> rolled_;       // [m] since the stick came to rest
+  std::optional<double> way_to_rest_;  // [m] the most of these
   SpeedProfile v_, w_;
   DriveSample last_;
 };

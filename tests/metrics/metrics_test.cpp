@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace tandem {
 namespace {
@@ -140,6 +142,61 @@ TEST(Metrics, RoamingHasNoPlaceToReach) {
   EXPECT_TRUE(r.reached);
   EXPECT_FALSE(r.path_ratio.has_value());
   EXPECT_EQ(r.final_position_error_m, 0.0);
+}
+
+// Drives to x = 1 m and stands there; the heading is `askew`.
+DriveResult arrive(const PoseGoal& goal, double askew,
+                   const std::optional<RegionGoal>& after = {}) {
+  return measure(
+      6.0,
+      [&](double t) {
+        DriveSample sample = steady({t < 2.0 ? 0.5 : 0.0, 0.0}, {t < 2.0 ? 0.5 : 0.0, 0.0});
+        sample.X_MB = {std::min(0.5 * t, 1.0), 0.0, askew};
+        return sample;
+      },
+      {.goal = goal, .after = after});
+}
+
+TEST(Metrics, APoseMayBeReachedOnlyBySomeHeadingsAndStanding) {
+  const PoseGoal goal{
+      .X_MG = {1.0, 0.03, 0.2}, .tolerance = 0.05, .heading_tolerance = 0.1, .stand = 3.0};
+  const auto r = arrive(goal, 0.15);
+  EXPECT_TRUE(r.reached);
+  EXPECT_NEAR(r.time_to_goal_s, 2.0, 0.011);  // when it came to rest, not when it had stood
+  EXPECT_NEAR(r.final_position_error_m, 0.03, 1e-9);
+  EXPECT_NEAR(r.final_heading_error_rad.value(), 0.05, 1e-9);
+  EXPECT_FALSE(arrive(goal, 0.0).reached);
+  EXPECT_FALSE(arrive({.X_MG = {1.0, 0.0, 0.0}, .tolerance = 0.05, .stand = 5.0}, 0.0).reached);
+}
+
+TEST(Metrics, AGoalMayCountOnlyAfterAnotherPlace) {
+  const PoseGoal goal{.X_MG = {1.0, 0.0, 0.0}, .tolerance = 0.05};
+  EXPECT_TRUE(arrive(goal, 0.0, RegionGoal{{0.4, -1.0}, {0.6, 1.0}}).reached);
+  EXPECT_FALSE(arrive(goal, 0.0, RegionGoal{{2.0, -1.0}, {3.0, 1.0}}).reached);
+}
+
+TEST(Metrics, TheWayToRestIsTheFarthestAfterTheStickCameToRest) {
+  // Pushed for 1 s and rolling on for 0.1 s, then pushed again and rolling on for 0.3 s.
+  const auto r = measure(6.0, [](double t) {
+    const bool pushes = t < 1.0 || (t >= 3.0 && t < 4.0);
+    const bool rolls = pushes || t < 1.1 || (t >= 4.0 && t < 4.3);
+    DriveSample sample = steady({pushes ? 0.5 : 0.0, 0.0}, {rolls ? 0.5 : 0.0, 0.0});
+    sample.X_MB.x = 0.5 * (std::min(t, 1.1) + std::clamp(t - 3.0, 0.0, 1.3));
+    return sample;
+  });
+  EXPECT_NEAR(r.way_to_rest_m.value(), 0.15, 0.006);
+  const auto pushed = measure(1.0, [](double) { return steady({0.5, 0.0}, {0.5, 0.0}); });
+  EXPECT_FALSE(pushed.way_to_rest_m.has_value());
+}
+
+TEST(Metrics, TravelIsReversedByDrivingTheOtherWay) {
+  // Forward, a rocking too slow to count, forward, backward, stop, backward, forward.
+  const auto r = measure(7.0, [](double t) {
+    const double v[] = {0.5, -0.04, 0.5, -0.3, 0.0, -0.3, 0.2, 0.2};
+    return steady({}, {v[static_cast<int>(t)], 0.0}, 0.4);
+  });
+  EXPECT_EQ(r.travel_reversals, 2);
+  EXPECT_EQ(r.final_clearance_m, 0.4);
 }
 
 TEST(DriveCounts, CountsInterventionsAndUnbrokenRunsOfThem) {
