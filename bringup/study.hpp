@@ -36,15 +36,17 @@ struct Study {
 ///
 ///   study: NAME
 ///   scenarios: [FILE or {file: FILE, name: N, map: M, duration: D}, …]   # relative to this file
+///   robots: [FILE, …]                      # instead of the scenarios' own, each with each
 ///   methods: [METHOD or {name: N, method: M, enforce: false, parameters: {COMPONENT: {…}}}, …]
 ///   drivers: [DRIVER or {name: N, driver: D, and parameters of the component driver}, …]
 ///            # of driver `replay` also `recording: FOLDER` and, if need be, `recording_topic: T`
 ///   seeds: 20 or 1-20 or [3, 5, 8]
 ///   overrides: {COMPONENT: {…}}
-///   parts: [{any of the five above}, …]    # what a part does not say is said above
+///   parts: [{any of the six above}, …]     # what a part does not say is said above
 ///
 /// `methods: all`, which is the default, means those the scenario lists; without `drivers` the
-/// scenario's drives. Throws std::invalid_argument or std::runtime_error, one line that names file,
+/// scenario's drives. With another robot than its own, a scenario's results are called
+/// SCENARIO_ROBOT. Throws std::invalid_argument or std::runtime_error, one line that names file,
 /// line and key, for whatever is not of this form, and if a drive is listed twice.
 [[nodiscard]] Study load_study(const std::string& path);
 

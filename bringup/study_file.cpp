@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kKeys = "scenarios, methods, drivers, seeds, overrides";
+const char* const kKeys = "scenarios, robots, methods, drivers, seeds, overrides";
 
 using Parameters = std::map<std::string, std::map<std::string, rt::ParameterValue>>;
 
@@ -56,8 +56,8 @@ void merge(Parameters& into, const Parameters& values) {
 class StudyReader {
  public:
   explicit StudyReader(const std::string& path) : path_{path}, yaml_{path}, root_{yaml_.load()} {
-    yaml_.allow(root_, {"study", "about", "scenarios", "methods", "drivers", "seeds", "overrides",
-                        "parts"});
+    yaml_.allow(root_, {"study", "about", "scenarios", "robots", "methods", "drivers", "seeds",
+                        "overrides", "parts"});
   }
 
   Study read() {
@@ -95,8 +95,8 @@ class StudyReader {
   }
 
   void read_part(const YAML::Node& part) {
-    yaml_.allow(part, {"scenarios", "methods", "drivers", "seeds", "overrides"});
-    const auto scenarios = read_scenarios(part);
+    yaml_.allow(part, {"scenarios", "robots", "methods", "drivers", "seeds", "overrides"});
+    const auto scenarios = with_robots(read_scenarios(part), said(part, "robots"));
     const auto people = read_people(said(part, "drivers"));
     const auto seeds = read_seeds(part);
     for (const Scenario& scenario : scenarios)
@@ -120,6 +120,28 @@ class StudyReader {
       merge(scenarios.back().parameters, overrides);
     }
     return scenarios;
+  }
+
+  // Each scenario with each robot; with another one than its own it is called by both.
+  std::vector<Scenario> with_robots(const std::vector<Scenario>& scenarios,
+                                    const YAML::Node& list) const {
+    if (!list) return scenarios;
+    if (!list.IsSequence() || list.size() == 0)
+      yaml_.fail(list, "`robots` needs a list of robots' files, relative to this file");
+    std::vector<Scenario> all;
+    for (const Scenario& scenario : scenarios)
+      for (const auto& node : list) all.push_back(with_robot(scenario, node));
+    return all;
+  }
+
+  Scenario with_robot(Scenario scenario, const YAML::Node& node) const {
+    const std::string file = beside(path_, word(node, "robots"));
+    if (!fs::is_regular_file(file))
+      yaml_.fail(node, "no robot file " + file + "; it is looked for relative to this file");
+    if (fs::weakly_canonical(file) == fs::weakly_canonical(scenario.robot)) return scenario;
+    scenario.robot = file;
+    scenario.name += "_" + fs::path{file}.stem().string();
+    return scenario;
   }
 
   Scenario read_scenario(const YAML::Node& node) {

@@ -58,6 +58,19 @@ TEST_F(StudyFile, ListsEachScenarioMethodDriverAndSeed) {
   EXPECT_EQ(name_of(study, study.drives.back()), "forest_task2/leader/navigator/3");
 }
 
+TEST_F(StudyFile, DrivesItsScenariosWithOtherRobots) {
+  const std::string robots = test::source_path("bringup/robots/");
+  const Study study =
+      load(text_ + "robots: [" + robots + "mir100.yaml, " + robots + "jackal.yaml]\n");
+  ASSERT_EQ(study.cells.size(), 4U);
+  EXPECT_EQ(study.cells[0].scenario.name, "forest_task2");  // its own robot
+  EXPECT_EQ(study.cells[2].scenario.name, "forest_task2_jackal");
+  EXPECT_EQ(study.cells[2].scenario.robot, robots + "jackal.yaml");
+  EXPECT_NE(study.description, load(text_).description);
+  EXPECT_NE(complaint(text_ + "robots: [nowhere.yaml]\n").find("no robot file"), std::string::npos);
+  EXPECT_NE(complaint(text_ + "robots: 3\n").find("`robots` needs a list"), std::string::npos);
+}
+
 TEST_F(StudyFile, WhatAPartDoesNotSayIsSaidAbove) {
   const Study study = load(text_ +
                            "parts:\n"
