@@ -160,19 +160,22 @@ void hand_over_recording(const Scenario& scenario, System& system) {
   }
 }
 
-// From where an edge of the robot is to be to where base_link then is.
-Scenario with_base_link_goal(Scenario scenario, const DriveOptions& options) {
-  auto* goal = std::get_if<PoseGoal>(&scenario.goal);
+Eigen::Vector2d edge_of(const Footprint& footprint, const std::string& edge) {
+  const Extent e = extent(footprint);
+  if (edge == "front") return {e.front, 0.0};
+  if (edge == "rear") return {-e.rear, 0.0};
+  return {0.0, edge == "left" ? e.left : -e.right};
+}
+
+// A pose for an edge of the robot becomes one for base_link; regions stay those of the edge.
+Scenario with_goal_of_edge(Scenario scenario, const DriveOptions& options) {
   const std::string edge = std::exchange(scenario.goal_edge, "");
-  if (!goal || edge.empty()) return scenario;
+  if (edge.empty()) return scenario;
   const System system = system_of(scenario, options);
-  const Extent e =
-      extent(footprint_of(parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim").robot));
-  const Eigen::Vector2d p_BE = edge == "front"  ? Eigen::Vector2d{e.front, 0.0}
-                               : edge == "rear" ? Eigen::Vector2d{-e.rear, 0.0}
-                               : edge == "left" ? Eigen::Vector2d{0.0, e.left}
-                                                : Eigen::Vector2d{0.0, -e.right};
-  goal->X_MG = compose(goal->X_MG, {-p_BE.x(), -p_BE.y(), 0.0});
+  const auto robot = parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim").robot;
+  scenario.p_BA = edge_of(footprint_of(robot), edge);
+  if (auto* goal = std::get_if<PoseGoal>(&scenario.goal))
+    goal->X_MG = compose(goal->X_MG, {-scenario.p_BA.x(), -scenario.p_BA.y(), 0.0});
   return scenario;
 }
 
@@ -230,7 +233,7 @@ Scenario with_options(Scenario scenario, const DriveOptions& options) {
   check_scenario(scenario);
   if (is_family(scenario.map)) return in_its_world(std::move(scenario));
   if (!scenario.goals.empty()) scenario = with_its_goal(std::move(scenario));
-  return with_base_link_goal(std::move(scenario), options);
+  return with_goal_of_edge(std::move(scenario), options);
 }
 
 System system_of(const Scenario& scenario, const DriveOptions& options) {

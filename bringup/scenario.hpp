@@ -35,8 +35,9 @@ struct Scenario {
   std::string map_source = "static";  ///< of extractor and filter; else an octomap_builder runs too
   Pose2 start;
   Goal goal;
-  std::string goal_edge;  ///< front, rear, left or right of the robot is to be at the pose
-  std::optional<RegionGoal> after;   ///< the goal counts once base_link was here
+  std::string goal_edge;             ///< front, rear, left or right: it is to be at the pose
+  std::optional<RegionGoal> after;   ///< the goal counts once that edge, or base_link, was here
+  Eigen::Vector2d p_BA{0.0, 0.0};    ///< that point of the robot [m], which with_options finds
   std::vector<Pose2> goals;          ///< if there are several poses: the seed says whose turn it is
   std::string method;                ///< unless the command line names another
   std::vector<std::string> methods;  ///< those the scenario makes sense for

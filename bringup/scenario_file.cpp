@@ -196,6 +196,8 @@ Goal read_goal(const YAML::Node& node, const std::string& path, Scenario& scenar
     fail(path, node,
          "goal needs one of region: [x1, y1, x2, y2], pose: [x, y, heading], "
          "poses: [x1, y1, heading1, …], roam_time");
+  if (region && !scenario.goal_edge.empty() && !scenario.after)
+    goal.fail("of", "`of` is about a pose or `after`");
   if (region) return *region;
   if (time > 0.0) return RoamGoal{time, distance};
   pose_goal.X_MG = poses.empty() ? pose(at, path + ": goal.pose") : poses.front();

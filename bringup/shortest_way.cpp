@@ -89,6 +89,7 @@ MetricsSetting metrics_setting(const Scenario& scenario, const System& system,
           .v_max = robot.v_max,
           .w_max = robot.w_max,
           .after = scenario.after,
+          .p_BA = scenario.p_BA,
           .shortest_way = shortest_way,
           .control_period = planner.live.nmpc.control_period};
 }

@@ -22,6 +22,7 @@ constexpr double kEagerAhead = 0.5;       // [m, rad] and leads so far beyond th
 constexpr double kBackOutTime = 2.0;      // [s]
 constexpr double kBackOutStick = 0.5;     // [1]
 constexpr double kLeastTurn = 0.15;       // [1] less stick hardly turns the robot
+constexpr double kRounding = 1e-6;        // [s] of a sum of samples
 constexpr double kNoiseTime = 0.3;        // [s] correlation time of the hand's noise
 
 template <class... Actions>
@@ -73,7 +74,7 @@ void Script::be_patient(double t) {
 }
 
 bool Script::is_done(double t) {
-  if (t - phase_start_ >= phases_[phase_].time) return true;
+  if (t - phase_start_ >= phases_[phase_].time - kRounding) return true;
   return std::visit(Overloaded{[&](const PathPhase& path) { return is_there(path); },
                                [&](const TurnPhase& turn) { return is_there(turn); },
                                [](const PushPhase&) { return false; }},
@@ -152,7 +153,7 @@ Hand Script::back_out() const {
   return {0.0, -std::copysign(kBackOutStick, error), true};
 }
 
-// Who pushes on purpose where nothing moves is not impatient.
+// A push phase pushes on purpose, whether anything moves or not.
 void Script::lose_patience(double t) {
   const Pose2& X_MB = seen_.front().X_MB;
   const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kStandsDistance ||

@@ -158,13 +158,20 @@ class PhaseReader {
   const std::map<std::string, double>& edges_;
 };
 
+std::string without_comments(std::string text) {
+  for (auto begin = text.find('#'); begin != std::string::npos; begin = text.find('#', begin))
+    text.erase(begin, std::min(text.find('\n', begin), text.size()) - begin);
+  return text;
+}
+
 bool is_blank(const std::string& text) {
   return text.find_first_not_of(" \t\r\n") == std::string::npos;
 }
 
 }  // namespace
 
-std::vector<ScriptPhase> read_script(const std::string& text, const Footprint& outline) {
+std::vector<ScriptPhase> read_script(const std::string& script, const Footprint& outline) {
+  const std::string text = without_comments(script);
   const auto edges = edges_of(outline);
   std::vector<ScriptPhase> phases;
   for (std::size_t begin = 0; begin <= text.size();) {

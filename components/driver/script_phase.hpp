@@ -38,7 +38,8 @@ struct ScriptPhase {
   double time = 30.0;  ///< [s] a push ends after it, path and turn are given up
 };
 
-/// Reads a script: phases separated by `;` or line ends, lengths in m, angles in rad, times in s.
+/// Reads a script: phases separated by `;` or line ends, lengths in m, angles in rad, times in s;
+/// `#` begins a comment to the end of the line.
 ///
 ///   path forward STICK [to STICK_AT_END] [within TOLERANCE] [for TIMEOUT] [leader] via X Y X Y …
 ///   path back …       the same with the rear ahead
@@ -46,12 +47,13 @@ struct ScriptPhase {
 ///   hold TIME         the stick at rest
 ///   push LINEAR ANGULAR TIME
 ///
-/// The stick of a path falls to STICK_AT_END over its last 0.8 m. `leader` ends the path when the
-/// leader has come to the end, where the method has one. A coordinate is a sum of numbers and of
-/// the distances from base_link to the outline's edges: `4.0-0.07-front` (also rear, left, right).
+/// From 0.9 m to 0.1 m before the end of a path its stick falls to STICK_AT_END. `leader` ends the
+/// path when the leader has come to the end, where the method has one. A coordinate is a sum of
+/// numbers and of the distances from base_link to the outline's edges: `4.0-0.07-front` (also rear,
+/// left, right).
 ///
 /// Throws std::invalid_argument, one line that names the phase, counted from 1.
-[[nodiscard]] std::vector<ScriptPhase> read_script(const std::string& text,
+[[nodiscard]] std::vector<ScriptPhase> read_script(const std::string& script,
                                                    const Footprint& outline);
 
 }  // namespace tandem

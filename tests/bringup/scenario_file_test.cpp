@@ -94,6 +94,32 @@ TEST_F(ScenarioFile, WithSeveralGoalsGivesEachSeedOne) {
   }
 }
 
+TEST_F(ScenarioFile, MayWantAnEdgeOfTheRobotAtItsGoal) {
+  write(text_, "region: [3.0, 1.5, 5.0, 3.5]",
+        "pose: [4, 2, 1.5708], of: front, tolerance: 0.05, heading_tolerance: 0.1, stand: 2, "
+        "after: [1, 1, 2, 2]");
+  EXPECT_EQ(complaint(), "");
+  const Scenario scenario = load_scenario(file_.string());
+  const Scenario drive = with_options(with_options(scenario, {}), {});  // once is enough
+  const auto& goal = std::get<PoseGoal>(drive.goal);
+  const double front =
+      extent(
+          footprint_of(
+              parameters_of<DiffDriveSimNodeParams>(system_of(drive, {}), "diff_drive_sim").robot))
+          .front;
+  EXPECT_NEAR(goal.X_MG.x, 4.0, 1e-4);
+  EXPECT_NEAR(goal.X_MG.y, 2.0 - front, 1e-4);
+  EXPECT_EQ(goal.stand, 2.0);
+  EXPECT_EQ(drive.after->high.x(), 2.0);
+  EXPECT_EQ(drive.p_BA.x(), front);
+  write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "pose: [4, 2, 0], of: nose");
+  EXPECT_NE(complaint().find("`of` = nose is none of front, rear, left, right"), std::string::npos);
+  write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "region: [3.0, 1.5, 5.0, 3.5], of: left");
+  EXPECT_NE(complaint().find("`of` is about a pose or `after`"), std::string::npos);
+  write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "pose: [4, 2, 0], stand: -1");
+  EXPECT_NE(complaint().find("`stand` must be 0 or more"), std::string::npos);
+}
+
 // A file of BARN worlds, 1 to `count`, each with one cylinder at (x, 3).
 void write_barn(const fs::path& file, double x, int count) {
   fs::create_directories(file.parent_path());

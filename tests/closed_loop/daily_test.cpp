@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tasks of a day, each driven by hand: every shipped daily_*.yaml can be done.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bringup/lockstep.hpp"
+#include "bringup/study.hpp"
+#include "support/instrumented.hpp"
+#include "support/paths.hpp"
+
+namespace tandem {
+namespace {
+
+std::vector<std::string> daily_scenarios() {
+  std::vector<std::string> files;
+  for (const auto& entry :
+       std::filesystem::directory_iterator{test::source_path("bringup/scenarios")})
+    if (entry.path().filename().string().starts_with("daily_")) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+class Daily : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Daily, IsDoneByHand) {
+  Scenario scenario = load_scenario(GetParam());
+  if (test::kInstrumented) scenario.duration = std::min(scenario.duration, 4.0);
+  const DriveOptions options{.method = "manual", .seed = 1, .lockstep = true};
+  const DriveResult result = drive_in_lockstep(scenario, options).result;
+  EXPECT_TRUE(result.reached || test::kInstrumented);
+  EXPECT_TRUE(result.failures.empty() || test::kInstrumented);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tasks, Daily, ::testing::ValuesIn(daily_scenarios()),
+                         [](const auto& test) {
+                           return std::filesystem::path{test.param}.stem().string();
+                         });
+
+TEST(DailyTasks, AreAllInTheStudiesWithTheirDriver) {
+  for (const char* file : {"daily", "full"}) {
+    const Study study = load_study(test::source_path("bringup/studies/") + file + ".yaml");
+    std::set<std::string> driven;
+    for (const StudyCell& cell : study.cells)
+      if (cell.scenario.driver == "script") driven.insert(cell.scenario.path);
+    EXPECT_EQ(driven.size(), daily_scenarios().size()) << file;
+  }
+}
+
+}  // namespace
+}  // namespace tandem
