@@ -232,7 +232,8 @@ void print_environment() {
   std::printf("Domain %s", domain.empty() ? "0" : domain.c_str());
   for (const char* variable :
        {"ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS",
-        "ROS_DISCOVERY_SERVER", "FASTRTPS_DEFAULT_PROFILES_FILE"})
+        "ROS_DISCOVERY_SERVER", "FASTRTPS_DEFAULT_PROFILES_FILE", "TANDEM_UNGUARDED_TRANSPORTS",
+        "TANDEM_MAX_SAMPLE_SIZE"})
     if (const auto value = value_of(variable); !value.empty())
       std::printf(", %s=%s", variable, value.c_str());
   std::printf("\n");

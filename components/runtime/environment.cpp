@@ -16,14 +16,15 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-int domain_from(const std::string& text) {
-  if (text.empty()) return 0;
-  int domain = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
-  if (error != std::errc{} || end != text.data() + text.size() || domain < 0 || domain > kMaxDomain)
-    throw std::runtime_error("ROS_DOMAIN_ID = '" + text + "' is no integer from 0 to " +
-                             std::to_string(kMaxDomain));
-  return domain;
+// An integer from `least` to `most`; `value` if the variable is not set.
+int integer_from(const char* name, int value, int least, int most) {
+  const std::string text = variable(name);
+  if (text.empty()) return value;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value < least || value > most)
+    throw std::runtime_error(std::string{name} + " = '" + text + "' is no integer from " +
+                             std::to_string(least) + " to " + std::to_string(most));
+  return value;
 }
 
 DiscoveryRange range_from(const std::string& text) {
@@ -62,14 +63,22 @@ std::vector<std::string> split(const std::string& text, char separator) {
 
 }  // namespace
 
+// The default is above the largest map that a subscription takes.
+std::uint32_t largest_sample() {
+  constexpr int kUsual = 64 << 20, kLeast = 1 << 16, kMost = 1 << 30;
+  return static_cast<std::uint32_t>(
+      integer_from("TANDEM_MAX_SAMPLE_SIZE", kUsual, kLeast, kMost));
+}
+
 Environment read_environment() {
   const std::string distribution = variable("ROS_DISTRO");
-  Environment environment{.domain = domain_from(variable("ROS_DOMAIN_ID")),
+  Environment environment{.domain = integer_from("ROS_DOMAIN_ID", 0, 0, kMaxDomain),
                           .range = range_from(variable("ROS_AUTOMATIC_DISCOVERY_RANGE")),
                           .loopback_only = flag_from("ROS_LOCALHOST_ONLY"),
                           .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
                           .humble = distribution == "humble",
-                          .unsecured = goes_unsecured()};
+                          .unsecured = goes_unsecured(),
+                          .unguarded_transports = flag_from("TANDEM_UNGUARDED_TRANSPORTS")};
   const bool since_iron = !distribution.empty() && !environment.humble;
   if (environment.loopback_only && since_iron) {  // there it is the old word for a range, and wins
     environment.loopback_only = false;

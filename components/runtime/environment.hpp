@@ -2,6 +2,7 @@
 // Private to runtime/: what ROS 2 users say by environment variables.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,14 @@ struct Environment {
   DiscoveryRange range = DiscoveryRange::kSubnet;  ///< ROS_AUTOMATIC_DISCOVERY_RANGE
   bool loopback_only = false;             ///< ROS_LOCALHOST_ONLY=1, as Humble understands it
   std::vector<std::string> static_peers;  ///< ROS_STATIC_PEERS, a;b;c
-  bool humble = false;     ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
-  bool unsecured = false;  ///< ROS_SECURITY_ENABLE=true, which is not done here
+  bool humble = false;                ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
+  bool unsecured = false;             ///< ROS_SECURITY_ENABLE=true, which is not done here
+  bool unguarded_transports = false;  ///< TANDEM_UNGUARDED_TRANSPORTS=1: others than UDP too
 };
+
+/// TANDEM_MAX_SAMPLE_SIZE [bytes]: fragmented samples above it are dropped. Throws
+/// std::runtime_error if it is no integer of its range.
+[[nodiscard]] std::uint32_t largest_sample();
 
 /// Throws std::runtime_error naming the variable, its value and what it may be; also where
 /// ROS_SECURITY_STRATEGY=Enforce forbids to speak unsecured.

@@ -13,6 +13,8 @@
 #include "runtime/dds_log.hpp"
 #include "runtime/dds_settings.hpp"
 #include "runtime/graph.hpp"
+#include "runtime/guarded_transport.hpp"
+#include "runtime/log.hpp"
 #include "runtime/names.hpp"
 #include "runtime/thread_limit.hpp"
 
@@ -78,10 +80,7 @@ void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) 
   }
 }
 
-void set_transport(fdds::DomainParticipantQos& qos, const Environment& environment) {
-  const bool from_profile =
-      std::getenv(kProfilesVariable) != nullptr && !qos.transport().user_transports.empty();
-  if (from_profile) return;
+std::shared_ptr<TransportDescriptor> udp_transport(const Environment& environment) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->maxInitialPeersRange = kParticipantsPerHost;
   udp->sendBufferSize = kSocketBuffer;
@@ -89,8 +88,39 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   // Not in range LOCALHOST: ROS 2 names all addresses of the host there, and what is bound to the
   // loopback could not answer those.
   if (environment.loopback_only) udp->interfaceWhiteList.push_back(kLoopback);
+  return udp;
+}
+
+// Fast DDS's own choice is UDP and shared memory, neither of them guarded.
+void replace_builtin_transports(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  if (!qos.transport().use_builtin_transports) return;
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports = {udp};
+  qos.transport().user_transports.push_back(udp_transport(environment));
+}
+
+void guard_transports(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  for (auto& transport : qos.transport().user_transports) {
+    if (auto behind_guard = guarded(transport))
+      transport = std::move(behind_guard);
+    else if (!environment.unguarded_transports)
+      throw std::runtime_error(
+          std::string{kProfilesVariable} +
+          " names a transport that is none of UDP: what arrives by it is not checked, and a "
+          "malformed packet can end this process. Leave UDP transports alone in it, or set "
+          "TANDEM_UNGUARDED_TRANSPORTS=1 to run all the same");
+  }
+}
+
+void set_transport(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  const bool from_profile =
+      std::getenv(kProfilesVariable) != nullptr && !qos.transport().user_transports.empty();
+  if (!from_profile) {
+    qos.transport().user_transports.clear();
+    qos.transport().use_builtin_transports = true;
+  }
+  if (!from_profile || !environment.unguarded_transports)
+    replace_builtin_transports(qos, environment);
+  guard_transports(qos, environment);
 }
 
 fdds::DomainParticipantQos participant_qos(const Environment& environment) {
@@ -148,6 +178,10 @@ Participant::Participant(const Environment& environment, bool is_first)
   redirect_dds_log();
   check_dds_settings();
   require_threads(kParticipantThreads);
+  if (is_first && environment.unguarded_transports)
+    Logger{"runtime"}.warn(
+        "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used, and what arrives by "
+        "them is not checked: a malformed packet can end this process");
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   dds_ = created(factory->create_participant(
                      static_cast<uint32_t>(environment.domain), participant_qos(environment),

@@ -36,7 +36,7 @@ class SharedTopic {
 };
 
 /// The process's DomainParticipant; exists as long as some node does. UDPv4 only, unless an XML
-/// profiles file names other transports.
+/// profiles file names other transports, and behind the process's WireGuard.
 class Participant {
  public:
   /// The participant of this process, made if there is none. Throws std::runtime_error for an

@@ -8,12 +8,14 @@
 #include <fstream>
 #include <vector>
 
+#include "runtime/datagram.hpp"
 #include "runtime/dds_settings.hpp"
 #include "runtime/node.hpp"
 #include "runtime/thread_limit.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "support/udp_sender.hpp"
 
 namespace tandem {
 namespace {
@@ -182,19 +184,27 @@ class ProfilesFile : public testing::Test {
     std::remove(path_.c_str());
   }
   void write(const std::string& text) const { std::ofstream{path_} << text; }
-  // By this process, which may have read its own profiles long ago.
-  [[nodiscard]] bool finds_peer_on(const std::string& interface, double timeout) const {
-    write(R"(<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
+  // `limits`: elements of the transport's descriptor.
+  void write_profile(const std::string& type, const std::string& limits,
+                     bool builtin = false) const {
+    std::ofstream{path_}
+        << R"(<profiles xmlns="http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles">
   <transport_descriptors><transport_descriptor>
-    <transport_id>one</transport_id><type>UDPv4</type>
-    <interfaceWhiteList><address>)" +
-          interface + R"(</address></interfaceWhiteList>
+    <transport_id>one</transport_id><type>)"
+        << type << "</type>" << limits << R"(
   </transport_descriptor></transport_descriptors>
   <participant profile_name="mine" is_default_profile="true"><rtps>
     <userTransports><transport_id>one</transport_id></userTransports>
-    <useBuiltinTransports>false</useBuiltinTransports>
+    <useBuiltinTransports>)"
+        << (builtin ? "true" : "false") << R"(</useBuiltinTransports>
   </rtps></participant>
-</profiles>)");
+</profiles>)";
+  }
+  static std::string only(const std::string& interface) {
+    return "<interfaceWhiteList><address>" + interface + "</address></interfaceWhiteList>";
+  }
+  // By this process, which may have read its own profiles long ago.
+  [[nodiscard]] static bool finds_peer(double timeout) {
     ChildProcess peer{"peer", {"echo"}};
     rt::Node node{"seeker"};
     const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
@@ -210,8 +220,45 @@ class ProfilesFile : public testing::Test {
 };
 
 TEST_F(ProfilesFile, IsObeyed) {
-  EXPECT_TRUE(finds_peer_on("127.0.0.1", kTimeout));
-  EXPECT_FALSE(finds_peer_on("203.0.113.7", 2.0)) << "no such interface here";
+  write_profile("UDPv4", only("127.0.0.1"));
+  EXPECT_TRUE(finds_peer(kTimeout));
+  write_profile("UDPv4", only("203.0.113.7"));
+  EXPECT_FALSE(finds_peer(2.0)) << "no such interface here";
+}
+
+// With its own transports and with those that Fast DDS would add.
+TEST_F(ProfilesFile, IsGuardedToo) {
+  for (const bool builtin : {false, true}) {
+    write_profile("UDPv4", only("127.0.0.1"), builtin);
+    ChildProcess peer{"peer", {"echo"}};
+    rt::Node node{"seeker"};
+    const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
+    ASSERT_TRUE(spin_until([&] { return ping.matched() == 1; }, kTimeout, node));
+    const test::UdpSender stranger;
+    for (const auto& file : test::datagram_files("hostile"))
+      stranger.send_to_all(test::read(file), 4);
+    peer.send(SIGTERM);
+    EXPECT_EQ(peer.wait(kTimeout), 0) << builtin;
+  }
+}
+
+TEST_F(ProfilesFile, MayNameOtherTransportsThanUdpOnlyIfToldSo) {
+  write_profile("SHM", "");
+  EXPECT_EQ(ChildProcess("peer", {"echo"}).wait(kTimeout), 1);
+  setenv("TANDEM_UNGUARDED_TRANSPORTS", "1", 1);
+  ChildProcess peer{"peer", {"echo"}};
+  unsetenv("TANDEM_UNGUARDED_TRANSPORTS");
+  EXPECT_EQ(peer.wait(0.5), std::nullopt) << "it runs";
+  peer.send(SIGTERM);
+  EXPECT_EQ(peer.wait(kTimeout), 0);
+}
+
+TEST(Environment, LimitsTheSizeOfASample) {
+  for (const char* wrong : {"1", "a lot", "-5", "9999999999"}) {
+    setenv("TANDEM_MAX_SAMPLE_SIZE", wrong, 1);
+    EXPECT_EQ(ChildProcess("peer", {"echo"}).wait(kTimeout), 1) << wrong;
+  }
+  unsetenv("TANDEM_MAX_SAMPLE_SIZE");
 }
 
 TEST_F(ProfilesFile, ThatIsMissingOrBrokenStartsNothing) {

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/guarded_transport.hpp"
+
+#include <cstring>
+
+#include "runtime/wire_guard.hpp"
+#if TANDEM_FASTDDS_3
+#include <fastdds/rtps/transport/ChainingTransport.hpp>
+#include <fastdds/rtps/transport/SenderResource.hpp>
+#include <fastdds/rtps/transport/UDPTransportDescriptor.hpp>
+#else
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/UDPTransportDescriptor.h>
+#endif
+
+namespace tandem::runtime {
+namespace {
+
+namespace transport = eprosima::fastdds::rtps;
+
+// The last four bytes: of IPv4 the address.
+std::uint32_t source_of(const rtps::Locator_t& locator) {
+  std::uint32_t address = 0;
+  std::memcpy(&address, locator.address + sizeof locator.address - sizeof address, sizeof address);
+  return address;
+}
+
+class GuardedTransport final : public transport::ChainingTransport {
+ public:
+  GuardedTransport(const transport::ChainingTransportDescriptor& descriptor, WireGuard& guard)
+      : ChainingTransport{descriptor}, guard_{guard} {}
+
+  transport::TransportDescriptorInterface* get_configuration() override {
+    return low_level_transport_->get_configuration();
+  }
+
+#if TANDEM_FASTDDS_3
+  bool send(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& buffers,
+            std::uint32_t size, rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
+            const std::chrono::steady_clock::time_point& deadline) override {
+    return below->send(buffers, size, first, last, deadline);
+  }
+#else
+  bool send(rtps::SenderResource* below, const rtps::octet* data, std::uint32_t size,
+            rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
+            const std::chrono::steady_clock::time_point& deadline) override {
+    return below->send(data, size, first, last, deadline);
+  }
+#endif
+
+  void receive(transport::TransportReceiverInterface* above, const rtps::octet* data,
+               std::uint32_t size, const rtps::Locator_t& to,
+               const rtps::Locator_t& from) override {
+    if (guard_.admits({data, size}, source_of(from))) above->OnDataReceived(data, size, to, from);
+  }
+
+ private:
+  WireGuard& guard_;
+};
+
+struct GuardedDescriptor final : transport::ChainingTransportDescriptor {
+  GuardedDescriptor(std::shared_ptr<TransportDescriptor> below, WireGuard& of_process)
+      : ChainingTransportDescriptor{std::move(below)}, guard{of_process} {}
+
+  transport::TransportInterface* create_transport() const override {
+    return new GuardedTransport{*this, guard};  // Fast DDS owns it
+  }
+
+  WireGuard& guard;
+};
+
+}  // namespace
+
+std::shared_ptr<TransportDescriptor> guarded(
+    const std::shared_ptr<TransportDescriptor>& transport) {
+  if (dynamic_cast<transport::UDPTransportDescriptor*>(transport.get()) == nullptr) return nullptr;
+  return std::make_shared<GuardedDescriptor>(transport, WireGuard::shared());
+}
+
+}  // namespace tandem::runtime

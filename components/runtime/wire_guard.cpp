@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/wire_guard.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "runtime/environment.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+std::string dotted(std::uint32_t address) {
+  std::array<std::uint8_t, 4> part{};
+  std::memcpy(part.data(), &address, part.size());
+  return fmt::format("{}.{}.{}.{}", part[0], part[1], part[2], part[3]);
+}
+
+void add(const std::array<std::uint64_t, kDropKinds>& counts, const std::string& source,
+         std::vector<DropCount>& drops) {
+  for (std::size_t kind = 0; kind < kDropKinds; ++kind)
+    if (counts[kind] > 0) drops.push_back({static_cast<Drop>(kind), source, counts[kind]});
+}
+
+}  // namespace
+
+WireGuard& WireGuard::shared() {
+  static WireGuard guard{{.sample_size = largest_sample()}};
+  return guard;
+}
+
+bool WireGuard::admits(std::span<const std::uint8_t> datagram, std::uint32_t source) {
+  ++received_;
+  const Drop drop = check_datagram(datagram, limits_);
+  if (drop == Drop::kNone) return true;
+  count(drop, source);
+  return false;
+}
+
+void WireGuard::count(Drop drop, std::uint32_t source) {
+  ++dropped_;
+  const std::lock_guard lock{mutex_};
+  const bool apart = by_source_.contains(source) || by_source_.size() < kMostSources;
+  auto& counts = apart ? by_source_[source] : by_others_;
+  ++counts[static_cast<std::size_t>(drop)];
+}
+
+std::vector<DropCount> WireGuard::drops() const {
+  std::vector<DropCount> drops;
+  {
+    const std::lock_guard lock{mutex_};
+    for (const auto& [source, counts] : by_source_) add(counts, dotted(source), drops);
+    add(by_others_, "others", drops);
+  }
+  std::sort(drops.begin(), drops.end(),
+            [](const DropCount& a, const DropCount& b) { return a.count > b.count; });
+  return drops;
+}
+
+std::string summary(const std::vector<DropCount>& drops) {
+  std::string text;
+  for (const auto& drop : drops)
+    text += fmt::format("{}{} {} from {}", text.empty() ? "" : ", ", drop.count, name(drop.drop),
+                        drop.source);
+  return text;
+}
+
+}  // namespace tandem::runtime

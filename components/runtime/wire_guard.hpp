@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: the one guard of the process, before all its transports.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "runtime/rtps_guard.hpp"
+
+namespace tandem::runtime {
+
+/// Datagrams of one kind and source that were dropped.
+struct DropCount {
+  Drop drop;
+  std::string source;  ///< "192.168.1.7"; "others" beyond a number of sources
+  std::uint64_t count;
+};
+
+/// Judges each datagram before Fast DDS sees it, and counts what it drops. Called from several
+/// threads.
+class WireGuard {
+ public:
+  static constexpr std::size_t kMostSources = 64;  ///< that are counted apart
+
+  explicit WireGuard(const GuardLimits& limits) : limits_{limits} {}
+  /// The guard of this process, with the limits of its environment.
+  static WireGuard& shared();
+
+  /// Whether Fast DDS may have the datagram. `source`: its IPv4 address, or zeros and the end of an
+  /// IPv6 one, in network order.
+  [[nodiscard]] bool admits(std::span<const std::uint8_t> datagram, std::uint32_t source);
+
+  [[nodiscard]] std::uint64_t received() const { return received_; }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  /// All since the start, most frequent first.
+  [[nodiscard]] std::vector<DropCount> drops() const;
+
+ private:
+  void count(Drop drop, std::uint32_t source);
+
+  GuardLimits limits_;
+  std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
+  mutable std::mutex mutex_;  // guards what follows
+  std::map<std::uint32_t, std::array<std::uint64_t, kDropKinds>> by_source_;
+  std::array<std::uint64_t, kDropKinds> by_others_{};
+};
+
+/// "12 fragment from 192.168.1.7, 3 header from 127.0.0.1".
+[[nodiscard]] std::string summary(const std::vector<DropCount>& drops);
+
+}  // namespace tandem::runtime
