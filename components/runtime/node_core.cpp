@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "runtime/graph.hpp"
+#include "runtime/guard_report.hpp"
 #include "runtime/node_services.hpp"
 #include "runtime/running_nodes.hpp"
 
@@ -70,6 +71,9 @@ NodeCore::NodeCore(NodeOptions node_options)
   wait_set_.attach_condition(wake_up_);
   peer_poller_->poll = [this](double steady_now) { return peers_.poll(steady_now); };
   add(peer_poller_);
+  guard_report_ = std::make_unique<GuardReport>(*this);
+  guard_poller_->poll = [this](double steady_now) { return guard_report_->poll(steady_now); };
+  add(guard_poller_);
   if (use_sim_time) follow_clock();
   if (options.serves_tools) services_ = std::make_unique<NodeServices>(*this);
   running_nodes::add(*this);
@@ -78,6 +82,7 @@ NodeCore::NodeCore(NodeOptions node_options)
 NodeCore::~NodeCore() {
   running_nodes::remove(*this);
   services_.reset();
+  guard_report_.reset();
   if (clock_reader_) close_reader(*clock_reader_);
   wait_set_.detach_condition(wake_up_);
   participant_->graph().remove_node(name);

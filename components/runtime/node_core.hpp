@@ -32,6 +32,7 @@ struct Poller {
   bool closed = false;
 };
 
+class GuardReport;
 class NodeServices;
 
 class NodeCore {
@@ -89,6 +90,7 @@ class NodeCore {
   std::shared_ptr<Participant> participant_;
   PeerWatch peers_;
   std::shared_ptr<Poller> peer_poller_ = std::make_shared<Poller>();
+  std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
   fdds::WaitSet wait_set_;
   fdds::GuardCondition wake_up_;
   fdds::ConditionSeq active_;  // reused
@@ -99,6 +101,7 @@ class NodeCore {
   bool dispatching_ = false;
   std::shared_ptr<Reader> clock_reader_;
   std::unique_ptr<NodeServices> services_;
+  std::unique_ptr<GuardReport> guard_report_;
   std::atomic<std::int64_t> clock_ = 0;  // [ns] last /clock
   std::atomic<double> clock_arrival_;    // [s] steady
   std::atomic<bool> stopped_ = false;

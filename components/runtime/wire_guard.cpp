@@ -38,6 +38,15 @@ bool WireGuard::admits(std::span<const std::uint8_t> datagram, std::uint32_t sou
   return false;
 }
 
+bool WireGuard::claim_reporter(const void* who) {
+  const void* nobody = nullptr;
+  return reporter_.compare_exchange_strong(nobody, who) || nobody == who;
+}
+
+void WireGuard::release_reporter(const void* who) {
+  reporter_.compare_exchange_strong(who, nullptr);
+}
+
 void WireGuard::count(Drop drop, std::uint32_t source) {
   ++dropped_;
   const std::lock_guard lock{mutex_};

@@ -39,11 +39,16 @@ class WireGuard {
   /// All since the start, most frequent first.
   [[nodiscard]] std::vector<DropCount> drops() const;
 
+  /// True for the first who asks, until it is released: one node of the process reports.
+  [[nodiscard]] bool claim_reporter(const void* who);
+  void release_reporter(const void* who);
+
  private:
   void count(Drop drop, std::uint32_t source);
 
   GuardLimits limits_;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
+  std::atomic<const void*> reporter_ = nullptr;
   mutable std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, std::array<std::uint64_t, kDropKinds>> by_source_;
   std::array<std::uint64_t, kDropKinds> by_others_{};
