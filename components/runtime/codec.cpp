@@ -5,13 +5,14 @@
 #include <array>
 #include <string_view>
 
+#include "runtime/cdr_structure.hpp"
+
 namespace tandem::runtime {
 namespace {
 
-// Decoding makes room for as many elements as the bytes could hold at one byte each, so a hostile
-// length costs at most sizeof(element) times the sample. Only types made of plain octets may be
-// large; 1 MiB holds 10 000 poses.
-std::size_t max_size_of(std::string_view type_name) {
+// An element may take several times its bytes when decoded, so only types made of plain octets may
+// be large; 1 MiB holds 10 000 poses.
+std::size_t usual_limit(std::string_view type_name) {
   constexpr std::array<std::string_view, 3> kBulk{
       "octomap_msgs/msg/Octomap", "nav_msgs/msg/OccupancyGrid", "sensor_msgs/msg/PointCloud2"};
   // Every node takes these from anyone, and their elements are fifty times their least bytes.
@@ -47,13 +48,28 @@ void copy_out(const rtps::SerializedPayload_t& payload, Bytes& bytes) {
     bytes.assign(payload.data, payload.data + payload.length);
 }
 
+// [bytes] of a pool; it has none of size zero.
+std::uint32_t room_for(const void* bytes) {
+  return std::max(1U, static_cast<std::uint32_t>(static_cast<const Bytes*>(bytes)->size()));
+}
+
 bool plain_cdr(const Bytes& bytes) {
   return bytes.size() > 4 && bytes[0] == 0 && (bytes[1] == 0 || bytes[1] == 1);
 }
 
 }  // namespace
 
-Codec::Codec(const TypeRef& type) : type_{type.create()}, max_size_{max_size_of(type.name)} {
+std::size_t largest_sample_of(std::string_view type) {
+  const CdrStructure* structure = CdrStructure::of(type);
+  if (structure == nullptr) return BytesType::kMaxSize;
+  constexpr std::size_t kPadding = 3;  // some writers round up to four bytes
+  return structure->largest() ? *structure->largest() + kPadding : usual_limit(type);
+}
+
+Codec::Codec(const TypeRef& type)
+    : type_{type.create()},
+      max_size_{usual_limit(type.name)},
+      structure_{CdrStructure::of(type.name)} {
 #if TANDEM_FASTDDS_3
   dds_name_ = type_->get_name();
 #else
@@ -93,6 +109,7 @@ bool Codec::decode_unchecked(const Bytes& bytes, void* message) const {
 
 bool Codec::decode(const Bytes& bytes, void* message) const {
   if (!plain_cdr(bytes) || bytes.size() > max_size_) return false;
+  if (structure_ != nullptr && !structure_->fits(bytes)) return false;
   constexpr std::size_t kPadding = 3;  // some writers round up to four bytes
   try {
     return decode_unchecked(bytes, message) && bytes.size() <= size(message) + kPadding;
@@ -112,9 +129,9 @@ std::vector<std::uint8_t> encode(TypeRef type, const void* message) {
 }
 
 #if TANDEM_FASTDDS_3
-BytesType::BytesType(const std::string& dds_name) {
+BytesType::BytesType(const std::string& dds_name, std::size_t largest) {
   set_name(dds_name);
-  max_serialized_type_size = 256;
+  max_serialized_type_size = static_cast<std::uint32_t>(largest);
   is_compute_key_provided = false;
 }
 bool BytesType::serialize(const void* const data, rtps::SerializedPayload_t& payload,
@@ -128,12 +145,12 @@ bool BytesType::deserialize(rtps::SerializedPayload_t& payload, void* data) {
 }
 uint32_t BytesType::calculate_serialized_size(const void* const data,
                                               fdds::DataRepresentationId_t) {
-  return static_cast<uint32_t>(static_cast<const Bytes*>(data)->size());
+  return room_for(data);
 }
 #else
-BytesType::BytesType(const std::string& dds_name) {
+BytesType::BytesType(const std::string& dds_name, std::size_t largest) {
   setName(dds_name.c_str());
-  m_typeSize = 256;  // first guess of the pools; they grow
+  m_typeSize = static_cast<std::uint32_t>(largest);
   auto_fill_type_object(false);
   auto_fill_type_information(false);
 }
@@ -146,8 +163,7 @@ bool BytesType::deserialize(rtps::SerializedPayload_t* payload, void* data) {
   return true;
 }
 std::function<uint32_t()> BytesType::getSerializedSizeProvider(void* data) {
-  const auto size = static_cast<uint32_t>(static_cast<const Bytes*>(data)->size());
-  return [size] { return size; };
+  return [size = room_for(data)] { return size; };
 }
 #endif
 

@@ -4,11 +4,18 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "runtime/dds.hpp"
 #include "runtime/pubsub.hpp"
 
 namespace tandem::runtime {
+
+class CdrStructure;
+
+/// [bytes] of the largest sample that is taken of a type, "sensor_msgs/msg/Joy": what its fields
+/// can be at most, else 64 MiB of types that are made for bulk or not known here, else 1 MiB.
+[[nodiscard]] std::size_t largest_sample_of(std::string_view type);
 
 /// One message type's plain CDR.
 class Codec {
@@ -30,6 +37,7 @@ class Codec {
   std::shared_ptr<fdds::TopicDataType> type_;
   std::string dds_name_;
   std::size_t max_size_;
+  const CdrStructure* structure_;  // null: of a type that no IDL of ours describes
 };
 
 /// What a DDS reader or writer of ours handles: the sample's bytes, encapsulation included. DDS
@@ -38,7 +46,8 @@ class BytesType final : public fdds::TopicDataType {
  public:
   static constexpr std::size_t kMaxSize = std::size_t{64} << 20;  // a larger sample arrives empty
 
-  explicit BytesType(const std::string& dds_name);
+  /// `largest`: [bytes] of a sample that a reader's history takes.
+  BytesType(const std::string& dds_name, std::size_t largest);
 
 #if TANDEM_FASTDDS_3
   bool serialize(const void* const data, rtps::SerializedPayload_t& payload,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "runtime/codec.hpp"
 #include "runtime/names.hpp"
 #include "runtime/time.hpp"
 #include "type_hashes.hpp"
@@ -19,6 +20,10 @@ constexpr double kHeartbeat = 0.1;        // [s] until a lost sample is noticed
 // [s] until a new reader asks for what it missed; doubles until it is answered. DDS's default of
 // 0.07 s is too long for a program that sends once and leaves.
 constexpr double kFirstRequest = 0.005;
+// [bytes] of the largest sample, up to which a reader's pool holds samples of that size: only then
+// does Fast DDS refuse larger ones. Beyond it each sample's memory goes back to the system.
+constexpr std::size_t kMostPreallocated = std::size_t{1} << 20;
+constexpr std::size_t kMostKept = std::size_t{1} << 20;  // [bytes] for the next sample
 
 template <class DdsQos>
 void set_common(DdsQos& dds, const Participant& participant, const Endpoint& endpoint) {
@@ -35,14 +40,17 @@ void set_common(DdsQos& dds, const Participant& participant, const Endpoint& end
   dds.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
   dds.history().depth = qos.depth;
   dds.resource_limits().max_samples_per_instance = std::max(400, qos.depth);
-  dds.resource_limits().allocated_samples = std::min(10, qos.depth);  // grows when needed
+  dds.resource_limits().allocated_samples = 0;  // grows when needed
   dds.data_sharing().off();
-  dds.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 }
 
 fdds::DataReaderQos reader_qos(const Participant& participant, const Endpoint& endpoint) {
   fdds::DataReaderQos dds = fdds::DATAREADER_QOS_DEFAULT;
   set_common(dds, participant, endpoint);
+  dds.endpoint().history_memory_policy =
+      largest_sample_of(ros_type(endpoint.type)) <= kMostPreallocated
+          ? rtps::PREALLOCATED_MEMORY_MODE
+          : rtps::DYNAMIC_RESERVE_MEMORY_MODE;
 #if TANDEM_FASTDDS_3
   dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
   dds.reliable_reader_qos().times.initial_acknack_delay = to_duration(kFirstRequest);
@@ -57,6 +65,7 @@ fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& e
   fdds::DataWriterQos dds = fdds::DATAWRITER_QOS_DEFAULT;
   set_common(dds, participant, endpoint);
   dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
+  dds.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   dds.lifespan().duration = to_duration(endpoint.qos.lifespan);
 #if TANDEM_FASTDDS_3
   dds.reliable_writer_qos().times.heartbeat_period = to_duration(kHeartbeat);
@@ -96,6 +105,7 @@ int Reader::drain() {
       return taken;
     }
     if (info.valid_data) take_one(info);
+    if (bytes_.capacity() > kMostKept) Bytes{}.swap(bytes_);
   }
   waiting_ = true;  // take clears the status, so the wait set would not wake for the rest
   return kBatch;

@@ -42,31 +42,33 @@ GuardReport::GuardReport(NodeCore& node) : node_{node} {
 }
 
 GuardReport::~GuardReport() {
-  guard_.release_reporter(this);
+  guard_.release_report(this);
   if (writer_) node_.close_writer(*writer_);
 }
 
 double GuardReport::poll(double now) {
-  if (guard_.dropped() == 0 || !guard_.claim_reporter(this)) return now + kPeriod;
-  if (now >= next_report_ && guard_.dropped() != reported_count_) {
-    report();
-    next_report_ = now + kEvery;
-  } else if (now >= next_report_) {
+  if (guard_.dropped() == 0) return now + kPeriod;
+  WireGuard::Told* told = guard_.claim_report(this);
+  if (told == nullptr) return now + kPeriod;
+  if (now >= told->next && guard_.dropped() != told->count) {
+    report(*told);
+    told->next = now + kEvery;
+  } else if (now >= told->next) {
     status_.level(level::OK);
     status_.message("no datagram was dropped in the last minute");
   }
-  publish();
+  if (!status_.message().empty()) publish();  // else another node told of these
   return now + kPeriod;
 }
 
-void GuardReport::report() {
+void GuardReport::report(WireGuard::Told& told) {
   const std::uint64_t count = guard_.dropped();
   auto drops = guard_.drops();
-  auto fresh = news(drops, reported_);
+  auto fresh = news(drops, told.drops);
   if (fresh.size() > kMostInAReport) fresh.resize(kMostInAReport);
   status_.level(level::WARN);
   status_.message(fmt::format("dropped {} datagrams that are malformed or too many: {}",
-                              count - reported_count_, summary(fresh)));
+                              count - told.count, summary(fresh)));
   status_.values().clear();
   status_.values().push_back(
       value("remedy",
@@ -75,8 +77,8 @@ void GuardReport::report() {
     status_.values().push_back(
         value(fmt::format("{} from {}", name(drop.drop), drop.source), std::to_string(drop.count)));
   node_.log.warn("{}", status_.message());
-  reported_ = std::move(drops);
-  reported_count_ = count;
+  told.drops = std::move(drops);
+  told.count = count;
 }
 
 void GuardReport::publish() {

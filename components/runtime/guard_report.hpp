@@ -29,7 +29,7 @@ class GuardReport {
   double poll(double now);
 
  private:
-  void report();
+  void report(WireGuard::Told& told);
   void publish();
 
   NodeCore& node_;
@@ -37,9 +37,6 @@ class GuardReport {
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;
   diagnostic_msgs::msg::DiagnosticStatus status_;
-  std::vector<DropCount> reported_;
-  std::uint64_t reported_count_ = 0;
-  double next_report_ = 0.0;  // [s]
 };
 
 }  // namespace tandem::runtime

@@ -233,7 +233,7 @@ void Participant::release_topic(const std::string& dds_name) {
 
 void Participant::register_type(const std::string& dds_type) {
   if (types_.contains(dds_type)) return;
-  fdds::TypeSupport type{new BytesType{dds_type}};
+  fdds::TypeSupport type{new BytesType{dds_type, largest_sample_of(ros_type(dds_type))}};
   if (!ok(type.register_type(dds_))) throw std::runtime_error("DDS refuses type " + dds_type);
   types_.emplace(dds_type, type);
 }

@@ -38,14 +38,13 @@ bool WireGuard::admits(std::span<const std::uint8_t> datagram, std::uint32_t sou
   return false;
 }
 
-bool WireGuard::claim_reporter(const void* who) {
+WireGuard::Told* WireGuard::claim_report(const void* who) {
   const void* nobody = nullptr;
-  return reporter_.compare_exchange_strong(nobody, who) || nobody == who;
+  const bool its_own = reporter_.compare_exchange_strong(nobody, who) || nobody == who;
+  return its_own ? &told_ : nullptr;
 }
 
-void WireGuard::release_reporter(const void* who) {
-  reporter_.compare_exchange_strong(who, nullptr);
-}
+void WireGuard::release_report(const void* who) { reporter_.compare_exchange_strong(who, nullptr); }
 
 void WireGuard::count(Drop drop, std::uint32_t source) {
   ++dropped_;

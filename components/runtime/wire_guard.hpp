@@ -39,9 +39,16 @@ class WireGuard {
   /// All since the start, most frequent first.
   [[nodiscard]] std::vector<DropCount> drops() const;
 
-  /// True for the first who asks, until it is released: one node of the process reports.
-  [[nodiscard]] bool claim_reporter(const void* who);
-  void release_reporter(const void* who);
+  /// What was told of the drops so far.
+  struct Told {
+    std::vector<DropCount> drops;
+    std::uint64_t count = 0;
+    double next = 0.0;  ///< [s, steady] not before
+  };
+  /// For the first who asks, until it is released: one node of the process reports. Null for
+  /// others.
+  [[nodiscard]] Told* claim_report(const void* who);
+  void release_report(const void* who);
 
  private:
   void count(Drop drop, std::uint32_t source);
@@ -49,6 +56,7 @@ class WireGuard {
   GuardLimits limits_;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
   std::atomic<const void*> reporter_ = nullptr;
+  Told told_;                 // the reporter's
   mutable std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, std::array<std::uint64_t, kDropKinds>> by_source_;
   std::array<std::uint64_t, kDropKinds> by_others_{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other process of the runtime's tests. `peer echo`: sends each Twist of /ping back on /pong.
 // `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer.
+// `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on /pong.
 // `peer throw`: a callback throws. Ends with 0 on SIGTERM.
 #include <cstdio>
 #include <stdexcept>
@@ -22,6 +23,17 @@ void echo() {
   const auto pong = node.create_publisher(rt::Topic<Twist>{"pong", rt::kLatched});
   const auto ping = node.create_subscription(rt::Topic<Twist>{"ping"},
                                              [&](const Twist& message) { pong.publish(message); });
+  node.spin();
+}
+
+void listen() {
+  rt::Node node{"listener"};
+  const auto pong = node.create_publisher(rt::Topic<Twist>{"pong", rt::kLatched});
+  const auto answer = [&](const auto&) { pong.publish({}); };
+  const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"odom"}, answer);
+  const auto joy = node.create_subscription(rt::Topic<sensor_msgs::msg::Joy>{"joy"}, answer);
+  const auto points =
+      node.create_subscription(rt::Topic<sensor_msgs::msg::PointCloud2>{"points"}, answer);
   node.spin();
 }
 
@@ -59,6 +71,7 @@ int main(int argc, char** argv) try {
   rt::install_signal_handlers();
   const std::string mode = argc > 1 ? argv[1] : "";
   if (mode == "echo") echo();
+  if (mode == "listen") listen();
   if (mode == "trigger") trigger();
   if (mode == "ask") ask();
   if (mode == "throw") throw_in_callback();
