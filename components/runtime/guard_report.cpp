@@ -67,7 +67,7 @@ void GuardReport::report(WireGuard::Told& told) {
   auto fresh = news(drops, told.drops);
   if (fresh.size() > kMostInAReport) fresh.resize(kMostInAReport);
   status_.level(level::WARN);
-  status_.message(fmt::format("dropped {} datagrams that are malformed or too many: {}",
+  status_.message(fmt::format("dropped {} datagrams, or parts of them, that are malformed or too many: {}",
                               count - told.count, summary(fresh)));
   status_.values().clear();
   status_.values().push_back(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/guarded_transport.hpp"
 
+#include <array>
 #include <cstring>
 
 #include "runtime/wire_guard.hpp"
@@ -39,12 +40,14 @@ class GuardedTransport final : public transport::ChainingTransport {
   bool send(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& buffers,
             std::uint32_t size, rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
             const std::chrono::steady_clock::time_point& deadline) override {
+    note_sent(buffers);
     return below->send(buffers, size, first, last, deadline);
   }
 #else
   bool send(rtps::SenderResource* below, const rtps::octet* data, std::uint32_t size,
             rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
             const std::chrono::steady_clock::time_point& deadline) override {
+    guard_.sent({data, size});
     return below->send(data, size, first, last, deadline);
   }
 #endif
@@ -52,10 +55,26 @@ class GuardedTransport final : public transport::ChainingTransport {
   void receive(transport::TransportReceiverInterface* above, const rtps::octet* data,
                std::uint32_t size, const rtps::Locator_t& to,
                const rtps::Locator_t& from) override {
-    if (guard_.admits({data, size}, source_of(from))) above->OnDataReceived(data, size, to, from);
+    // The transport's own buffer, which a transport on top of it may change.
+    if (guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from)))
+      above->OnDataReceived(data, size, to, from);
   }
 
  private:
+#if TANDEM_FASTDDS_3
+  // The parts of a datagram. Acknowledgements are short; what is longer has none of interest.
+  void note_sent(const std::vector<rtps::NetworkBuffer>& buffers) {
+    std::array<std::uint8_t, 1500> joined;
+    std::size_t size = 0;
+    for (const auto& buffer : buffers) {
+      if (size + buffer.size > joined.size()) return;
+      std::memcpy(joined.data() + size, buffer.buffer, buffer.size);
+      size += buffer.size;
+    }
+    guard_.sent({joined.data(), size});
+  }
+#endif
+
   WireGuard& guard_;
 };
 

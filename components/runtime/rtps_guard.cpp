@@ -44,6 +44,9 @@ enum Parameter : std::uint16_t {
   kEntityName = 0x62,
   kKeyHash = 0x70,
   kDataRepresentation = 0x73,
+  kIdentityToken = 0x1001,
+  kPermissionsToken = 0x1002,
+  kIdentityStatusToken = 0x1006,
 };
 
 // --- parameter lists
@@ -58,15 +61,27 @@ bool skip_string(Span value, bool little, std::size_t& at) {
   return true;
 }
 
-// `parts` strings for each of as many as the first number says.
-bool is_list_of_strings(Span value, bool little, std::size_t parts) {
-  if (value.size() < 4) return false;
-  const std::size_t count = u32(value.data(), little);
+// `parts` texts or octet sequences for each of as many as the first number says.
+bool skip_list(Span value, bool little, std::size_t parts, std::size_t& at) {
+  if (value.size() - at < 4) return false;
+  const std::size_t count = u32(value.data() + at, little);
   if (count > kMostMinorParts) return false;
-  std::size_t at = 4;
+  at += 4;
   for (std::size_t i = 0; i < count * parts; ++i)
     if (!skip_string(value, little, at)) return false;
   return true;
+}
+
+bool is_list_of_strings(Span value, bool little, std::size_t parts) {
+  std::size_t at = 0;
+  return skip_list(value, little, parts, at);
+}
+
+// A token of DDS Security: its class, text properties, binary properties.
+bool is_data_holder(Span value, bool little) {
+  std::size_t at = 0;
+  return skip_string(value, little, at) && skip_list(value, little, 2, at) &&
+         skip_list(value, little, 2, at);
 }
 
 bool is_one_string(Span value, bool little) {
@@ -92,6 +107,10 @@ bool is_parameter(std::uint16_t id, Span value, bool little) {
       return is_list_of_strings(value, little, 1);
     case kProperties:
       return is_list_of_strings(value, little, 2);
+    case kIdentityToken:
+    case kPermissionsToken:
+    case kIdentityStatusToken:
+      return is_data_holder(value, little);
     case kDataRepresentation:
       return is_list_of_shorts(value, little);
     case kUnicastLocator:

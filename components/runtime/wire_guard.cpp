@@ -7,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "runtime/environment.hpp"
+#include "runtime/time.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -30,12 +31,26 @@ WireGuard& WireGuard::shared() {
   return guard;
 }
 
-bool WireGuard::admits(std::span<const std::uint8_t> datagram, std::uint32_t source) {
+bool WireGuard::admits(std::span<std::uint8_t> datagram, std::uint32_t source) {
   ++received_;
-  const Drop drop = check_datagram(datagram, limits_);
-  if (drop == Drop::kNone) return true;
-  count(drop, source);
-  return false;
+  if (const Drop drop = check_datagram(datagram, limits_); drop != Drop::kNone) {
+    count(drop, source);
+    return false;
+  }
+  int far = 0, many = 0;
+  {
+    const std::lock_guard lock{watch_mutex_};
+    far = progress_.narrow(datagram);
+    many = announcements_.thin(datagram, steady_seconds());
+  }
+  if (far > 0) count(Drop::kSequence, source, far);
+  if (many > 0) count(Drop::kAnnouncement, source, many);
+  return true;
+}
+
+void WireGuard::sent(std::span<const std::uint8_t> datagram) {
+  const std::lock_guard lock{watch_mutex_};
+  progress_.sent(datagram);
 }
 
 WireGuard::Told* WireGuard::claim_report(const void* who) {
@@ -46,12 +61,12 @@ WireGuard::Told* WireGuard::claim_report(const void* who) {
 
 void WireGuard::release_report(const void* who) { reporter_.compare_exchange_strong(who, nullptr); }
 
-void WireGuard::count(Drop drop, std::uint32_t source) {
-  ++dropped_;
+void WireGuard::count(Drop drop, std::uint32_t source, int times) {
+  dropped_ += static_cast<std::uint64_t>(times);
   const std::lock_guard lock{mutex_};
   const bool apart = by_source_.contains(source) || by_source_.size() < kMostSources;
   auto& counts = apart ? by_source_[source] : by_others_;
-  ++counts[static_cast<std::size_t>(drop)];
+  counts[static_cast<std::size_t>(drop)] += static_cast<std::uint64_t>(times);
 }
 
 std::vector<DropCount> WireGuard::drops() const {

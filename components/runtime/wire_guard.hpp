@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "runtime/rtps_guard.hpp"
+#include "runtime/rtps_watch.hpp"
 
 namespace tandem::runtime {
 
@@ -30,9 +31,11 @@ class WireGuard {
   /// The guard of this process, with the limits of its environment.
   static WireGuard& shared();
 
-  /// Whether Fast DDS may have the datagram. `source`: its IPv4 address, or zeros and the end of an
-  /// IPv6 one, in network order.
-  [[nodiscard]] bool admits(std::span<const std::uint8_t> datagram, std::uint32_t source);
+  /// Whether Fast DDS may have the datagram. Takes out of it what would make Fast DDS keep too
+  /// much. `source`: its IPv4 address, or the end of an IPv6 one, in network order.
+  [[nodiscard]] bool admits(std::span<std::uint8_t> datagram, std::uint32_t source);
+  /// What this process sends.
+  void sent(std::span<const std::uint8_t> datagram);
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -51,12 +54,15 @@ class WireGuard {
   void release_report(const void* who);
 
  private:
-  void count(Drop drop, std::uint32_t source);
+  void count(Drop drop, std::uint32_t source, int times = 1);
 
   GuardLimits limits_;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
   std::atomic<const void*> reporter_ = nullptr;
-  Told told_;                 // the reporter's
+  Told told_;               // the reporter's
+  std::mutex watch_mutex_;  // guards these two
+  ReaderProgress progress_;
+  Announcements announcements_;
   mutable std::mutex mutex_;  // guards what follows
   std::map<std::uint32_t, std::array<std::uint64_t, kDropKinds>> by_source_;
   std::array<std::uint64_t, kDropKinds> by_others_{};

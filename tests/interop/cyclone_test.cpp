@@ -7,6 +7,7 @@
 
 #include "runtime/component.hpp"
 #include "support/child_process.hpp"
+#include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 
@@ -14,6 +15,7 @@ namespace tandem {
 namespace {
 
 TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
+  const test::NothingDropped nothing_dropped;
   // Policy manual behind the filter: the peer's Twist is the person's command.
   test::ChildProcess robot{"../tandem",
                            {"run", test::source_path("bringup/systems/teleop.yaml"), "--ros-args",
@@ -25,6 +27,7 @@ TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
 }
 
 TEST(CyclonePeer, SetsAndGetsAParameterOfOurs) {
+  const test::NothingDropped nothing_dropped;
   setenv("TANDEM_COMPONENT_PATH", test::binary_path().c_str(), 1);
   const auto teleop = rt::load_component("teleop", {.name = "teleop", .ns = "/robot"});
   const char* domain = std::getenv("ROS_DOMAIN_ID");

@@ -8,6 +8,7 @@
 
 #include "runtime/node.hpp"
 #include "support/child_process.hpp"
+#include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -21,6 +22,7 @@ constexpr double kTimeout = 30.0;  // [s]
 // Hears what `robot` says without having asked on the domain: discovery is the server's.
 TEST(DiscoveryServer, BringsOurProcessesTogether) {
   if (!std::filesystem::exists(kServer)) GTEST_SKIP() << kServer << " is not installed";
+  const test::NothingDropped nothing_dropped;
   const std::string port = std::to_string(20'000 + getpid() % 10'000);
   test::ChildProcess server{std::filesystem::relative(kServer, test::ChildProcess::folder()),
                             {"-i", "0", "-l", "127.0.0.1", "-p", port}};

@@ -10,6 +10,7 @@
 
 #include "bringup/bag.hpp"
 #include "support/child_process.hpp"
+#include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 
@@ -31,6 +32,7 @@ const std::string kScript = test::source_path("tests/interop/python_peer/peer.py
 void expect_python_does(const std::string& script, const std::string& check,
                         const std::string& parameter, const fs::path& python = kPython) {
   if (!fs::exists(python)) GTEST_SKIP() << python << " was not built";
+  const test::NothingDropped nothing_dropped;
   test::ChildProcess robot{"../tandem", {"run", kSystem, "--ros-args", "-p", parameter}};
   test::ChildProcess peer{python, {script, check}};
   EXPECT_EQ(peer.wait(kTimeout), 0);
@@ -102,6 +104,7 @@ const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";
 void expect_rust_does(const std::string& check) {
   if (!fs::exists(kRust)) GTEST_SKIP() << kRust << " was not built";
   constexpr int kNoNamespace = 77;
+  const test::NothingDropped nothing_dropped;
   test::ChildProcess both{test::source_path("tests/interop/rust_peer/beside_robot"),
                           {test::binary_path("tandem"), kSystem, kRust, check}};
   const auto status = both.wait(kTimeout);

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "support/captured_log.hpp"
+
+namespace tandem::test {
+
+/// Fails if this process or a child of it said, while this lives, that the wire's guard dropped
+/// something. A guard says so within a second of the first drop.
+class NothingDropped {
+ public:
+  NothingDropped() = default;
+  ~NothingDropped() { EXPECT_EQ(log_.lines("that are malformed or too many"), 0); }
+  NothingDropped(const NothingDropped&) = delete;
+  NothingDropped& operator=(const NothingDropped&) = delete;
+
+ private:
+  CapturedLog log_;
+};
+
+}  // namespace tandem::test
