@@ -14,6 +14,7 @@ using diagnostic_msgs::msg::DiagnosticArray;
 using diagnostic_msgs::msg::KeyValue;
 
 constexpr double kPeriod = 1.0;            // [s] between two statuses
+constexpr std::size_t kTotals = 2;         // values that are always there
 constexpr std::size_t kMostInAReport = 8;  // kinds and sources; the rest are values of the status
 
 KeyValue value(const std::string& key, const std::string& text) {
@@ -67,9 +68,10 @@ void GuardReport::report(WireGuard::Told& told) {
   auto fresh = news(drops, told.drops);
   if (fresh.size() > kMostInAReport) fresh.resize(kMostInAReport);
   status_.level(level::WARN);
-  status_.message(fmt::format("dropped {} datagrams, or parts of them, that are malformed or too many: {}",
-                              count - told.count, summary(fresh)));
-  status_.values().clear();
+  status_.message(
+      fmt::format("dropped {} datagrams, or parts of them, that are malformed or too many: {}",
+                  count - told.count, summary(fresh)));
+  status_.values().resize(kTotals);
   status_.values().push_back(
       value("remedy",
             "find the program at that address and stop it; keep robots on a network of their own"));
@@ -86,6 +88,9 @@ void GuardReport::publish() {
     codec_ = std::make_shared<Codec>(type_ref<DiagnosticArray>());
     writer_ = node_.open_writer({"rt/diagnostics", codec_->dds_name(), kDefault});
   }
+  status_.values().resize(std::max(kTotals, status_.values().size()));
+  status_.values()[0] = value("received", std::to_string(guard_.received()));
+  status_.values()[1] = value("dropped", std::to_string(guard_.dropped()));
   DiagnosticArray message;
   message.header().stamp(node_.stamp());
   message.status().push_back(status_);

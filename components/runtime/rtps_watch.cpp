@@ -162,6 +162,18 @@ void ReaderProgress::Source::acknowledge(std::uint32_t reader, std::int64_t base
     readers.push_back({reader, base});
   else
     known->next = base;
+  top = std::max(top, base - 1);
+}
+
+bool ReaderProgress::Source::believes(std::int64_t first, bool usual_count) {
+  const bool again = claimed > 0 && first >= claimed && first - claimed < kWindow;
+  if (!again && !(usual_count && first - kLeap <= top + 1)) {
+    claimed = first;
+    return false;
+  }
+  claimed = 0;
+  top = std::max(top, first - 1);
+  return true;
 }
 
 ReaderProgress::Source* ReaderProgress::find(const GuidPrefix& prefix, const std::uint8_t* entity) {
@@ -193,8 +205,7 @@ int ReaderProgress::narrow(std::span<std::uint8_t> datagram) {
       case kDataFrag:
         return passes_data(submessage, find(source, submessage.body.data() + 8));
       case kHeartbeat:
-        note_heartbeat(submessage, find(source, submessage.body.data() + 4));
-        return true;
+        return passes_heartbeat(submessage, find(source, submessage.body.data() + 4));
       case kGap:
         return passes_gap(submessage, bytes_of(datagram, submessage),
                           find(source, submessage.body.data() + 4));
@@ -214,14 +225,21 @@ bool ReaderProgress::passes_data(const rtps_message::Submessage& data, Source* s
   const std::uint32_t reader = data.entity(4);
   if (!in_window(number, source->least(reader))) return false;
   constexpr auto kLast = std::numeric_limits<std::int64_t>::max();
+  source->top = std::max(source->top, number);
   if (data.id == kData && number < kLast) source->advance(reader, number, number + 1);
   return true;
 }
 
-void ReaderProgress::note_heartbeat(const rtps_message::Submessage& heartbeat, Source* source) {
-  if (source == nullptr) return;
-  source->advance(heartbeat.entity(0), 0, heartbeat.sequence_number(8));
-  source->heartbeats = heartbeat.u32(24);
+bool ReaderProgress::passes_heartbeat(const rtps_message::Submessage& heartbeat, Source* source) {
+  if (source == nullptr) return true;
+  const std::int64_t first = heartbeat.sequence_number(8);
+  const std::uint32_t count = heartbeat.u32(24);
+  const bool usual = source->heartbeats == 0 || count - source->heartbeats < kCounts ||
+                     source->heartbeats - count < kCounts;
+  if (!source->believes(first, usual)) return false;
+  source->heartbeats = count;
+  source->advance(heartbeat.entity(0), 0, first);
+  return true;
 }
 
 bool ReaderProgress::passes_gap(const rtps_message::Submessage& gap, std::uint8_t* body,
@@ -230,6 +248,7 @@ bool ReaderProgress::passes_gap(const rtps_message::Submessage& gap, std::uint8_
   const std::uint32_t reader = gap.entity(0);
   const std::int64_t first = gap.sequence_number(8), base = gap.sequence_number(16);
   const std::int64_t least = source == nullptr ? 0 : source->least(reader);
+  if (source != nullptr && !source->believes(base, true)) return false;
   if (base - first > kWide && least > 0 && first <= least) {
     say_as_heartbeat(body, base, ++source->heartbeats, little);
     source->advance(reader, first, base);

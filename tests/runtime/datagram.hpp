@@ -109,11 +109,15 @@ class Datagram {
     append(body, fragment.sample, little_);
     return add_with(0x16, 0, body, fragment.inline_qos, payload);
   }
-  Datagram& add_announcement(std::uint32_t writer, const Parameters& parameters) {
-    Octets payload{0, static_cast<std::uint8_t>(little_ ? 3 : 2), 0, 0};
-    const Octets list = parameter_list(parameters, little_);
+  /// A parameter list with its encapsulation.
+  [[nodiscard]] static Octets list_payload(const Parameters& parameters, bool little) {
+    Octets payload{0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
+    const Octets list = parameter_list(parameters, little);
     payload.insert(payload.end(), list.begin(), list.end());
-    return add_data({.writer = writer}, payload);
+    return payload;
+  }
+  Datagram& add_announcement(std::uint32_t writer, const Parameters& parameters) {
+    return add_data({.writer = writer}, list_payload(parameters, little_));
   }
 
   Datagram& add_heartbeat(std::int64_t first, std::int64_t last, std::uint32_t count = 1,

@@ -2,6 +2,7 @@
 // The other process of the runtime's tests. `peer echo`: sends each Twist of /ping back on /pong.
 // `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer.
 // `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on /pong.
+// `peer join`: ends with 0 as soon as it has heard three messages of /odom.
 // `peer throw`: a callback throws. Ends with 0 on SIGTERM.
 #include <cstdio>
 #include <stdexcept>
@@ -34,6 +35,16 @@ void listen() {
   const auto joy = node.create_subscription(rt::Topic<sensor_msgs::msg::Joy>{"joy"}, answer);
   const auto points =
       node.create_subscription(rt::Topic<sensor_msgs::msg::PointCloud2>{"points"}, answer);
+  node.spin();
+}
+
+void join() {
+  rt::Node node{"newcomer"};
+  int heard = 0;
+  const auto odom =
+      node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"odom"}, [&](const auto&) {
+        if (++heard == 3) node.stop();
+      });
   node.spin();
 }
 
@@ -71,6 +82,7 @@ int main(int argc, char** argv) try {
   rt::install_signal_handlers();
   const std::string mode = argc > 1 ? argv[1] : "";
   if (mode == "echo") echo();
+  if (mode == "join") join();
   if (mode == "listen") listen();
   if (mode == "trigger") trigger();
   if (mode == "ask") ask();

@@ -41,6 +41,12 @@ class Progress : public testing::TestWithParam<bool> {
     EXPECT_EQ(rt::check_datagram(octets, {}), rt::Drop::kNone);
     return octets;
   }
+  // Such as must come twice.
+  Octets narrowed_again(const Datagram& datagram) {
+    (void)narrowed(datagram);
+    EXPECT_EQ(taken_, 1);
+    return narrowed(datagram);
+  }
   bool passes(const Datagram& datagram) {
     return narrowed(datagram) == datagram.octets() && taken_ == 0;
   }
@@ -53,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Orders, Progress, testing::Bool());
 TEST_P(Progress, LeavesWhatIsUsualAsItIs) {
   acknowledge(5);
   EXPECT_TRUE(passes(from_peer().add_data({.number = 5}, Octets(8, 1))));
-  EXPECT_TRUE(passes(from_peer().add_gap(6, 100, 32)));
+  EXPECT_TRUE(passes(from_peer().add_gap(6, 30, 32)));
   EXPECT_TRUE(passes(from_peer().add_heartbeat(5, 200)));
   EXPECT_TRUE(passes(from_peer().add_data({.number = 1500}, Octets(8, 1))));
 }
@@ -68,7 +74,7 @@ TEST_P(Progress, LeavesWritersAloneOfWhomNothingWasAcknowledged) {
 // A GAP from what the reader waits for to anywhere: what is old does not exist any more.
 TEST_P(Progress, SaysAWideGapAsAHeartbeat) {
   acknowledge(7);
-  const Octets octets = narrowed(from_peer().add_gap(7, kFar, 64));
+  const Octets octets = narrowed_again(from_peer().add_gap(7, kFar, 64));
   const auto heartbeat = first_of(octets);
   EXPECT_EQ(heartbeat.id, rt::rtps_message::kHeartbeat);
   EXPECT_EQ(heartbeat.sequence_number(8), kFar);
@@ -81,12 +87,12 @@ TEST_P(Progress, SaysAWideGapAsAHeartbeat) {
 TEST_P(Progress, CountsThatHeartbeatOnFromTheWritersLast) {
   acknowledge(7);
   EXPECT_TRUE(passes(from_peer().add_heartbeat(1, 9, 41)));
-  EXPECT_EQ(first_of(narrowed(from_peer().add_gap(7, kFar, 0))).u32(24), 42u);
+  EXPECT_EQ(first_of(narrowed_again(from_peer().add_gap(7, kFar, 0))).u32(24), 42u);
 }
 
 TEST_P(Progress, CutsAWideGapThatBeginsLaterThanTheReaderWaitsFor) {
   acknowledge(7);
-  const Octets octets = narrowed(from_peer().add_gap(50, kFar, 64));
+  const Octets octets = narrowed_again(from_peer().add_gap(50, kFar, 64));
   const auto gap = first_of(octets);
   EXPECT_EQ(gap.id, rt::rtps_message::kGap);
   EXPECT_EQ(gap.sequence_number(16), 50 + rt::ReaderProgress::kWide);
@@ -105,10 +111,24 @@ TEST_P(Progress, TakesOutWhatLiesBeyondTheWindow) {
   EXPECT_EQ(taken_, 1);
   (void)narrowed(from_peer().add_gap(beyond, beyond + 5, 0));
   EXPECT_EQ(taken_, 1);
-  (void)narrowed(from_peer().add_gap(7 + 1, std::numeric_limits<std::int64_t>::max(), 0));
-  EXPECT_EQ(taken_, 0);
-  EXPECT_TRUE(passes(from_peer().add_heartbeat(beyond, beyond + 9)));  // after a long outage
+  // After a long outage.
+  const auto heartbeat = from_peer().add_heartbeat(beyond, beyond + 9);
+  EXPECT_EQ(narrowed_again(heartbeat), heartbeat.octets());
   EXPECT_TRUE(passes(from_peer().add_data({.number = beyond}, Octets(8, 1))));
+}
+
+TEST_P(Progress, BelievesNoSingleHeartbeatThatLeaps) {
+  acknowledge(7);
+  EXPECT_TRUE(passes(from_peer().add_heartbeat(7, 9, 100)));
+  EXPECT_TRUE(passes(from_peer().add_heartbeat(20, 29, 101)));  // a few were lost
+  for (const std::int64_t first : {1'000, 50'000'000, 80}) {
+    (void)narrowed(from_peer().add_heartbeat(first, first + 9, 102));
+    EXPECT_EQ(taken_, 1) << first;
+  }
+  (void)narrowed(from_peer().add_heartbeat(20, 29, 0x40000000));
+  EXPECT_EQ(taken_, 1) << "the reader would hear none with a smaller count";
+  EXPECT_TRUE(
+      passes(from_peer().add_data({.number = 20}, Octets(8, 1)).add_heartbeat(20, 29, 103)));
 }
 
 // The reader acknowledges seldom while nothing is lost.

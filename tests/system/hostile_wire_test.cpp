@@ -2,9 +2,7 @@
 // Datagrams that end a process which parses them: the robot drives on, and can be stopped.
 #include <csignal>
 
-#include "runtime/datagram.hpp"
-#include "support/udp_sender.hpp"
-#include "system/system_under_test.hpp"
+#include "system/wire_attacks.hpp"
 
 namespace tandem::test {
 namespace {
@@ -32,6 +30,43 @@ TEST(HostileWire, EndsNoProcessAndTheRobotDrivesAndStops) {
   EXPECT_EQ(system.collisions, 0u);
   for (const char* name : kComponents) system.process(name).send(SIGTERM);
   for (const char* name : kComponents) EXPECT_EQ(system.process(name).wait(5.0), 0) << name;
+}
+
+// The long versions: wire_attacks.
+TEST(HostileWire, MutatedDatagramsOfTheSessionEndNoProcessAndFillNoMemory) {
+  const LoopbackTap tap;
+  if (!tap.works()) GTEST_SKIP() << "no CAP_NET_RAW";
+  AttackedSystem attacked;
+  ASSERT_TRUE(attacked.system().wait_until_driving());
+  const auto session = tap.listen(2.0, 4000);
+  ASSERT_GT(session.size(), 200u);
+  attacked.note_memory();
+  attacked.send_mutated(20'000, session, 1);
+  EXPECT_TRUE(attacked.all_alive());
+  EXPECT_LT(attacked.growth(), 20.0);
+  EXPECT_TRUE(attacked.system().wait_until_driving());
+  EXPECT_TRUE(attacked.stops());
+}
+
+TEST(HostileWire, AnnouncementsOfNobodyFillNoMemoryAndARealProcessJoins) {
+  AttackedSystem attacked;
+  ASSERT_TRUE(attacked.system().wait_until_driving());
+  attacked.note_memory();
+  attacked.announce(20'000);
+  const double start = rt::steady_seconds();
+  ChildProcess newcomer{"peer", {"join"}};
+  std::optional<int> joined;
+  for (int i = 0; i < 50 && !joined; ++i) {
+    attacked.announce(500);
+    joined = newcomer.wait(0.01);
+  }
+  if (!joined) joined = newcomer.wait(5.0);
+  EXPECT_EQ(joined, 0);
+  EXPECT_LT(rt::steady_seconds() - start, 5.0);
+  EXPECT_TRUE(attacked.all_alive());
+  EXPECT_LT(attacked.growth(), 50.0);
+  EXPECT_TRUE(attacked.system().wait_until_driving());
+  EXPECT_TRUE(attacked.stops());
 }
 
 }  // namespace
