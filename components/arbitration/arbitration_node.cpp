@@ -138,10 +138,12 @@ void ArbitrationNode::decide(Source arrived) {
   published_ = node_.steady_now();
 }
 
+// A reason that comes and goes is one event, and the next line says how often it came.
 void ArbitrationNode::log_reason(rt::LogLevel level) {
   if (std::exchange(logged_, decision_.reason) == decision_.reason) return;
-  const std::string why = with_remedy(name(decision_.reason));
-  node_.log().write(level, fmt::format("{}: {}", name(decision_.source), why));
+  const std::string what =
+      fmt::format("{}: {}", name(decision_.source), with_remedy(name(decision_.reason)));
+  node_.log().write_every(kReminder, level, what, what);
 }
 
 // While time stands nothing grows old: what was said before it stood must not count as new.

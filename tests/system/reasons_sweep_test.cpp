@@ -51,12 +51,22 @@ class Sweep : public OneComponent {
       auto msg = to_msg(Odometry{X_WB_, twist_}, header(node_.stamp(), "odom"), "base_link");
       odom_.publish(msg);
     }
+    // A person lets go where the stick must be seen at rest: after a stall of this process.
+    if (pushes_) hold(reason_ == words(Reason::kStickMoved).text ? 0.0F : 0.5F);
     if (joy_on_) joy_.publish(stick_);
     if (local_on_) local_.publish(local_map_);
   }
   void run(const std::string& component, Values values = {}) {
     if (component != "arbitration") values.emplace("map_is_odom", "true");
+    values.merge(patience(component));
     running_[component] = std::make_unique<rt::RunningComponent>(load(component, values));
+  }
+  // Time-outs that a busy computer keeps: what is silent for a moment would be one more reason.
+  static Values patience(const std::string& component) {
+    if (component == "arbitration") return {{"user_timeout", "1.0"}, {"shared_timeout", "1.0"}};
+    if (component == "teleop") return {{"joy_timeout", "1.0"}};
+    if (component == "local_planner") return {{"user_timeout", "1.0"}, {"obstacle_timeout", "1.0"}};
+    return {};
   }
   void end(const std::string& component) { running_.erase(component); }
   void hold(float linear, int deadman = 1) {
@@ -70,17 +80,17 @@ class Sweep : public OneComponent {
     const auto user =
         node_.create_subscription(topics::cmd_vel_user, [this](const auto&) { ++user_; });
     EXPECT_TRUE(wait_until([this] { return user_ > 0; }));
-    hold(0.5F);
+    pushes_ = true;
   }
 
   // It is given, with its remedy, and logged once more than before, with that.
-  void expect_reason(const std::string& begin, Reason row, int lines_before = 0) {
+  void expect_reason(const std::string& begin, Reason row) {
     EXPECT_TRUE(wait_until([&] { return reason_.starts_with(begin); }))
         << "expected " << begin << ", not " << reason_;
     EXPECT_EQ(remedy_, words(row).remedy) << reason_;
     EXPECT_FALSE(remedy_.empty()) << reason_;
-    EXPECT_TRUE(wait_until([&] { return lines_of_arbitration(begin) > lines_before; })) << begin;
-    EXPECT_EQ(lines_of_arbitration(begin), lines_before + 1) << begin;
+    EXPECT_TRUE(wait_until([&] { return lines_of_arbitration(begin) > 0; })) << begin;
+    EXPECT_EQ(lines_of_arbitration(begin), 1) << begin;
     EXPECT_GT(log_.lines(words(row).remedy), 0) << begin;
   }
   [[nodiscard]] int lines_of_arbitration(const std::string& begin) const {
@@ -102,7 +112,7 @@ class Sweep : public OneComponent {
   Twist2 twist_;
   sensor_msgs::msg::Joy stick_;
   octomap_msgs::msg::Octomap local_map_ = map_with_wall(3.0);
-  bool odom_on_ = true, joy_on_ = false, local_on_ = false;
+  bool odom_on_ = true, joy_on_ = false, local_on_ = false, pushes_ = false;
   int user_ = 0;  ///< commands of teleop
   std::string reason_, remedy_;
 };
@@ -141,6 +151,7 @@ TEST_F(Sweep, OfArbitrationItself) {
     return released;
   }));
   expect_reason("let go of the stick first", Reason::kLetGoFirst);
+  pushes_ = false;
   hold(0.0F);
   expect_reason("steer to drive on", Reason::kSteerFirst);
 }
@@ -211,9 +222,13 @@ TEST_F(Sweep, OfThePlannerAndWhatItWaitsFor) {
   local_on_ = true;
   run("obstacle_extractor", {{"map_source", "local"}, {"people", "true"}});
   expect_reason("obstacle_extractor: people are silent", Reason::kPeopleSilent);
-  const int before = lines_of_arbitration("cmd_vel_shared is silent");  // until the planner began
-  end("local_planner");
-  expect_reason("cmd_vel_shared is silent", Reason::kSharedSilent, before);
+}
+
+TEST_F(Sweep, OfAPlannerThatIsNotThere) {
+  run("arbitration", {{"policy", "shared"}, {"handover_time", "0.0"}});
+  run("teleop");
+  push();
+  expect_reason("cmd_vel_shared is silent", Reason::kSharedSilent);
 }
 
 TEST_F(Sweep, OfThePlannersOwnInputs) {
@@ -226,7 +241,7 @@ TEST_F(Sweep, OfThePlannersOwnInputs) {
   expect_reason("planner: no goal_pose yet", Reason::kNoGoal);
   end("local_planner");
   end("teleop");
-  joy_on_ = false;
+  joy_on_ = pushes_ = false;
   const auto user = node_.create_publisher(topics::cmd_vel_user);
   const auto beat = node_.create_wall_timer(0.02, [&] { user.publish(to_msg(Twist2{0.3, 0.0})); });
   run("local_planner", {{"method", "leader"}});
