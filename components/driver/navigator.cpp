@@ -191,7 +191,7 @@ bool Navigator::backs_out(const Pose2& X_MB, double t) {
 }
 
 double Navigator::wandered(double value, double deviation, double time) {
-  return wander(value, deviation, time, 1.0 / params_.rate, normal_(random_));
+  return wander(value, deviation, time, params_.rate, normal_(random_));
 }
 
 }  // namespace tandem

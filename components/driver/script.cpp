@@ -169,9 +169,12 @@ void Script::lose_patience(double t) {
 
 // The noise grows with the deflection.
 Hand Script::with_noise(Hand hand) {
-  const double dt = 1.0 / params_.rate, deflection = std::hypot(hand.linear, hand.angular);
-  noise_linear_ = wander(noise_linear_, params_.stick_noise, kNoiseTime, dt, normal_(random_));
-  noise_angular_ = wander(noise_angular_, params_.stick_noise, kNoiseTime, dt, normal_(random_));
+  const auto next = [&](double noise) {
+    return wander(noise, params_.stick_noise, kNoiseTime, params_.rate, normal_(random_));
+  };
+  const double deflection = std::hypot(hand.linear, hand.angular);
+  noise_linear_ = next(noise_linear_);
+  noise_angular_ = next(noise_angular_);
   return {std::clamp(hand.linear + deflection * noise_linear_, -1.0, 1.0),
           std::clamp(hand.angular + deflection * noise_angular_, -1.0, 1.0), hand.holds};
 }

@@ -6,11 +6,11 @@
 
 namespace tandem {
 
-/// One step of `dt` [s] of an Ornstein–Uhlenbeck process with the given stationary deviation and
-/// correlation time [s], discretised exactly. `normal`: a fresh standard normal number.
-[[nodiscard]] inline double wander(double value, double deviation, double time, double dt,
+/// One step of an Ornstein–Uhlenbeck process with the given stationary deviation and correlation
+/// time [s], discretised exactly at `rate` [Hz]. `normal`: a fresh standard normal number.
+[[nodiscard]] inline double wander(double value, double deviation, double time, double rate,
                                    double normal) {
-  const double keep = std::exp(-dt / time);
+  const double keep = std::exp(-1.0 / (rate * time));
   return keep * value + deviation * std::sqrt(1.0 - keep * keep) * normal;
 }
 
