@@ -220,10 +220,12 @@ nlohmann::json summary_of(const std::vector<DriveGroup>& groups) {
 }
 
 std::string study_table(const std::vector<DriveGroup>& groups) {
+  std::size_t width = 16;
+  for (const DriveGroup& group : groups) width = std::max(width, group.scenario.size());
   std::string out = fmt::format(
-      "{:<16} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>7} {:>7} {:>6} "
+      "{:<{}} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>7} {:>7} {:>6} "
       "{:>7} {:>8} {:>6}\n",
-      "scenario", "method", "driver", "n", "reached", "collisions", "drives", "time [95 %]",
+      "scenario", width, "method", "driver", "n", "reached", "collisions", "drives", "time [95 %]",
       "ratio", "closest", "agreement", "stuck", "filter", "turned", "to rest", "off goal", "askew");
   for (const DriveGroup& group : groups) {
     const nlohmann::json s = summary_of(group);
@@ -235,10 +237,9 @@ std::string study_table(const std::vector<DriveGroup>& groups) {
                                      time.at("low").get<double>(), time.at("high").get<double>());
     const auto& rate = s.at("intervention_rate");
     out += fmt::format(
-        "{:<16} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>5.1f} % {:>7} "
-        "{:>6} "
-        "{:>7} {:>8} {:>6}\n",
-        group.scenario, group.method, group.driver, s.at("n").get<long>(),
+        "{:<{}} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>5.1f} % {:>7} "
+        "{:>6} {:>7} {:>8} {:>6}\n",
+        group.scenario, width, group.method, group.driver, s.at("n").get<long>(),
         s.at("reached").get<long>(), s.at("collisions").get<long>(),
         s.at("drives_with_a_collision").get<long>(), interval,
         text_of(m.at("time_ratio"), "{:.2f}"), text_of(m.at("min_clearance_m"), "{:.3f} m"),
