@@ -52,6 +52,9 @@ struct ScriptPhase {
 /// numbers and of the distances from base_link to the outline's edges: `4.0-0.07-front` (also rear,
 /// left, right).
 ///
+/// A late decision is a path `to` the same stick that ends `within` some distance; a sudden reverse
+/// is a push after such a path; creeping is a path of little stick.
+///
 /// Throws std::invalid_argument, one line that names the phase, counted from 1.
 [[nodiscard]] std::vector<ScriptPhase> read_script(const std::string& script,
                                                    const Footprint& outline);
