@@ -66,8 +66,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 // The default is above the largest map that a subscription takes.
 std::uint32_t largest_sample() {
   constexpr int kUsual = 64 << 20, kLeast = 1 << 16, kMost = 1 << 30;
-  return static_cast<std::uint32_t>(
-      integer_from("TANDEM_MAX_SAMPLE_SIZE", kUsual, kLeast, kMost));
+  return static_cast<std::uint32_t>(integer_from("TANDEM_MAX_SAMPLE_SIZE", kUsual, kLeast, kMost));
 }
 
 Environment read_environment() {

@@ -67,7 +67,7 @@ inline std::uint32_t entity(const std::uint8_t* p) { return u32(p, false); }
 struct Submessage {
   std::uint8_t id, flags;
   Span body;  ///< after the submessage's header
-  bool last;   ///< reaches to the end of the datagram
+  bool last;  ///< reaches to the end of the datagram
 
   [[nodiscard]] bool little() const { return (flags & 1) != 0; }
   [[nodiscard]] std::uint16_t u16(std::size_t at) const {

@@ -165,10 +165,12 @@ void ReaderProgress::Source::acknowledge(std::uint32_t reader, std::int64_t base
   top = std::max(top, base - 1);
 }
 
-bool ReaderProgress::Source::believes(std::int64_t first, bool usual_count) {
-  const bool again = claimed > 0 && first >= claimed && first - claimed < kWindow;
+bool ReaderProgress::Source::believes(std::int64_t first, bool usual_count, std::int64_t order) {
+  const bool again = claimed > 0 && first >= claimed && first - claimed < kWindow &&
+                     order > claimed_order && order - claimed_order < kCounts;
   if (!again && !(usual_count && first - kLeap <= top + 1)) {
     claimed = first;
+    claimed_order = order;
     return false;
   }
   claimed = 0;
@@ -179,6 +181,13 @@ bool ReaderProgress::Source::believes(std::int64_t first, bool usual_count) {
 ReaderProgress::Source* ReaderProgress::find(const GuidPrefix& prefix, const std::uint8_t* entity) {
   const auto found = writers_.find(key_of<Key>(prefix, entity));
   return found == writers_.end() ? nullptr : &found->second;
+}
+
+// Beyond a number of writers any of them goes: nothing is kept of it then until it is heard again.
+ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::uint8_t* entity) {
+  if (Source* known = find(prefix, entity)) return *known;
+  if (writers_.size() >= kMostWriters) writers_.erase(writers_.begin());
+  return writers_[key_of<Key>(prefix, entity)];
 }
 
 void ReaderProgress::sent(std::span<const std::uint8_t> datagram) {
@@ -192,9 +201,7 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram) {
     if (submessage.id != kAckNack || submessage.body.size() < 16) continue;
     const std::int64_t base = submessage.sequence_number(8);
     if (base <= 0) continue;  // the first one: nothing is known yet
-    if (writers_.size() >= kMostWriters && find(destination, body + 4) == nullptr)
-      writers_.erase(writers_.begin());
-    writers_[key_of<Key>(destination, body + 4)].acknowledge(submessage.entity(0), base);
+    of(destination, body + 4).acknowledge(submessage.entity(0), base);
   }
 }
 
@@ -203,7 +210,7 @@ int ReaderProgress::narrow(std::span<std::uint8_t> datagram) {
     switch (submessage.id) {
       case kData:
       case kDataFrag:
-        return passes_data(submessage, find(source, submessage.body.data() + 8));
+        return passes_data(submessage, of(source, submessage.body.data() + 8));
       case kHeartbeat:
         return passes_heartbeat(submessage, find(source, submessage.body.data() + 4));
       case kGap:
@@ -219,14 +226,15 @@ bool ReaderProgress::in_window(std::int64_t number, std::int64_t least) {
   return least == 0 || number <= kWindow || number - kWindow <= least;
 }
 
-bool ReaderProgress::passes_data(const rtps_message::Submessage& data, Source* source) {
-  if (source == nullptr) return true;
+bool ReaderProgress::passes_data(const rtps_message::Submessage& data, Source& source) {
   const std::int64_t number = data.sequence_number(12);
   const std::uint32_t reader = data.entity(4);
-  if (!in_window(number, source->least(reader))) return false;
+  if (source.top == 0) source.top = number;  // the first that is seen of this writer
+  if (!source.believes(number, true, number) || !in_window(number, source.least(reader)))
+    return false;
   constexpr auto kLast = std::numeric_limits<std::int64_t>::max();
-  source->top = std::max(source->top, number);
-  if (data.id == kData && number < kLast) source->advance(reader, number, number + 1);
+  source.top = std::max(source.top, number);
+  if (data.id == kData && number < kLast) source.advance(reader, number, number + 1);
   return true;
 }
 
@@ -234,9 +242,10 @@ bool ReaderProgress::passes_heartbeat(const rtps_message::Submessage& heartbeat,
   if (source == nullptr) return true;
   const std::int64_t first = heartbeat.sequence_number(8);
   const std::uint32_t count = heartbeat.u32(24);
-  const bool usual = source->heartbeats == 0 || count - source->heartbeats < kCounts ||
-                     source->heartbeats - count < kCounts;
-  if (!source->believes(first, usual)) return false;
+  const bool usual = source->heartbeats == 0 ||
+                     static_cast<std::uint32_t>(count - source->heartbeats) < kCounts ||
+                     static_cast<std::uint32_t>(source->heartbeats - count) < kCounts;
+  if (!source->believes(first, usual, count)) return false;
   source->heartbeats = count;
   source->advance(heartbeat.entity(0), 0, first);
   return true;
@@ -248,7 +257,7 @@ bool ReaderProgress::passes_gap(const rtps_message::Submessage& gap, std::uint8_
   const std::uint32_t reader = gap.entity(0);
   const std::int64_t first = gap.sequence_number(8), base = gap.sequence_number(16);
   const std::int64_t least = source == nullptr ? 0 : source->least(reader);
-  if (source != nullptr && !source->believes(base, true)) return false;
+  if (source != nullptr && !source->believes(base, true, ++source->gaps)) return false;
   if (base - first > kWide && least > 0 && first <= least) {
     say_as_heartbeat(body, base, ++source->heartbeats, little);
     source->advance(reader, first, base);

@@ -38,10 +38,10 @@ class TokenBucket {
 /// keeps a list, one entry each, and a GAP may name 2⁶³ of them.
 class ReaderProgress {
  public:
-  static constexpr std::int64_t kWindow = 2048;   ///< ahead of the first missing sample
-  static constexpr std::int64_t kWide = 256;      ///< of a GAP that is passed on as it is
-  static constexpr std::int64_t kLeap = 32;       ///< of samples that may be lost at once
-  static constexpr std::uint32_t kCounts = 4096;  ///< by which a HEARTBEAT's count may grow
+  static constexpr std::int64_t kWindow = 2048;  ///< ahead of the first missing sample
+  static constexpr std::int64_t kWide = 256;     ///< of a GAP that is passed on as it is
+  static constexpr std::int64_t kLeap = 32;      ///< of samples that may be lost at once
+  static constexpr std::int64_t kCounts = 4096;  ///< by which a HEARTBEAT's count may grow
 
   /// Reads what readers of this process acknowledge.
   void sent(std::span<const std::uint8_t> datagram);
@@ -62,12 +62,14 @@ class ReaderProgress {
     void acknowledge(std::uint32_t reader, std::int64_t base);
 
     /// Whether a writer that has got as far as was seen may have nothing before `first`; else true
-    /// once it has said about the same before.
-    [[nodiscard]] bool believes(std::int64_t first, bool usual_count);
+    /// once it has said about the same just before, in what came earlier by its `order`.
+    [[nodiscard]] bool believes(std::int64_t first, bool usual_count, std::int64_t order);
 
     std::vector<Progress> readers;
-    std::int64_t top = 0;          // largest number that was seen of it
-    std::int64_t claimed = 0;      // and the last that was not believed
+    std::int64_t top = 0;      // largest number that was seen of it
+    std::int64_t claimed = 0;  // the last that was not believed
+    std::int64_t claimed_order = 0;
+    std::int64_t gaps = 0;         // that were seen
     std::uint32_t heartbeats = 0;  // the last one's count; 0: none yet
   };
   using Key = std::array<std::uint8_t, 16>;  // a writer's GUID
@@ -76,8 +78,9 @@ class ReaderProgress {
   };
 
   [[nodiscard]] Source* find(const GuidPrefix& prefix, const std::uint8_t* entity);
+  [[nodiscard]] Source& of(const GuidPrefix& prefix, const std::uint8_t* entity);
   [[nodiscard]] static bool in_window(std::int64_t number, std::int64_t least);
-  [[nodiscard]] static bool passes_data(const rtps_message::Submessage& data, Source* source);
+  [[nodiscard]] static bool passes_data(const rtps_message::Submessage& data, Source& source);
   [[nodiscard]] static bool passes_heartbeat(const rtps_message::Submessage& heartbeat,
                                              Source* source);
   [[nodiscard]] static bool passes_gap(const rtps_message::Submessage& gap, std::uint8_t* body,

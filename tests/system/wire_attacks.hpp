@@ -190,7 +190,7 @@ class AttackedSystem {
   // So that little is lost before it is received.
   void pace(long sent) {
     constexpr long kBurst = 20;
-    if (sent % kBurst == 0) system_.node().spin_some(0.0005);
+    if (sent % kBurst == 0) system_.node().spin_some(0.002);
   }
 
   static Octets prefix(long participant) {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// libFuzzer's input as a datagram: the guard reads nothing outside of it, and what it lets pass it
+// also lets pass after its watches changed it. Made by tests/runtime/fuzz_guard.
+#include <cstdlib>
+#include <vector>
+
+#include "runtime/rtps_guard.hpp"
+#include "runtime/rtps_watch.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace tandem::runtime;
+  static ReaderProgress progress;
+  static Announcements announcements;
+  static double now = 0.0;
+  std::vector<std::uint8_t> datagram(data, data + size);
+  progress.sent(datagram);
+  if (check_datagram(datagram, {}) != Drop::kNone) return 0;
+  (void)progress.narrow(datagram);
+  (void)announcements.thin(datagram, now += 0.001);
+  if (check_datagram(datagram, {}) != Drop::kNone) std::abort();
+  return 0;
+}
