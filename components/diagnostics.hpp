@@ -66,7 +66,8 @@ void add(Diagnoses& diagnoses, const diagnostic_msgs::msg::DiagnosticArray& msg)
 [[nodiscard]] const diagnostic_msgs::msg::DiagnosticStatus& first_cause(
     const Diagnoses& diagnoses, const diagnostic_msgs::msg::DiagnosticStatus& of);
 
-/// Subscribes /diagnostics for a node that says why the robot stands.
+/// Subscribes /diagnostics for a node that says why the robot stands. What the node itself says
+/// there is no cause.
 class Causes {
  public:
   /// Words older than this [s] come from a node that is gone.

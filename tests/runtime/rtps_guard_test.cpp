@@ -238,6 +238,26 @@ TEST_P(InBothOrders, WantsAnnouncementsWhoseValuesFit) {
   EXPECT_EQ(announced({{0x31, Octets(20, 1)}}), Drop::kDiscovery);
 }
 
+// CVE-2024-30258: a token of DDS Security says how many properties follow.
+TEST_P(InBothOrders, DropsTokensWhoseCountsNoBytesStandBehind) {
+  const auto token = [&](std::uint32_t texts, std::uint32_t binaries) {
+    Octets octets;
+    for (const std::uint32_t number : {4U, 0x00636261U, texts, binaries})  // "abc", two counts
+      test::append(octets, number, GetParam());
+    return octets;
+  };
+  for (const std::uint16_t id : {0x1001, 0x1002, 0x1006}) {
+    const auto announced = [&](const Octets& value) {
+      return check(datagram().add_announcement(kSpdp, {{id, value}}));
+    };
+    EXPECT_EQ(announced(token(0, 0)), Drop::kNone);
+    for (const std::uint32_t count : {1U, 0x10000U, 0x7fffffffU, 0xffffffffU}) {
+      EXPECT_EQ(announced(token(count, 0)), Drop::kDiscovery) << count;
+      EXPECT_EQ(announced(token(0, count)), Drop::kDiscovery) << count;
+    }
+  }
+}
+
 TEST_P(InBothOrders, WantsAnnouncementsToBeParameterLists) {
   const auto payload = [&](Octets octets) {
     return check(datagram().add_data({.writer = kSpdp}, octets));

@@ -42,6 +42,7 @@ class Sweep : public OneComponent {
     status_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
       reason_ = msg.reason();
       remedy_ = msg.remedy();
+      EXPECT_FALSE(reason_.starts_with("arbitration: ")) << reason_;  // itself, by a circle
     });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
   }
