@@ -246,7 +246,7 @@ TEST_P(InBothOrders, DropsTokensWhoseCountsNoBytesStandBehind) {
       test::append(octets, number, GetParam());
     return octets;
   };
-  for (const std::uint16_t id : {0x1001, 0x1002, 0x1006}) {
+  for (const auto id : std::initializer_list<std::uint16_t>{0x1001, 0x1002, 0x1006}) {
     const auto announced = [&](const Octets& value) {
       return check(datagram().add_announcement(kSpdp, {{id, value}}));
     };
