@@ -19,8 +19,8 @@ using geometry_msgs::msg::Twist;
 using test::Datagram;
 using test::Octets;
 
-constexpr double kTimeout = 20.0;   // [s]
-constexpr double kMostKept = 20.0;  // [MB]
+constexpr double kTimeout = 20.0;                      // [s]
+constexpr double kMostKept = test::most_memory(20.0);  // [MB]
 
 // `peer echo` hears /ping reliably and answers on /pong.
 class ForgedWriter : public testing::Test {
