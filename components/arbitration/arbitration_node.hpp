@@ -27,7 +27,8 @@ struct ArbitrationNodeParams {
     input.visit(field);
     frames.visit(field);
     field("start_stopped", start_stopped,
-          "starts with the emergency stop pressed, by nobody: e_stop must say false before it can "
+          "starts as if a sender of e_stop had pressed and left: e_stop must say false before the "
+          "stop can "
           "be released. `respawn` in a system file sets it when arbitration starts again");
   }
 };

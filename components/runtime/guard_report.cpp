@@ -49,28 +49,28 @@ GuardReport::~GuardReport() {
 
 double GuardReport::poll(double now) {
   if (guard_.dropped() == 0) return now + kPeriod;
-  WireGuard::Told* told = guard_.claim_report(this);
-  if (told == nullptr) return now + kPeriod;
-  if (now >= told->next && guard_.dropped() != told->count) {
-    report(*told);
-    told->next = now + kEvery;
-  } else if (now >= told->next) {
+  WireGuard::Reported* reported = guard_.claim_report(this);
+  if (reported == nullptr) return now + kPeriod;
+  if (now >= reported->next && guard_.dropped() != reported->count) {
+    report(*reported);
+    reported->next = now + kEvery;
+  } else if (now >= reported->next) {
     status_.level(level::OK);
     status_.message("no datagram was dropped in the last minute");
   }
-  if (!status_.message().empty()) publish();  // else another node told of these
+  if (!status_.message().empty()) publish();  // else another node has reported these
   return now + kPeriod;
 }
 
-void GuardReport::report(WireGuard::Told& told) {
+void GuardReport::report(WireGuard::Reported& reported) {
   const std::uint64_t count = guard_.dropped();
   auto drops = guard_.drops();
-  auto fresh = news(drops, told.drops);
+  auto fresh = news(drops, reported.drops);
   if (fresh.size() > kMostInAReport) fresh.resize(kMostInAReport);
   status_.level(level::WARN);
   status_.message(
       fmt::format("dropped {} datagrams, or parts of them, that are malformed or too many: {}",
-                  count - told.count, summary(fresh)));
+                  count - reported.count, summary(fresh)));
   status_.values().resize(kTotals);
   status_.values().push_back(
       value("remedy",
@@ -79,8 +79,8 @@ void GuardReport::report(WireGuard::Told& told) {
     status_.values().push_back(
         value(fmt::format("{} from {}", name(drop.drop), drop.source), std::to_string(drop.count)));
   node_.log.warn("{}", status_.message());
-  told.drops = std::move(drops);
-  told.count = count;
+  reported.drops = std::move(drops);
+  reported.count = count;
 }
 
 void GuardReport::publish() {

@@ -29,7 +29,7 @@ class GuardReport {
   double poll(double now);
 
  private:
-  void report(WireGuard::Told& told);
+  void report(WireGuard::Reported& reported);
   void publish();
 
   NodeCore& node_;

@@ -53,10 +53,10 @@ void WireGuard::sent(std::span<const std::uint8_t> datagram) {
   progress_.sent(datagram);
 }
 
-WireGuard::Told* WireGuard::claim_report(const void* who) {
+WireGuard::Reported* WireGuard::claim_report(const void* who) {
   const void* nobody = nullptr;
   const bool its_own = reporter_.compare_exchange_strong(nobody, who) || nobody == who;
-  return its_own ? &told_ : nullptr;
+  return its_own ? &reported_ : nullptr;
 }
 
 void WireGuard::release_report(const void* who) { reporter_.compare_exchange_strong(who, nullptr); }

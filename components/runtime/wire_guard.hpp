@@ -42,15 +42,15 @@ class WireGuard {
   /// All since the start, most frequent first.
   [[nodiscard]] std::vector<DropCount> drops() const;
 
-  /// What was told of the drops so far.
-  struct Told {
+  /// What has been reported so far.
+  struct Reported {
     std::vector<DropCount> drops;
     std::uint64_t count = 0;
     double next = 0.0;  ///< [s, steady] not before
   };
-  /// For the first who asks, until it is released: one node of the process reports. Null for
-  /// others.
-  [[nodiscard]] Told* claim_report(const void* who);
+  /// One node of the process reports: the first caller gets what has been reported, until it
+  /// releases it; other callers get null.
+  [[nodiscard]] Reported* claim_report(const void* who);
   void release_report(const void* who);
 
  private:
@@ -59,7 +59,7 @@ class WireGuard {
   GuardLimits limits_;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
   std::atomic<const void*> reporter_ = nullptr;
-  Told told_;               // the reporter's
+  Reported reported_;       // the reporter's
   std::mutex watch_mutex_;  // guards these two
   ReaderProgress progress_;
   Announcements announcements_;

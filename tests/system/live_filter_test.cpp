@@ -14,7 +14,7 @@ void cover_ground(octomap::OcTree& tree) {
       tree.updateNode(octomap::point3d(middle(ix), middle(iy), 0.3F), false);
 }
 
-// A filter that goes by what octomap_local shows, and the tester in the place of builder and base.
+// The filter uses octomap_local; the test publishes what octomap_builder and the base would.
 class FilterWithLiveSensing : public OneComponent {
  protected:
   FilterWithLiveSensing() {

@@ -35,7 +35,7 @@ octomap_msgs::msg::Octomap map_with_wall(double wall) {
   return msg;
 }
 
-// Arbitration, and the tester in the place of base, localiser, joystick and map_server.
+// Runs arbitration; the test publishes what base, localiser, joystick and map_server would.
 class Sweep : public OneComponent {
  protected:
   Sweep() {

@@ -35,7 +35,7 @@ struct WireFault {
   std::string map_frame = "map";  ///< of octomap_binary
   bool map_lies = false;          ///< its walls are where odom has them, whatever its frame says
   bool is_chain = false;          ///< map → odom_combined → odom
-  bool is_inverse = false;        ///< odom → map in the place of map → odom
+  bool is_inverse = false;        ///< odom → map is published instead of map → odom
   bool has_two_parents = false;   ///< somebody else publishes building → odom
   bool has_second_odom = false;   ///< somebody else publishes odom, of 5 s ago
   bool sees = false;              ///< the robot goes by its scanner, not by a map
