@@ -168,7 +168,7 @@ void ReaderProgress::Source::acknowledge(std::uint32_t reader, std::int64_t base
 bool ReaderProgress::Source::believes(std::int64_t first, bool usual_count, std::int64_t order) {
   const bool again = claimed > 0 && first >= claimed && first - claimed < kWindow &&
                      order > claimed_order && order - claimed_order < kCounts;
-  if (!again && !(usual_count && first - kLeap <= top + 1)) {
+  if (!again && !(usual_count && first - kLeap - 1 <= top)) {
     claimed = first;
     claimed_order = order;
     return false;
@@ -317,7 +317,7 @@ bool Announcements::admits_endpoint(const GuidPrefix& prefix, int kind, std::int
   const bool of_all = known != nullptr && known->endpoints < kEndpointsOfAll && tokens < 2.0;
   if (!of_all && !endpoints_.take(tokens, now)) return false;
   if (known == nullptr) return true;
-  if (number <= known->last[kind] + kFarthestNext) known->last[kind] = number;
+  if (number - kFarthestNext <= known->last[kind]) known->last[kind] = number;
   ++known->endpoints;
   return true;
 }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "runtime/datagram.hpp"
 #include "runtime/rtps_message.hpp"
 
@@ -153,6 +155,13 @@ TEST_P(Progress, FollowsWhatArrivesInOrder) {
   acknowledge(1);
   for (std::int64_t number = 1; number < 3 * rt::ReaderProgress::kWindow; ++number)
     ASSERT_TRUE(passes(from_peer().add_data({.number = number}, Octets(8, 1)))) << number;
+}
+
+TEST_P(Progress, TakesTheLastNumberThatThereIs) {
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  acknowledge(0);
+  EXPECT_TRUE(passes(from_peer().add_data({.number = kLast}, Octets(8, 1))));
+  EXPECT_TRUE(passes(from_peer().add_data({.number = kLast}, Octets(8, 1))));
 }
 
 TEST_P(Progress, MindsTheReaderThatIsLeastFar) {
