@@ -227,6 +227,7 @@ class Loop {
     request.user = asked_;
     request.obstacles = obstacles_;
     request.guidance = guidance_;
+    request.guarded = filter_params_.filter.enforce;
     request.refused = refused_;
     if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) request.X_MG = goal->X_MG;
     if (request.method == Method::kLeader || request.method == Method::kPath) {

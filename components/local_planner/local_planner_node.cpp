@@ -88,7 +88,7 @@ void LocalPlannerNode::subscribe() {
       node_.log().warn_every(1.0, "goal_pose {}: dropped", fault_of(msg.pose().orientation()));
   });
   on_filter_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
-    refused_ = {msg.refused(), node_.now()};
+    filter_ = {{msg.enforcing(), msg.refused()}, node_.now()};
   });
 }
 
@@ -121,7 +121,10 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   if (user_.fresh(now, params_->user_timeout)) request.user = user_.value;
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;
-  request.refused = refused_.value && refused_.fresh(now, params_->in_force_timeout);
+  if (filter_.fresh(now, params_->in_force_timeout)) {
+    request.guarded = filter_.value.enforces;
+    request.refused = filter_.value.refuses;
+  }
   return request;
 }
 
@@ -130,7 +133,7 @@ void LocalPlannerNode::watch_clock(double now) {
   obstacles_.forget_later_than(now);
   user_.forget_later_than(now);
   command_.forget_later_than(now);
-  refused_.forget_later_than(now);
+  filter_.forget_later_than(now);
   leader_.forget_later_than(now);
   nmpc_.reset();
 }

@@ -82,6 +82,10 @@ class LocalPlannerNode {
   void watch();
   /// Why there can be no plan now; nothing if there can.
   [[nodiscard]] std::optional<Reason> missing(double now) const;
+  struct FilterState {
+    bool enforces = false, refuses = false;
+  };
+
   [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
@@ -97,7 +101,7 @@ class LocalPlannerNode {
   RobotStateInput robot_;
   Heard<std::vector<Obstacle>> obstacles_;
   Heard<Twist2> user_, command_;
-  Heard<bool> refused_;
+  Heard<FilterState> filter_;
   Heard<Pose2> leader_;
   std::optional<Pose2> X_MG_;
   tandem_msgs::msg::PlannerStatus status_;

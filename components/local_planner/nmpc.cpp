@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "local_planner/close_approach.hpp"
 #include "local_planner/cycle.hpp"
 #include "local_planner/delay_estimator.hpp"
 #include "local_planner/solver.hpp"
@@ -44,6 +45,7 @@ struct Nmpc::State {
   std::vector<Sent> sent = {};  // of the last `delay` seconds
   Trail trail = {};             // of the leader
   Stalemate stalemate = {};
+  CloseApproach approach = {};
   double iteration_time = 0.0;
   double solve_time = 0.0;  // of one solve, recent mean [s]
   int timeouts = 0;         // in a row
@@ -71,7 +73,7 @@ struct Nmpc::State {
   bool is_usable(const Cycle& cycle, const Candidate& best) const;
   Plan finish(const Cycle& cycle, const Candidate& best);
   Plan fall_back(const Cycle& cycle, PlanStatus status) const;
-  Plan yield(const Cycle& cycle, Plan plan) const;
+  Plan yield(const Twist2& user, const Cycle& cycle, Plan plan) const;
   Plan refuse(const PlanRequest& bad);
 };
 
@@ -278,8 +280,7 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
 }
 
 // What the person asks for, in the place of a plan that the safety filter does not let pass.
-Plan Nmpc::State::yield(const Cycle& cycle, Plan plan) const {
-  const Twist2 user = limit(cycle.request.user, robot);
+Plan Nmpc::State::yield(const Twist2& user, const Cycle& cycle, Plan plan) const {
   const Forecast wish =
       forecast_of(user, cycle.request, {cycle.start.X_MB, cycle.start.moves}, params, robot);
   plan.source = PlanSource::kYielded;
@@ -357,8 +358,11 @@ Plan Nmpc::solve(const PlanRequest& request) {
     state.certify(cycle, best);
     plan = state.finish(cycle, best);
     const bool steered = request.method != Method::kGoal && request.user != Twist2{};
+    const auto nearer = state.approach.instead_of(plan, cycle);
     if (state.stalemate.holds(request.refused, request.measured, request.t) && steered)
-      plan = state.yield(cycle, std::move(plan));
+      plan = state.yield(able.user, cycle, std::move(plan));
+    else if (nearer)
+      plan = state.yield(*nearer, cycle, std::move(plan));
     plan.iterations = state.iterations;
     plan.guesses = state.guesses;
     plan.solves = state.solves;
@@ -378,6 +382,7 @@ void Nmpc::reset() {
   state_->sent.clear();
   state_->trail.clear();
   state_->stalemate = {};
+  state_->approach = {};
   state_->timeouts = 0;
   state_->turn = 0;
 }

@@ -33,7 +33,8 @@ struct PlanRequest {
   Twist2 user = {};                             ///< the person's twist; not read by kGoal
   std::span<const Obstacle> obstacles = {};     ///< places and velocities at time t
   std::span<const GuidanceLine> guidance = {};  ///< see guided()
-  bool refused = false;  ///< the safety filter lets nothing of the plans pass, for what is near
+  bool guarded = false;                         ///< a safety filter enforces what passes
+  bool refused = false;  ///< … and lets nothing of the plans pass, for what is near
 };
 
 /// How planning ended. Negative: the twists are a fallback, not a new solution.
@@ -50,7 +51,7 @@ enum class PlanSource {
   kSolution,  ///< of this cycle
   kPrevious,  ///< rest of the last good plan, checked again
   kBraking,   ///< slowing to rest along the current arc
-  kYielded,   ///< the person's own wish, unchecked: the plans were refused, see stalemate.hpp
+  kYielded,   ///< the person's own wish, unchecked: see stalemate.hpp and close_approach.hpp
   kStanding,  ///< zero and nothing else: at rest, or nothing is known to plan from
 };
 
