@@ -49,6 +49,11 @@ bool has(const System& system, const std::string& component) {
   return false;
 }
 
+Teleop teleop_of(const System& system) {
+  const auto params = parameters_of<TeleopNodeParams>(system, "teleop");
+  return Teleop{params.teleop, params.robot};
+}
+
 // A beat of a fixed period on simulated time, counted in ticks so that nothing drifts.
 class TickTimer {
  public:
@@ -73,7 +78,7 @@ class Loop {
         map_{world_.truth},
         sim_{sim_params_.sim, sim_params_.robot, map_, scenario.seed},
         localization_{filter_params_.input.localization},
-        teleop_{parameters_of<TeleopNodeParams>(system, "teleop").teleop},
+        teleop_{teleop_of(system)},
         extractor_{world_.extractor},
         guidance_{guidance_of(planner_params_)},
         arbiter_{parameters_of<ArbiterParams>(system, "arbitration")},
@@ -195,8 +200,8 @@ class Loop {
     if (!driver_ || !robot) return;
     const bool leads = driver_params_.steers_leader && leader_;
     const Hand hand = driver_->steer(robot->X_MB, leads ? *leader_ : robot->X_MB, t_);
-    const auto intent =
-        teleop_.on_stick({hand.linear, hand.angular, hand.holds, false}, robot->X_MB, t_);
+    const auto intent = teleop_.on_stick({hand.linear, hand.angular, hand.holds, false},
+                                         robot->X_MB, t_, robot->twist);
     if (!intent) return;
     user_ = asked_ = intent->twist;
     if (hindsight_) asked_ = hindsight_->assist(robot->X_MB, user_, t_).command;
@@ -225,6 +230,7 @@ class Loop {
     request.command = sent_;
     request.measured = robot->twist;
     request.user = asked_;
+    request.rests = asked_ == Twist2{};
     request.obstacles = obstacles_;
     request.guidance = guidance_;
     request.guarded = filter_params_.filter.enforce;
@@ -251,7 +257,7 @@ class Loop {
   void count(const Plan& plan) {
     DriveCounts& counts = log_.result.counts;
     ++counts.plans;
-    if (plan.source != PlanSource::kSolution) ++counts.plan_fallbacks;
+    if (is_fallback(plan.source)) ++counts.plan_fallbacks;
     counts.plan_ms.push_back(1e3 * plan.solve_time);
     progress_.plan_ms = counts.plan_ms.back();
     arbiter_.on_shared(plan.command, t_);

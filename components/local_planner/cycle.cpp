@@ -25,6 +25,14 @@ Interval reachable(double min, double max, double command, double step) {
   return {std::min(min, command + 0.9 * step), std::max(max, command - 0.9 * step)};
 }
 
+// How much the speed may change toward rest in the `step` seconds after the first `from`: fast as
+// long as the command in force could still be braked fast.
+double fall(const Cycle& cycle, double from, double step) {
+  const double braking = braking_of(cycle.request, cycle.robot);
+  const double fast = std::clamp(std::abs(cycle.start.command.v) / braking - from, 0.0, step);
+  return braking * fast + cycle.robot.a_max * (step - fast);
+}
+
 // Largest |x|, |y| on the way to rest, after one step in which the command hardly changes.
 double extent_of_braking(const Cycle& cycle) {
   const MotorLag lag = lag_of(cycle.params);
@@ -135,7 +143,8 @@ Ocp problem(const Cycle& cycle, const Forecast& guess) {
     ocp.v.push_back(reachable(cycle.robot.v_min, cycle.robot.v_max, u.v, cycle.robot.a_max * time));
     ocp.w.push_back(
         reachable(-cycle.robot.w_max, cycle.robot.w_max, u.w, cycle.robot.alpha_max * time));
-    ocp.change_v.push_back({-cycle.robot.a_max * step, cycle.robot.a_max * step});
+    const double rise = cycle.robot.a_max * step, less = fall(cycle, time - step, step);
+    ocp.change_v.push_back(u.v > 0.0 ? Interval{-less, rise} : Interval{-rise, less});
     ocp.change_w.push_back({-cycle.robot.alpha_max * step, cycle.robot.alpha_max * step});
   }
   if (cycle.params.workspace > 0.0)

@@ -118,7 +118,10 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   request.command = in_force ? command_.value : Twist2{};
   request.measured = robot.twist;
   request.X_MG = method_ == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
-  if (user_.fresh(now, params_->user_timeout)) request.user = user_.value;
+  if (user_.fresh(now, params_->user_timeout)) {
+    request.user = user_.value;
+    request.rests = user_.value == Twist2{};
+  }
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;
   if (filter_.fresh(now, params_->in_force_timeout)) {
@@ -176,7 +179,7 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   else
     diagnostics_.report_trouble(name(plan.status));
   status_.cycles(status_.cycles() + 1);
-  if (plan.source != PlanSource::kSolution) status_.fallbacks(status_.fallbacks() + 1);
+  if (is_fallback(plan.source)) status_.fallbacks(status_.fallbacks() + 1);
   const double budget = params_->live.nmpc.time_budget;
   if (budget > 0.0 && plan.solve_time > budget) status_.overruns(status_.overruns() + 1);
   status_.disagreements(status_.disagreements() + static_cast<std::uint64_t>(plan.disagreements));

@@ -74,6 +74,8 @@ struct Nmpc::State {
   Plan finish(const Cycle& cycle, const Candidate& best);
   Plan fall_back(const Cycle& cycle, PlanStatus status) const;
   Plan yield(const Twist2& user, const Cycle& cycle, Plan plan) const;
+  Plan rest(const PlanRequest& request);
+  Plan plan_for(const PlanRequest& request);
   Plan refuse(const PlanRequest& bad);
 };
 
@@ -290,6 +292,69 @@ Plan Nmpc::State::yield(const Twist2& user, const Cycle& cycle, Plan plan) const
   return plan;
 }
 
+namespace {
+
+// No faster than `command`, which may brake already, and not the other way.
+double eased(double command, double braked) {
+  const double least = std::min(std::abs(command), std::abs(braked));
+  return command * braked > 0.0 ? std::copysign(least, command) : 0.0;
+}
+
+}  // namespace
+
+// By hand a stick at rest stops the robot as soon as it can stop: no method takes longer. Asks for
+// as much less than the robot does as it can brake until the next command acts, not for zero, so
+// that a stick that was at rest for a moment goes on from there.
+Plan Nmpc::State::rest(const PlanRequest& request) {
+  note_command(request);
+  trail.clear();
+  (void)stalemate.holds(false, request.measured, request.t);
+  approach = {};
+  const double latest = params.control_period + params.delay + robot.motor_lag;
+  const Start start{request.X_MB, request.measured, request.t + params.delay};
+  Plan plan = to_plan(braking(start, latest, std::max(robot.a_max, robot.a_brake),
+                              std::max(robot.alpha_max, robot.alpha_brake)),
+                      start.t0);
+  plan.status = PlanStatus::kOptimal;
+  plan.source = PlanSource::kResting;
+  plan.command = {eased(request.command.v, plan.command.v),
+                  eased(request.command.w, plan.command.w)};
+  return plan;
+}
+
+Plan Nmpc::State::plan_for(const PlanRequest& request) {
+  note_command(request);
+  PlanRequest able = request;
+  able.user = limit(request.user, robot);
+  std::vector<Eigen::Vector2d> way;
+  if (request.method == Method::kPath) {
+    trail.extend(request.X_MG.position(), request.X_MB.position());
+    way = trail.free_points(body, request.obstacles, {.margin = params.margin},
+                            leader_onward(able, params));
+    able.trail = way;
+  }
+  const Cycle cycle = begin_cycle(able, params, robot, body, sent);
+  iterations = guesses = solves = effort = 0;
+  confirmed = disagreements = 0;
+  if (last && !is_continued(cycle)) last.reset();
+  Candidate best = first_candidate(cycle);
+  explore(cycle, best);
+  certify(cycle, best);
+  Plan plan = finish(cycle, best);
+  const bool steered = request.method != Method::kGoal && request.user != Twist2{};
+  const auto nearer = approach.instead_of(plan, cycle);
+  if (stalemate.holds(request.refused, request.measured, request.t) && steered)
+    plan = yield(able.user, cycle, std::move(plan));
+  else if (nearer)
+    plan = yield(*nearer, cycle, std::move(plan));
+  plan.iterations = iterations;
+  plan.guesses = guesses;
+  plan.solves = solves;
+  plan.confirmed = confirmed;
+  plan.disagreements = disagreements;
+  return plan;
+}
+
 // Nothing in a request that is not finite can be trusted: brake from the command, if that is one.
 Plan Nmpc::State::refuse(const PlanRequest& bad) {
   last.reset();
@@ -336,41 +401,10 @@ void Nmpc::set_params(const NmpcParams& params) {
 Plan Nmpc::solve(const PlanRequest& request) {
   State& state = *state_;
   state.started = Clock::now();
-  Plan plan;
-  if (is_valid(request)) {
-    state.note_command(request);
-    PlanRequest able = request;
-    able.user = limit(request.user, state.robot);
-    const PairLimits limits{.margin = state.params.margin};
-    std::vector<Eigen::Vector2d> trail;
-    if (request.method == Method::kPath) {
-      state.trail.extend(request.X_MG.position(), request.X_MB.position());
-      trail = state.trail.free_points(state.body, request.obstacles, limits,
-                                      leader_onward(able, state.params));
-      able.trail = trail;
-    }
-    const Cycle cycle = begin_cycle(able, state.params, state.robot, state.body, state.sent);
-    state.iterations = state.guesses = state.solves = state.effort = 0;
-    state.confirmed = state.disagreements = 0;
-    if (state.last && !state.is_continued(cycle)) state.last.reset();
-    Candidate best = state.first_candidate(cycle);
-    state.explore(cycle, best);
-    state.certify(cycle, best);
-    plan = state.finish(cycle, best);
-    const bool steered = request.method != Method::kGoal && request.user != Twist2{};
-    const auto nearer = state.approach.instead_of(plan, cycle);
-    if (state.stalemate.holds(request.refused, request.measured, request.t) && steered)
-      plan = state.yield(able.user, cycle, std::move(plan));
-    else if (nearer)
-      plan = state.yield(*nearer, cycle, std::move(plan));
-    plan.iterations = state.iterations;
-    plan.guesses = state.guesses;
-    plan.solves = state.solves;
-    plan.confirmed = state.confirmed;
-    plan.disagreements = state.disagreements;
-  } else {
-    plan = state.refuse(request);
-  }
+  const bool rests = request.rests && request.method != Method::kGoal;
+  Plan plan = !is_valid(request) ? state.refuse(request)
+              : rests            ? state.rest(request)
+                                 : state.plan_for(request);
   plan.solve_time = seconds_since(state.started);
   return plan;
 }

@@ -61,10 +61,16 @@ const char* name(PlanSource source) {
       return "braking";
     case PlanSource::kYielded:
       return "yielded";
+    case PlanSource::kResting:
+      return "resting";
     case PlanSource::kStanding:
       return "standing";
   }
   return "?";
+}
+
+bool is_fallback(PlanSource source) {
+  return source != PlanSource::kSolution && source != PlanSource::kResting;
 }
 
 Method method_named(std::string_view text) {

@@ -31,6 +31,7 @@ struct PlanRequest {
   Pose2 X_MG = {};                              ///< leader or goal; not read by kIntention
   std::span<const Eigen::Vector2d> trail = {};  ///< kPath: the leader's way, see trail.hpp
   Twist2 user = {};                             ///< the person's twist; not read by kGoal
+  bool rests = false;  ///< the person holds the stick at rest: `user` is zero, and known to be
   std::span<const Obstacle> obstacles = {};     ///< places and velocities at time t
   std::span<const GuidanceLine> guidance = {};  ///< see guided()
   bool guarded = false;                         ///< a safety filter enforces what passes
@@ -52,12 +53,16 @@ enum class PlanSource {
   kPrevious,  ///< rest of the last good plan, checked again
   kBraking,   ///< slowing to rest along the current arc
   kYielded,   ///< the person's own wish, unchecked: see stalemate.hpp and close_approach.hpp
+  kResting,   ///< braking as hard as the robot can, as the stick at rest asks for
   kStanding,  ///< zero and nothing else: at rest, or nothing is known to plan from
 };
 
 [[nodiscard]] const char* name(Method method);
 [[nodiscard]] const char* name(PlanStatus status);
 [[nodiscard]] const char* name(PlanSource source);
+
+/// Whether the twists stand in for a solution that was not to be had.
+[[nodiscard]] bool is_fallback(PlanSource source);
 
 /// Throws std::invalid_argument unless `text` is the name of a method.
 [[nodiscard]] Method method_named(std::string_view text);

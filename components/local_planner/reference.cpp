@@ -19,6 +19,7 @@ constexpr double kIntentionScale = 20.0;
 // horizon. Without this a person who is blocked far ahead never starts moving.
 constexpr double kPatience = 2.0;
 
+constexpr double kEases = 0.8;      // [1] of the speed in force: who asks for less brakes
 constexpr double kEver = 1e9;       // [s]
 constexpr double kArrived = 0.15;   // [m] from the point that was asked for, the heading counts
 constexpr double kLookahead = 0.4;  // [m] the wish steers to this far along the trail
@@ -31,15 +32,16 @@ bool is_far_along(const PlanRequest& request) {
 using Wanted = std::function<Twist2(const Pose2&)>;
 
 // Follows `wanted` within speed and acceleration limits.
-Forecast roll_out(const Wanted& wanted, const Twist2& command, const Moving& from,
+Forecast roll_out(const Wanted& wanted, const PlanRequest& request, const Moving& from,
                   const NmpcParams& params, const RobotParams& robot) {
   Forecast out{{}, {from.X_MB}};
   Moving at = from;
-  Twist2 u = command;
+  Twist2 u = request.command;
+  const double braking = braking_of(request, robot);
   for (int k = 0; k < params.horizon_steps; ++k) {
     const double period = k == 0 ? params.control_period : params.dt;
     const Twist2 target = limit(wanted(out.X_MB.back()), robot);
-    u = {approach(u.v, target.v, robot.a_max * period),
+    u = {approach(u.v, target.v, robot.a_max, braking, period),
          approach(u.w, target.w, robot.alpha_max * period)};
     out.twist.push_back(u);
     at = follow(at, u, lag_of(params), params.dt);
@@ -160,9 +162,16 @@ std::vector<Eigen::Vector2d> leader_onward(const PlanRequest& request, const Nmp
   return points;
 }
 
+double braking_of(const PlanRequest& request, const RobotParams& robot) {
+  const double asked = request.user.v * (request.command.v < 0.0 ? -1.0 : 1.0);
+  const bool asks = request.method != Method::kGoal && request.user != Twist2{} &&
+                    asked < kEases * std::abs(request.command.v);
+  return asks ? std::max(robot.a_max, robot.a_brake) : robot.a_max;
+}
+
 Forecast forecast(const PlanRequest& request, const Moving& from, const NmpcParams& params,
                   const RobotParams& robot) {
-  return roll_out(wanted_by(request, params, robot), request.command, from, params, robot);
+  return roll_out(wanted_by(request, params, robot), request, from, params, robot);
 }
 
 Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, const Moving& from,
@@ -173,12 +182,12 @@ Forecast forecast_via(const Eigen::Vector2d& p_MV, const PlanRequest& request, c
     passed = passed || (p_MV - X.position()).norm() < 0.3;
     return passed ? afterwards(X) : drive_to(p_MV, X, robot);
   };
-  return roll_out(wanted, request.command, from, params, robot);
+  return roll_out(wanted, request, from, params, robot);
 }
 
 Forecast forecast_of(const Twist2& twist, const PlanRequest& request, const Moving& from,
                      const NmpcParams& params, const RobotParams& robot) {
-  return roll_out([&](const Pose2&) { return twist; }, request.command, from, params, robot);
+  return roll_out([&](const Pose2&) { return twist; }, request, from, params, robot);
 }
 
 std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,

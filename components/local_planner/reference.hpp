@@ -21,6 +21,10 @@ namespace tandem {
 [[nodiscard]] std::vector<Eigen::Vector2d> leader_onward(const PlanRequest& request,
                                                          const NmpcParams& params);
 
+/// How fast the speed may fall [m/s²]: comfortably, but as fast as the robot can while the stick
+/// asks for far less than the command in force, or for the other way.
+[[nodiscard]] double braking_of(const PlanRequest& request, const RobotParams& robot);
+
 /// Twists and poses of the person's own wish from a place on: what the robot would do without
 /// obstacles, within its limits. For a leader or goal: driving to where it will be, then turning.
 struct Forecast {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/robot.hpp"
 #include "model/se2.hpp"
@@ -36,6 +37,14 @@ struct WheelSpeeds {
 /// `value` moved toward `target` by at most `step` ≥ 0.
 [[nodiscard]] inline double approach(double value, double target, double step) {
   return value + std::clamp(target - value, -step, step);
+}
+
+/// The same after `time` seconds: toward rest by `braking`, away from it by `gaining` per second.
+[[nodiscard]] inline double approach(double value, double target, double gaining, double braking,
+                                     double time) {
+  const double slower = std::clamp(target, std::min(0.0, value), std::max(0.0, value));
+  const double braked = std::min(time, std::abs(value - slower) / braking);
+  return approach(approach(value, slower, braking * braked), target, gaining * (time - braked));
 }
 
 }  // namespace tandem

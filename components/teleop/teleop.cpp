@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/diff_drive.hpp"
+
 namespace tandem {
 namespace {
 
@@ -103,7 +105,11 @@ JoyValues joy_values(const Stick& stick, const TeleopParams& params) {
   return joy;
 }
 
-Teleop::Teleop(const TeleopParams& params) : params_{params} { check(params_); }
+Teleop::Teleop(const TeleopParams& params, const std::optional<RobotParams>& robot)
+    : params_{params}, robot_{robot} {
+  check(params_);
+  if (robot_) check(*robot_);
+}
 
 void Teleop::set_gains(const StickGains& gains) {
   check(gains);
@@ -111,7 +117,7 @@ void Teleop::set_gains(const StickGains& gains) {
 }
 
 std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
-                                       double t) {
+                                       double t, const Twist2& measured) {
   const bool was_held = std::exchange(held_, stick.deadman);
   if (!held_) {
     steered_.reset();
@@ -124,28 +130,29 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
   if (steers) steered_ = t;
   const StickGains& gains = params_.gains;
   lead(Hand::kStick,
-       {gains.leader_scale_linear * stick.linear, gains.leader_scale_angular * stick.angular},
-       stick.linear, X_MB, t);
+       {{gains.leader_scale_linear * stick.linear, gains.leader_scale_angular * stick.angular},
+        stick.linear,
+        measured},
+       X_MB, t);
   return Intent{{gains.scale_linear * stick.linear, gains.scale_angular * stick.angular}, X_ML_};
 }
 
 std::optional<Pose2> Teleop::on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
-                                      double t) {
+                                      double t, const Twist2& measured) {
   if (steered_ && is_recent(*steered_, t)) return std::nullopt;
   const Twist2 leader{std::clamp(twist.v, -kFastest.v, kFastest.v),
                       std::clamp(twist.w, -kFastest.w, kFastest.w)};
   const double full = std::abs(params_.gains.scale_linear);
-  lead(Hand::kTwist, leader, full > 0.0 ? leader.v / full : leader.v, X_MB, t);
+  lead(Hand::kTwist, {leader, full > 0.0 ? leader.v / full : leader.v, measured}, X_MB, t);
   return X_ML_;
 }
 
 // A leader begins at the robot: with another hand, and after a silence.
-void Teleop::lead(Hand hand, const Twist2& twist, double push, const std::optional<Pose2>& X_MB,
-                  double t) {
+void Teleop::lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB, double t) {
   const double before = std::exchange(last_, t);
   const bool goes_on = std::exchange(hand_, hand) == hand && is_recent(before, t);
   if (!goes_on || !X_MB) X_ML_.reset();
-  if (X_MB) drive_leader(twist, push, *X_MB, goes_on ? t - before : 0.0);
+  if (X_MB) drive_leader(wish, *X_MB, goes_on ? t - before : 0.0);
 }
 
 // Who throws the stick round wants the robot to turn back now, not when the leader has come all the
@@ -157,13 +164,27 @@ void Teleop::call_leader_back(double push, const Pose2& X_MB) {
     X_ML_ = Pose2{X_MB.x, X_MB.y, X_ML_->theta};
 }
 
-void Teleop::drive_leader(const Twist2& twist, double push, const Pose2& X_MB, double dt) {
+// The robot's way is an arc, half as long as at constant speed.
+Pose2 Teleop::braking_point(const Pose2& X_MB, const Twist2& measured) const {
+  if (!robot_) return X_MB;
+  const Twist2 moves = limit(measured, *robot_);
+  const double time =
+      std::max(std::abs(moves.v) / robot_->a_brake, std::abs(moves.w) / robot_->alpha_brake);
+  return integrate(X_MB, moves, 0.5 * time);
+}
+
+Pose2 Teleop::driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB, double dt) const {
+  if (wish.twist == Twist2{}) return braking_point(X_MB, wish.measured);
+  return integrate(X_ML, robot_ ? limit(wish.twist, *robot_) : wish.twist, dt);
+}
+
+void Teleop::drive_leader(const Wish& wish, const Pose2& X_MB, double dt) {
   if (!X_ML_) {
     X_ML_ = X_MB;
     pushed_ = 0.0;
   }
-  call_leader_back(push, X_MB);
-  *X_ML_ = integrate(*X_ML_, twist, dt);
+  call_leader_back(wish.push, X_MB);
+  X_ML_ = driven(*X_ML_, wish, X_MB, dt);
   X_ML_->theta = wrap_angle(X_ML_->theta);
   const Eigen::Vector2d p_BL_M = X_ML_->position() - X_MB.position();
   if (p_BL_M.norm() <= params_.gains.leash) return;

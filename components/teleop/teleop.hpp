@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "model/robot.hpp"
 #include "model/se2.hpp"
 #include "params.hpp"
 #include "reasons.hpp"
@@ -105,40 +106,52 @@ inline constexpr const char* kNotAtRest = text_of(Reason::kStickMoved);
 /// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
 /// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in
 /// the thesis: who throws the stick from forward to backward, or back, finds the leader beside the
-/// robot at once.
+/// robot at once; a stick at rest brings it to where the robot comes to rest if it brakes now; and
+/// a leader is no faster than its robot.
 class Teleop {
  public:
-  explicit Teleop(const TeleopParams& params);
+  /// Without the robot's limits the leader is as fast as the stick asks for, and a stick at rest
+  /// brings it to where the robot is.
+  explicit Teleop(const TeleopParams& params, const std::optional<RobotParams>& robot = {});
 
   /// Throws std::invalid_argument, having changed nothing, on gains out of range.
   void set_gains(const StickGains& gains);
 
-  /// `X_MB`: where the robot is, if it is known. No intent while the dead-man is released, but for
-  /// one zero at the moment of release; the leader then returns to the robot.
+  /// `X_MB`, `measured`: where the robot is and how it moves, if that is known. No intent while the
+  /// dead-man is released, but for one zero at the moment of release; the leader then returns to
+  /// the robot.
   ///
   /// A zero tells that the stick was let go of, so that a robot may start again after an emergency
   /// stop. A joystick that falls silent may still be held: it gets no zero, and silence stops the
   /// robot. The leader returns to the robot in this case, too.
   [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
-                                               double t);
+                                               double t, const Twist2& measured = {});
 
   /// A command from another publisher of cmd_vel_user (a program, another teleoperation). Returns
   /// the leader that it drives; nothing while a stick is held or the robot's pose is unknown.
   [[nodiscard]] std::optional<Pose2> on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
-                                              double t);
+                                              double t, const Twist2& measured = {});
 
  private:
   enum class Hand { kNone, kStick, kTwist };
+  struct Wish {
+    Twist2 twist;     // of the leader
+    double push;      // [1] of the stick's way
+    Twist2 measured;  // what the robot does
+  };
 
   [[nodiscard]] bool is_recent(double t, double now) const {
     return 0.0 <= now - t && now - t <= params_.joy_timeout;  // not if the clock was set back
   }
-  void lead(Hand hand, const Twist2& twist, double push, const std::optional<Pose2>& X_MB,
-            double t);
+  void lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB, double t);
   void call_leader_back(double push, const Pose2& X_MB);
-  void drive_leader(const Twist2& twist, double push, const Pose2& X_MB, double dt);
+  void drive_leader(const Wish& wish, const Pose2& X_MB, double dt);
+  [[nodiscard]] Pose2 driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB,
+                             double dt) const;
+  [[nodiscard]] Pose2 braking_point(const Pose2& X_MB, const Twist2& measured) const;
 
   TeleopParams params_;
+  std::optional<RobotParams> robot_;
   bool held_ = false;
   std::optional<double> steered_;  // [s] when a stick last had the say over the leader
   Hand hand_ = Hand::kNone;        // that drives the leader

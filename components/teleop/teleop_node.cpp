@@ -24,7 +24,7 @@ TeleopNode::TeleopNode(rt::Node& node)
       params_{node.declare_parameters<TeleopNodeParams>(
           {}, [](auto& all) -> auto& { return all.teleop.gains; },
           [this](const auto& wanted) { teleop_.set_gains(wanted.teleop.gains); })},
-      teleop_{params_->teleop},
+      teleop_{params_->teleop, params_->robot},
       robot_{node, params_->input},
       holder_{params_->teleop.joy_timeout},
       writer_{params_->teleop.joy_timeout},
@@ -57,7 +57,8 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
         "let the joystick's driver repeat more often (autorepeat_rate of joy_node), or raise "
         "joy_timeout",
         *gap, params_->teleop.joy_timeout);
-  if (const auto intent = teleop_.on_stick(stick, robot_pose(), node_.now())) {
+  const auto intent = teleop_.on_stick(stick, robot_pose(), node_.now(), robot_twist());
+  if (intent) {
     cmd_vel_user_.publish(to_msg(intent->twist));
     if (intent->X_ML) publish_leader(*intent->X_ML);
   }
@@ -109,12 +110,18 @@ void TeleopNode::say(const std::string& sender, const std::string& trouble) {
 void TeleopNode::on_twist(const Twist2& twist) {
   const auto sender = on_twist_.sender();
   if (sender == cmd_vel_user_.id() || !writer_.counts(name_of(sender), true, node_.now())) return;
-  if (const auto X_ML = teleop_.on_twist(twist, robot_pose(), node_.now())) publish_leader(*X_ML);
+  if (const auto X_ML = teleop_.on_twist(twist, robot_pose(), node_.now(), robot_twist()))
+    publish_leader(*X_ML);
 }
 
 std::optional<Pose2> TeleopNode::robot_pose() {
   const auto robot = robot_.state();
   return robot ? std::optional{robot->X_MB} : std::nullopt;
+}
+
+Twist2 TeleopNode::robot_twist() {
+  const auto robot = robot_.state();
+  return robot ? robot->twist : Twist2{};
 }
 
 void TeleopNode::publish_leader(const Pose2& X_ML) {

@@ -18,12 +18,14 @@ namespace tandem {
 
 struct TeleopNodeParams {
   TeleopParams teleop;
+  RobotParams robot;
   RobotStateParams input;
   StampParams stamp;
 
   template <class Visitor>
   void visit(Visitor&& field) {
     teleop.visit(field);
+    robot.visit(field);
     input.visit(field);
     stamp.visit(field);
   }
@@ -50,6 +52,7 @@ class TeleopNode {
   void say(const std::string& sender, const std::string& trouble);
   void on_twist(const Twist2& twist);
   [[nodiscard]] std::optional<Pose2> robot_pose();
+  [[nodiscard]] Twist2 robot_twist();
   void publish_leader(const Pose2& X_ML);
 
   rt::Node& node_;

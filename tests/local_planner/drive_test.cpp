@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "local_planner/reference.hpp"
 #include "local_planner/requests.hpp"
 #include "model/diff_drive.hpp"
 #include "support/instrumented.hpp"
@@ -196,15 +197,16 @@ TEST(Drive, CorridorAHandsBreadthWiderThanTheRobotIsPassed) {
   }
 }
 
-// Share of cycles in which the person gets what they ask for, as far as the accelerations allow, to
-// within 1 % of the robot's range.
+// Share of cycles in which the person gets what they ask for, as far as the accelerations and the
+// braking allow, to within 1 % of the robot's range.
 double agreement(const Drive& drive, const std::vector<Twist2>& asked, std::size_t first = 0) {
   const RobotParams robot;
   Twist2 before = first > 0 ? drive.plans[first - 1].command : Twist2{};
   int agreed = 0;
   for (std::size_t i = first; i < drive.plans.size(); ++i) {
     const Twist2& command = drive.plans[i].command;
-    const double v = approach(before.v, asked[i].v, robot.a_max * 0.05);
+    const PlanRequest stick{.method = Method::kIntention, .command = before, .user = asked[i]};
+    const double v = approach(before.v, asked[i].v, robot.a_max, braking_of(stick, robot), 0.05);
     const double w = approach(before.w, asked[i].w, robot.alpha_max * 0.05);
     agreed +=
         std::abs(command.v - v) < 0.01 * robot.v_max && std::abs(command.w - w) < 0.01 * robot.w_max

@@ -75,10 +75,45 @@ TEST(Nmpc, EachRungHasItsName) {
   std::set<std::string> names;
   for (const PlanSource source :
        {PlanSource::kSolution, PlanSource::kPrevious, PlanSource::kBraking, PlanSource::kYielded,
-        PlanSource::kStanding})
+        PlanSource::kResting, PlanSource::kStanding})
     names.insert(name(source));
   EXPECT_EQ(names,
-            (std::set<std::string>{"solution", "previous", "braking", "yielded", "standing"}));
+            (std::set<std::string>{"solution", "previous", "braking", "yielded", "resting",
+                                   "standing"}));
+}
+
+// What the robot is asked for is as much less than it does as it can brake until that acts: less is
+// what comfort asks for, and from rest it goes on where it is. The arc stays the same.
+TEST(Nmpc, BrakesAsHardAsTheRobotCanWhileTheStickIsAtRest) {
+  const RobotParams robot;
+  for (const Method method : {Method::kLeader, Method::kPath, Method::kIntention}) {
+    Nmpc planner(unlimited(), robot);
+    PlanRequest request = goal_request({1.2, 0.0, 0.0});
+    request.method = method;
+    request.rests = true;
+    request.command = request.measured = {0.6, 0.3};
+    const Plan plan = planner.solve(request);
+    EXPECT_EQ(plan.source, PlanSource::kResting);
+    EXPECT_FALSE(is_fallback(plan.source));
+    EXPECT_LT(plan.command.v, 0.6 - robot.a_brake * 0.1);
+    EXPECT_GT(plan.command.v, 0.0);
+    EXPECT_NEAR(plan.command.w / plan.command.v, 0.5, 1e-9);
+
+    request.command = {0.1, -0.1};  // brakes already, and has been sent the other way
+    const Plan later = planner.solve(request);
+    EXPECT_EQ(later.command.v, 0.1);
+    EXPECT_EQ(later.command.w, 0.0);
+
+    request.measured = {};
+    EXPECT_EQ(planner.solve(request).command, Twist2{});
+  }
+}
+
+TEST(Nmpc, AGoalIsDrivenToWhetherAStickIsAtRestOrNot) {
+  Nmpc planner(unlimited(), RobotParams{});
+  PlanRequest request = goal_request({4, 0, 0});
+  request.rests = true;
+  EXPECT_GT(planner.solve(request).command.v, 0.0);
 }
 
 // Whatever is planned, the robot stands; only where the filter says that it refuses the plans, for

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "local_planner/motion_check.hpp"
+#include "local_planner/reference.hpp"
 #include "local_planner/requests.hpp"
 #include "model/diff_drive.hpp"
 
@@ -253,7 +254,9 @@ TEST(Nmpc, WithoutObstaclesThePersonGetsExactlyWhatTheyAsk) {
         .method = Method::kIntention, .X_MB = {1, 2, 3}, .user = {v(random), w(random)}};
     request.command = request.measured = {v(random), w(random)};
     const Plan plan = solve_once(request);
-    EXPECT_NEAR(plan.command.v, approach(request.command.v, request.user.v, 0.4 * 0.05), 2e-3);
+    const double braking = braking_of(request, RobotParams{});
+    EXPECT_NEAR(plan.command.v, approach(request.command.v, request.user.v, 0.4, braking, 0.05),
+                2e-3);
     EXPECT_NEAR(plan.command.w, approach(request.command.w, request.user.w, 0.4 * 0.05), 2e-3);
   }
 }

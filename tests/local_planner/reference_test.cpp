@@ -50,6 +50,31 @@ TEST(PathCost, IsTheSameInEveryFrameWhereTheWeightsAreEqual) {
   }
 }
 
+TEST(Forecast, BrakesAsHardAsTheRobotCanForAStickThatAsksForFarLess) {
+  const RobotParams robot;
+  const NmpcParams params;
+  const auto speed_after = [&](const Twist2& user, Method method) {  // the first stage
+    const PlanRequest request{.method = method, .command = {0.8, 0.0}, .user = user};
+    return forecast(request, {{}, {}}, params, robot).twist.front().v;
+  };
+  const double period = params.control_period;
+  EXPECT_NEAR(speed_after({0.2, 0.0}, Method::kIntention), 0.8 - robot.a_brake * period, 1e-12);
+  EXPECT_NEAR(speed_after({-0.4, 0.0}, Method::kIntention), 0.8 - robot.a_brake * period, 1e-12);
+  EXPECT_NEAR(speed_after({-0.4, 0.0}, Method::kLeader), 0.8 - robot.a_brake * period, 1e-12);
+  EXPECT_NEAR(speed_after({0.7, 0.0}, Method::kIntention), 0.8 - robot.a_max * period, 1e-12);
+  EXPECT_NEAR(speed_after({}, Method::kGoal), 0.8 - robot.a_max * period, 1e-12);
+}
+
+// Braked within a stage, it gains speed the other way for the rest of it only.
+TEST(Approach, BrakesTowardRestAndGainsSpeedComfortablyBeyond) {
+  EXPECT_NEAR(approach(0.3, -1.0, 0.4, 1.5, 0.25), -0.4 * 0.05, 1e-12);
+  EXPECT_NEAR(approach(-0.3, 1.0, 0.4, 1.5, 0.25), 0.4 * 0.05, 1e-12);
+  EXPECT_NEAR(approach(0.8, 0.2, 0.4, 1.5, 0.25), 0.8 - 1.5 * 0.25, 1e-12);
+  EXPECT_NEAR(approach(0.3, 0.2, 0.4, 1.5, 0.25), 0.2, 1e-12);
+  EXPECT_NEAR(approach(0.2, 0.8, 0.4, 1.5, 0.25), 0.2 + 0.4 * 0.25, 1e-12);
+  EXPECT_NEAR(approach(0.0, -0.8, 0.4, 1.5, 0.25), -0.4 * 0.25, 1e-12);
+}
+
 // Straight on, round a bend, on the spot.
 TEST(LeaderAfter, GoesOnAsItIsDrivenForThePreviewAtMost) {
   NmpcParams params;

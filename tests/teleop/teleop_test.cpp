@@ -222,6 +222,41 @@ TEST(Teleop, LeaderThatWasTurnedRoundIsNotCalledBack) {
   EXPECT_NEAR(intent->X_ML->x, before - 0.045, 0.005);
 }
 
+// A robot that is told to stop now goes v² / 2 a; while it does so, the place hardly moves.
+TEST(Teleop, LeaderIsWhereTheRobotComesToRestWhileTheStickIsAtRest) {
+  const RobotParams robot;
+  for (const double way : {1.0, -1.0}) {
+    Teleop teleop{{}, robot};
+    const Twist2 moves{way > 0.0 ? robot.v_max : robot.v_min, 0.0};
+    double t = 0.0;
+    for (; t < 3.0; t += 0.05)
+      (void)teleop.on_stick({.linear = way, .deadman = true}, kOrigin, t, moves);
+    auto intent = teleop.on_stick({.deadman = true}, kOrigin, t, moves);
+    EXPECT_NEAR(intent->X_ML->x, way * moves.v * moves.v / (2.0 * robot.a_brake), 1e-9);
+    EXPECT_NEAR(intent->X_ML->y, 0.0, 1e-9);
+    intent = teleop.on_stick({.deadman = true}, Pose2{0.2, 0.0, 0.3}, t + 0.05);
+    EXPECT_EQ(*intent->X_ML, (Pose2{0.2, 0.0, 0.3}));
+  }
+}
+
+TEST(Teleop, LeaderOfACommandAtRestIsWhereTheRobotStands) {
+  Teleop teleop{{}, RobotParams{}};
+  double t = 0.0;
+  for (; t < 1.0; t += 0.05) (void)teleop.on_twist({0.5, 0.0}, kOrigin, t);
+  EXPECT_EQ(teleop.on_twist({}, kOrigin, t)->x, 0.0);
+}
+
+TEST(Teleop, LeaderIsNoFasterThanTheRobot) {
+  const RobotParams robot;  // 0.8 forward, 0.4 backward, where 0.9 is asked for
+  for (const double way : {1.0, -1.0}) {
+    Teleop teleop{{}, robot};
+    std::optional<Intent> intent;
+    for (int i = 0; i <= 10; ++i)
+      intent = teleop.on_stick({.linear = way, .deadman = true}, kOrigin, 0.05 * i, {0.5, 0.0});
+    EXPECT_NEAR(intent->X_ML->x, 0.5 * (way > 0.0 ? robot.v_max : robot.v_min), 1e-9);
+  }
+}
+
 TEST(Teleop, GoesOnWithOtherGainsWhileTheDeadManIsHeld) {
   Teleop teleop{{}};
   const Stick ahead{.linear = 1.0, .deadman = true};
