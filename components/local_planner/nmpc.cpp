@@ -13,6 +13,7 @@
 #include "local_planner/stalemate.hpp"
 #include "local_planner/trail.hpp"
 #include "local_planner/warm_start.hpp"
+#include "model/brief_push.hpp"
 #include "model/diff_drive.hpp"
 
 namespace tandem {
@@ -46,6 +47,7 @@ struct Nmpc::State {
   Trail trail = {};             // of the leader
   Stalemate stalemate = {};
   CloseApproach approach = {};
+  BriefPush stick = {};
   double iteration_time = 0.0;
   double solve_time = 0.0;  // of one solve, recent mean [s]
   int timeouts = 0;         // in a row
@@ -401,7 +403,7 @@ void Nmpc::set_params(const NmpcParams& params) {
 Plan Nmpc::solve(const PlanRequest& request) {
   State& state = *state_;
   state.started = Clock::now();
-  const bool rests = request.rests && request.method != Method::kGoal;
+  const bool rests = state.stick.rests(request.rests, request.t) && request.method != Method::kGoal;
   Plan plan = !is_valid(request) ? state.refuse(request)
               : rests            ? state.rest(request)
                                  : state.plan_for(request);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kCallsBack = 0.3;   // [1] of the stick's way: less moves the leader bit by bit
 constexpr double kBeside = 0.1;      // [m] the leader is neither before nor behind the robot
+constexpr double kStands = 0.05;     // [m/s] a robot that is slower stands, or all but
 constexpr double kOvershoot = 1.05;  // [1] of its range that an axis may reach
 const Twist2 kFastest{5.0, 10.0};    // [m/s, rad/s] of a leader, as the gains' ranges
 
@@ -152,7 +153,9 @@ void Teleop::lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB,
   const double before = std::exchange(last_, t);
   const bool goes_on = std::exchange(hand_, hand) == hand && is_recent(before, t);
   if (!goes_on || !X_MB) X_ML_.reset();
-  if (X_MB) drive_leader(wish, *X_MB, goes_on ? t - before : 0.0);
+  Wish now = wish;
+  now.rests = push_.rests(wish.twist == Twist2{}, t);
+  if (X_MB) drive_leader(now, *X_MB, goes_on ? t - before : 0.0);
 }
 
 // Who throws the stick round wants the robot to turn back now, not when the leader has come all the
@@ -173,9 +176,14 @@ Pose2 Teleop::braking_point(const Pose2& X_MB, const Twist2& measured) const {
   return integrate(X_MB, moves, 0.5 * time);
 }
 
+// Who only turns the stick beside a robot that stands turns it on the spot, wherever the leader
+// went through.
 Pose2 Teleop::driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB, double dt) const {
-  if (wish.twist == Twist2{}) return braking_point(X_MB, wish.measured);
-  return integrate(X_ML, robot_ ? limit(wish.twist, *robot_) : wish.twist, dt);
+  if (wish.rests) return braking_point(X_MB, wish.measured);
+  const bool turns =
+      robot_ && wish.twist.v == 0.0 && wish.twist.w != 0.0 && std::abs(wish.measured.v) < kStands;
+  const Pose2 from = turns ? Pose2{X_MB.x, X_MB.y, X_ML.theta} : X_ML;
+  return integrate(from, robot_ ? limit(wish.twist, *robot_) : wish.twist, dt);
 }
 
 void Teleop::drive_leader(const Wish& wish, const Pose2& X_MB, double dt) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "model/brief_push.hpp"
 #include "model/robot.hpp"
 #include "model/se2.hpp"
 #include "params.hpp"
@@ -106,8 +107,9 @@ inline constexpr const char* kNotAtRest = text_of(Reason::kStickMoved);
 /// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
 /// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in
 /// the thesis: who throws the stick from forward to backward, or back, finds the leader beside the
-/// robot at once; a stick at rest brings it to where the robot comes to rest if it brakes now; and
-/// a leader is no faster than its robot.
+/// robot at once; a stick at rest brings it to where the robot comes to rest if it brakes now,
+/// after a pulse only when the rest is long (BriefPush); a stick that only turns, beside a robot
+/// that stands, brings it to the robot; and a leader is no faster than its robot.
 class Teleop {
  public:
   /// Without the robot's limits the leader is as fast as the stick asks for, and a stick at rest
@@ -138,6 +140,7 @@ class Teleop {
     Twist2 twist;     // of the leader
     double push;      // [1] of the stick's way
     Twist2 measured;  // what the robot does
+    bool rests = false;
   };
 
   [[nodiscard]] bool is_recent(double t, double now) const {
@@ -152,6 +155,7 @@ class Teleop {
 
   TeleopParams params_;
   std::optional<RobotParams> robot_;
+  BriefPush push_;
   bool held_ = false;
   std::optional<double> steered_;  // [s] when a stick last had the say over the leader
   Hand hand_ = Hand::kNone;        // that drives the leader

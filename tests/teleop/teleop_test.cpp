@@ -257,6 +257,32 @@ TEST(Teleop, LeaderIsNoFasterThanTheRobot) {
   }
 }
 
+TEST(Teleop, LeaderOfARobotThatStandsIsTurnedOnTheSpot) {
+  for (const double speed : {0.0, 0.5}) {
+    Teleop teleop{{}, RobotParams{}};
+    double t = 0.0;
+    for (; t < 1.0; t += 0.05)
+      (void)teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, t, {0.5, 0.0});
+    const auto intent =
+        teleop.on_stick({.angular = 1.0, .deadman = true}, kOrigin, t, {speed, 0.0});
+    EXPECT_NEAR(intent->X_ML->x, speed > 0.0 ? 0.8 * 0.95 : 0.0, 1e-9);
+    EXPECT_GT(intent->X_ML->theta, 0.04);
+  }
+}
+
+// As sip and puff drives: the leader of one who pushes again soon is not fetched in between.
+TEST(Teleop, LeaderGoesOnFromPulseToPulseUntilTheRestIsLong) {
+  Teleop teleop{{}, RobotParams{}};
+  double t = 0.0;
+  std::optional<Intent> intent;
+  for (; t < 0.5; t += 0.05) intent = teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, t);
+  const double ahead = intent->X_ML->x;
+  for (; t < 0.8; t += 0.05) intent = teleop.on_stick({.deadman = true}, kOrigin, t);
+  EXPECT_EQ(intent->X_ML->x, ahead);
+  for (; t < 1.0; t += 0.05) intent = teleop.on_stick({.deadman = true}, kOrigin, t);
+  EXPECT_EQ(intent->X_ML->x, 0.0);
+}
+
 TEST(Teleop, GoesOnWithOtherGainsWhileTheDeadManIsHeld) {
   Teleop teleop{{}};
   const Stick ahead{.linear = 1.0, .deadman = true};
