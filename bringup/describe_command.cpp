@@ -58,8 +58,8 @@ const std::map<std::string, const char*>& topics_of_components() {
       {"haptics", "cmd_vel_user, safety_filter/status -> joy/set_feedback"},
       {"joystick", "(a joystick or gamepad) -> joy; joy/set_feedback -> (its rumble)"},
       {"teleop",
-       "joy, cmd_vel_user, odom, tf -> cmd_vel_user, leader_pose, leader/markers, teleop/status, "
-       "end_sim"},
+       "joy, cmd_vel_user, odom, tf, planner/status -> cmd_vel_user, leader_pose, leader/markers, "
+       "teleop/status, end_sim"},
       {"octomap_builder",
        "scan, cloud_in, odom, tf -> octomap_local, sensing_status, /diagnostics; service ~/reset"},
       {"obstacle_extractor",

@@ -258,6 +258,7 @@ class Loop {
     DriveCounts& counts = log_.result.counts;
     ++counts.plans;
     if (is_fallback(plan.source)) ++counts.plan_fallbacks;
+    teleop_.keep_leader_near(plan.source == PlanSource::kYielded);
     counts.plan_ms.push_back(1e3 * plan.solve_time);
     progress_.plan_ms = counts.plan_ms.back();
     arbiter_.on_shared(plan.command, t_);

@@ -3,25 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "model/diff_drive.hpp"
 
 namespace tandem {
 namespace {
 
-constexpr double kSpeed = 0.3;      // [m/s] of any point of the outline
-constexpr double kAhead = 1.5;      // [s] over which plan and person are compared
-constexpr double kBlocked = 0.5;    // share of the person's way that a plan in good order makes
-constexpr double kBetter = 1.0;     // … from which on it is followed again
-constexpr double kPatience = 0.3;   // [s] of plans that come to less
+constexpr double kSpeed = 0.5;   // [m/s]
+constexpr double kTurn = 0.8;    // [rad/s]
+constexpr double kMoves = 0.02;  // [m/s] less is to turn on the spot
+constexpr double kSoon = 1.0;    // [s]
+constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
+constexpr double kBlocked = 0.15;   // share of the person's way; a plan that makes less is blocked
+constexpr double kFree = 0.8;       // and one that makes more is followed again
+constexpr double kStands = 0.1;     // [m/s] a robot that is slower all but stands
+constexpr double kPatience = 0.3;   // [s] of plans that are blocked
+constexpr double kStraight = 0.5;   // [1/m]
+constexpr double kGivesUp = 5.0;    // [s] of pushing without moving
+constexpr double kElsewhere = 0.5;  // [m]
 constexpr double kNear = 0.25;      // [m] between discs and obstacle
-constexpr double kNoLonger = 0.35;  // [m] … from which on the planner takes over again
+constexpr double kNoLonger = 0.35;  // [m] where the planner takes over again
 
-// The person's twist with its ratio kept, so slow that no point of the outline exceeds kSpeed.
-Twist2 slowed(const Twist2& user, double radius) {
-  const double fastest = std::abs(user.v) + radius * std::abs(user.w);
-  const double scale = fastest > kSpeed ? kSpeed / fastest : 1.0;
-  return {scale * user.v, scale * user.w};
+// The twist with its ratio kept, no faster than kSpeed and kTurn.
+Twist2 slowed(const Twist2& twist) {
+  const double times = std::max({1.0, std::abs(twist.v) / kSpeed, std::abs(twist.w) / kTurn});
+  return {twist.v / times, twist.w / times};
 }
 
 double gap_at_start(const Cycle& cycle) {
@@ -32,37 +39,74 @@ double gap_at_start(const Cycle& cycle) {
   return gaps.front() + cycle.limits.margin;
 }
 
-// How far a plan brings the robot after kAhead, as a share of the way of a constant twist: along
-// that way, or in turning where the twist only turns.
-double share_of_way(const Plan& plan, const Twist2& twist) {
-  const Pose2& from = plan.X_MB.front();
-  const Pose2 to = plan.pose_at(plan.t0 + kAhead);
-  const Pose2 asked = integrate(from, twist, kAhead);
-  const Eigen::Vector2d way = asked.position() - from.position();
-  if (way.norm() > 0.05 * kAhead)
+// How far the plan brings the robot in `time` seconds, but no longer than the twist needs for a
+// quarter turn: as a share of the way of that twist, or of its turn on the spot.
+double share_of_way(const Plan& plan, const Twist2& twist, double time) {
+  time = std::min(time, kQuarterTurn / std::max(1e-9, std::abs(twist.w)));
+  const Pose2 &from = plan.X_MB.front(), to = plan.pose_at(plan.t0 + time);
+  const Eigen::Vector2d way = integrate(from, twist, time).position() - from.position();
+  if (way.norm() > kMoves * time)
     return (to.position() - from.position()).dot(way) / way.squaredNorm();
-  const double turn = kAhead * twist.w;
-  return turn == 0.0 ? 1.0 : wrap_angle(to.theta - from.theta) / turn;
+  return twist.w == 0.0 ? 1.0 : (to.theta - from.theta) / (twist.w * time);
+}
+
+// A plan that follows a leader may lead anywhere for a while, and counts only where the robot
+// stands. One that follows the stick may promise for later what it never begins.
+bool is_blocked(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
+  const bool stands = std::abs(cycle.request.measured.v) < kStands;
+  const bool for_good =
+      share_of_way(plan, twist, cycle.params.dt * cycle.params.horizon_steps) < kBlocked;
+  if (cycle.request.method != Method::kIntention) return stands && for_good;
+  return for_good || (stands && share_of_way(plan, twist, kSoon) < kBlocked);
+}
+
+bool is_free(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
+  return share_of_way(plan, twist, kSoon) > kFree &&
+         share_of_way(plan, twist, cycle.params.dt * cycle.params.horizon_steps) > kFree;
+}
+
+// A person who turns the stick wants past something, not nearer to it.
+bool is_straight(const Twist2& twist) {
+  return std::abs(twist.v) < kMoves || std::abs(twist.w) < kStraight * std::abs(twist.v);
+}
+
+bool is_possible(const Cycle& cycle, double near) {
+  const PlanRequest& request = cycle.request;
+  const bool steered = request.method != Method::kGoal && request.user != Twist2{};
+  return request.guarded && steered && !cycle.body.round && gap_at_start(cycle) < near;
 }
 
 }  // namespace
 
 std::optional<Twist2> CloseApproach::instead_of(const Plan& plan, const Cycle& cycle) {
   const PlanRequest& request = cycle.request;
-  const double t = request.t;
-  const bool steered = request.method != Method::kGoal && request.user != Twist2{};
-  const Twist2 twist = slowed(request.user, circumradius(cycle.body.footprint));
-  const bool possible = request.guarded && steered && !cycle.body.round &&
-                        gap_at_start(cycle) < (approaches_ ? kNoLonger : kNear);
-  const double least = approaches_ ? kBetter : kBlocked;
-  if (!possible || share_of_way(plan, twist) >= least) {
-    blocked_since_ = -1.0;
+  const Twist2 twist = slowed(request.user);
+  const bool possible = is_possible(cycle, approaches_ ? kNoLonger : kNear);
+  const bool turned_back = approaches_ && twist.v * direction_ < 0.0;
+  const bool in_vain = in_vain_.holds(approaches_, request);
+  if (!possible || turned_back || in_vain) {
     approaches_ = false;
+    blocked_since_ = -1.0;
     return std::nullopt;
   }
-  if (blocked_since_ < 0.0 || t < blocked_since_) blocked_since_ = t;
-  approaches_ = approaches_ || t - blocked_since_ >= kPatience;
+  const bool blocked = approaches_ ? !is_free(plan, twist, cycle)
+                                   : is_straight(twist) && is_blocked(plan, twist, cycle);
+  if (!blocked) blocked_since_ = -1.0;
+  if (blocked && (blocked_since_ < 0.0 || request.t < blocked_since_)) blocked_since_ = request.t;
+  approaches_ = blocked && (approaches_ || request.t - blocked_since_ >= kPatience);
+  direction_ = twist.v;
   return approaches_ ? std::optional{twist} : std::nullopt;
+}
+
+bool InVain::holds(bool approaches, const PlanRequest& request) {
+  const Eigen::Vector2d p_MB = request.X_MB.position();
+  if (gave_up_at_ && ((p_MB - *gave_up_at_).norm() > kElsewhere || request.user == Twist2{}))
+    gave_up_at_.reset();
+  const bool stands =
+      std::abs(request.measured.v) < kStands && std::abs(request.measured.w) < kStands;
+  if (!approaches || !stands || request.t < standing_since_) standing_since_ = request.t;
+  if (request.t - standing_since_ >= kGivesUp) gave_up_at_ = p_MB;
+  return gave_up_at_.has_value();
 }
 
 }  // namespace tandem

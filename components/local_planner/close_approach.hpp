@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a cycle and what was planned in it. Out: whether the person comes nearer by themselves.
+// In: a cycle and what was planned in it. Out: the person's own twist where plans come to nothing.
 #pragma once
 
 #include <optional>
@@ -8,23 +8,41 @@
 
 namespace tandem {
 
-/// The programme keeps discs and a margin between the robot and everything else, which is right for
-/// a robot that travels and wrong for one that docks at a desk, enters a lift or fits through a gap
-/// with 7 cm on either side: there the plan stops although the outline is still far from touching.
-/// A person who goes on pushing wants to be nearer. Their own command then takes the place of the
-/// plan, slowed so far that they can stop in time, and the safety filter, which knows the outline
-/// and every cell, decides how near is near enough.
+/// Whether the person has pushed for 5 s without moving anything. They then want past what is in
+/// the way, not nearer to it, until the robot has come 0.5 m away or the stick has been at rest.
+class InVain {
+ public:
+  /// Called once per cycle.
+  [[nodiscard]] bool holds(bool approaches, const PlanRequest& request);
+
+ private:
+  double standing_since_ = 0.0;  // [s]
+  std::optional<Eigen::Vector2d> gave_up_at_;
+};
+
+/// Lets the person come near something on purpose. The programme keeps discs and a margin between
+/// the robot and every obstacle. That suits a robot that travels, but a person who docks at a desk,
+/// enters a lift or passes a gap with 7 cm to spare on either side wants to be nearer: there the
+/// plans come to nothing while the outline is still far from touching. If the person goes on
+/// pushing about straight, their own twist replaces the plan, slowed to 0.5 m/s and 0.8 rad/s at
+/// most, until plans get on again, the stick is pulled back, or the person has pushed in vain. The
+/// safety filter, which knows the outline and every cell, decides how near is near enough.
 ///
-/// Never without a safety filter that enforces, far from obstacles, or for a goal.
+/// Never without a safety filter that enforces, away from obstacles, or for a goal.
 class CloseApproach {
  public:
-  /// The person's twist, slowed, where the plan brings the robot less far than that twist would;
-  /// nullopt where the plan is followed. Called once per cycle.
+  /// The person's twist, slowed, if plans have come to nothing for 0.3 s; nullopt if the plan is to
+  /// be followed. To be called once per cycle.
   [[nodiscard]] std::optional<Twist2> instead_of(const Plan& plan, const Cycle& cycle);
+
+  /// Whether the person's twist was the last answer.
+  [[nodiscard]] bool is_near() const { return approaches_; }
 
  private:
   double blocked_since_ = -1.0;  // [s]; below 0: not blocked
   bool approaches_ = false;
+  double direction_ = 0.0;  // sign of the last twist's v
+  InVain in_vain_;
 };
 
 }  // namespace tandem

@@ -25,6 +25,7 @@ constexpr double kLongestReuse = 1.0;  // [s] age up to which a plan is a warm s
 constexpr double kSurprise = 0.3;      // [m, rad] off the last solution that make it worthless
 constexpr double kReserve = 0.003;     // [s] of the budget for the check and the fallback
 constexpr double kExplores = 0.3;      // share of the budget for other guesses than the last plan
+constexpr double kLeads = 2.0;         // [s] that a leader is ahead which has just begun
 constexpr double kBetter = 0.9;  // another guess has to win by this to replace the last plan …
 constexpr double kBetterThanPoor = 0.98;  // … and by this if that one leads nowhere
 
@@ -328,8 +329,14 @@ Plan Nmpc::State::plan_for(const PlanRequest& request) {
   note_command(request);
   PlanRequest able = request;
   able.user = limit(request.user, robot);
+  const bool led = request.method == Method::kLeader || request.method == Method::kPath;
+  if (led && approach.is_near()) {  // it waits beside the robot; what if it went ahead?
+    able.method = Method::kLeader;
+    able.X_MG = integrate(request.X_MB, able.user, kLeads);
+    trail.clear();
+  }
   std::vector<Eigen::Vector2d> way;
-  if (request.method == Method::kPath) {
+  if (able.method == Method::kPath) {
     trail.extend(request.X_MG.position(), request.X_MB.position());
     way = trail.free_points(body, request.obstacles, {.margin = params.margin},
                             leader_onward(able, params));

@@ -70,7 +70,8 @@ const char* name(PlanSource source) {
 }
 
 bool is_fallback(PlanSource source) {
-  return source != PlanSource::kSolution && source != PlanSource::kResting;
+  return source == PlanSource::kPrevious || source == PlanSource::kBraking ||
+         source == PlanSource::kStanding;
 }
 
 Method method_named(std::string_view text) {

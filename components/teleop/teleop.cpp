@@ -182,6 +182,7 @@ Pose2 Teleop::driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB, dou
   if (wish.rests) return braking_point(X_MB, wish.measured);
   const bool turns =
       robot_ && wish.twist.v == 0.0 && wish.twist.w != 0.0 && std::abs(wish.measured.v) < kStands;
+  if (near_) return integrate(X_MB, wish.twist, dt);
   const Pose2 from = turns ? Pose2{X_MB.x, X_MB.y, X_ML.theta} : X_ML;
   return integrate(from, robot_ ? limit(wish.twist, *robot_) : wish.twist, dt);
 }

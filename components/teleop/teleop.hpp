@@ -119,6 +119,10 @@ class Teleop {
   /// Throws std::invalid_argument, having changed nothing, on gains out of range.
   void set_gains(const StickGains& gains);
 
+  /// While the planner hands the person's own command on (PlannerStatus.source `yielded`), the
+  /// leader stays beside the robot: the person steers what they see move.
+  void keep_leader_near(bool near) { near_ = near; }
+
   /// `X_MB`, `measured`: where the robot is and how it moves, if that is known. No intent while the
   /// dead-man is released, but for one zero at the moment of release; the leader then returns to
   /// the robot.
@@ -161,6 +165,7 @@ class Teleop {
   Hand hand_ = Hand::kNone;        // that drives the leader
   double last_ = 0.0;              // [s] when it last did
   std::optional<Pose2> X_ML_;
+  bool near_ = false;    // keep_leader_near()
   double pushed_ = 0.0;  // [1] the last push that was strong, forward or backward
 };
 

@@ -42,6 +42,13 @@ TeleopNode::TeleopNode(rt::Node& node)
   diagnostics_.report_well("no stick is hindered");
   joy_ = node.create_subscription(topics::joy, topics::kStickInput,
                                   [this](const auto& msg) { on_joy(msg); });
+  planner_ = node.create_subscription(topics::planner_status, [this](const auto& msg) {
+    yielded_ = {msg.source() == "yielded", node_.now()};
+  });
+}
+
+void TeleopNode::keep_leader_near() {
+  teleop_.keep_leader_near(yielded_.value && yielded_.fresh(node_.now(), kPlannerTimeout));
 }
 
 void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
@@ -57,6 +64,7 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
         "let the joystick's driver repeat more often (autorepeat_rate of joy_node), or raise "
         "joy_timeout",
         *gap, params_->teleop.joy_timeout);
+  keep_leader_near();
   const auto intent = teleop_.on_stick(stick, robot_pose(), node_.now(), robot_twist());
   if (intent) {
     cmd_vel_user_.publish(to_msg(intent->twist));
@@ -110,6 +118,7 @@ void TeleopNode::say(const std::string& sender, const std::string& trouble) {
 void TeleopNode::on_twist(const Twist2& twist) {
   const auto sender = on_twist_.sender();
   if (sender == cmd_vel_user_.id() || !writer_.counts(name_of(sender), true, node_.now())) return;
+  keep_leader_near();
   if (const auto X_ML = teleop_.on_twist(twist, robot_pose(), node_.now(), robot_twist()))
     publish_leader(*X_ML);
 }

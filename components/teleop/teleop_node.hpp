@@ -5,6 +5,7 @@
 #include <string>
 
 #include "diagnostics.hpp"
+#include "model/heard.hpp"
 #include "robot_state_input.hpp"
 #include "runtime/node.hpp"
 #include "stamp_check.hpp"
@@ -31,8 +32,8 @@ struct TeleopNodeParams {
   }
 };
 
-/// joy, cmd_vel_user of others, odom, tf → cmd_vel_user, leader_pose, leader/markers,
-/// teleop/status, /diagnostics, end_sim.
+/// joy, cmd_vel_user of others, odom, tf, planner/status → cmd_vel_user, leader_pose,
+/// leader/markers, teleop/status, /diagnostics, end_sim.
 ///
 /// Publishes on every joy while the dead-man is held, and one zero at its release; nothing while
 /// the joystick is silent, was not seen at rest (see RestCheck) or exceeds `axis_range`: then
@@ -41,6 +42,7 @@ struct TeleopNodeParams {
 class TeleopNode {
  public:
   static constexpr std::size_t kMaxTroubles = 100;  // senders that are remembered
+  static constexpr double kPlannerTimeout = 0.5;    // [s] after which it yields nothing
   static constexpr double kOnce = 1e9;              // [s] between two lines on the same
 
   explicit TeleopNode(rt::Node& node);
@@ -51,6 +53,7 @@ class TeleopNode {
                                const Stick& stick);
   void say(const std::string& sender, const std::string& trouble);
   void on_twist(const Twist2& twist);
+  void keep_leader_near();
   [[nodiscard]] std::optional<Pose2> robot_pose();
   [[nodiscard]] Twist2 robot_twist();
   void publish_leader(const Pose2& X_ML);
@@ -63,6 +66,7 @@ class TeleopNode {
   RestCheck rest_;
   JoyRhythm rhythm_;
   StampCheck joy_stamp_;
+  Heard<bool> yielded_;  // by the planner
   bool end_pressed_ = false;
   std::map<std::string, std::string> troubles_;  // by sender of joy
 
@@ -72,7 +76,7 @@ class TeleopNode {
   rt::Publisher<std_msgs::msg::Bool> end_sim_;
   rt::Publisher<std_msgs::msg::String> status_;
   Diagnostics diagnostics_;
-  rt::Subscription joy_;
+  rt::Subscription joy_, planner_;
   TwistInput on_twist_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@
 
 namespace tandem {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 // The stick from t [s] on, the dead-man held.
 struct Push {
@@ -98,6 +101,21 @@ TEST_P(AtTheStick, ThrownRoundTurnsTheRobotBackAlmostAsSoonAsByHand) {
     return 1e9;
   };
   EXPECT_LT(backs_after(GetParam()), backs_after("manual") + 0.2);
+}
+
+// A wheelchair of 0.65 m before a gap of 0.60 m.
+TEST_P(AtTheStick, PushedAtAGapThatIsTooNarrowStandsBeforeItAndLooksIntoIt) {
+  const Scenario gap = place("maps/home.bt", "wheelchair", {4.9, 6.1, 0.0});
+  const auto track = track_of(gap, GetParam(), {{0.0, 1.0, 0.0}}, 6.0);
+  double turned = 0.0;
+  int reversals = 0;
+  for (const DriveSample& sample : track) turned = std::max(turned, std::abs(sample.X_MB.theta));
+  for (std::size_t i = 1; i < track.size(); ++i)
+    if (track[i].twist.v * track[i - 1].twist.v < 0.0) ++reversals;
+  EXPECT_LT(turned, 10.0 * kDegree);
+  EXPECT_LE(reversals, 1);
+  EXPECT_EQ(track.back().collisions, 0);
+  EXPECT_NEAR(track.back().twist.v, 0.0, 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, AtTheStick,

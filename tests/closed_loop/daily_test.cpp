@@ -36,6 +36,18 @@ TEST_P(Daily, IsDoneByHand) {
   EXPECT_TRUE(result.failures.empty() || test::kInstrumented);
 }
 
+// By the methods that plan, but for those that the file excepts.
+TEST_P(Daily, IsDoneWithThePlannerToo) {
+  if (test::kInstrumented) GTEST_SKIP() << "a long drive: tested without sanitizers";
+  const Scenario scenario = load_scenario(GetParam());
+  for (const char* method : {"leader", "intention"}) {
+    const DriveResult result =
+        drive_in_lockstep(scenario, {.method = method, .seed = 1, .lockstep = true}).result;
+    EXPECT_TRUE(result.failures.empty()) << method << ": " << result.failures.front();
+    EXPECT_EQ(result.collisions, 0) << method;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Tasks, Daily, ::testing::ValuesIn(daily_scenarios()),
                          [](const auto& test) {
                            return std::filesystem::path{test.param}.stem().string();
