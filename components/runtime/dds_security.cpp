@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/dds_security.hpp"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <stdexcept>
 
@@ -80,10 +83,38 @@ fs::path folder_of(const std::string& keystore, const std::string& enclave) {
   return folder.lexically_normal();
 }
 
+std::string text_in(const fs::path& file) {
+  std::ifstream stream{file};
+  return {std::istreambuf_iterator<char>{stream}, {}};
+}
+
+// What stands between <name> and </name>, each time.
+std::vector<std::string> values_of(const std::string& name, const std::string& document) {
+  const std::string begin = "<" + name + ">", end = "</" + name + ">";
+  std::vector<std::string> values;
+  for (auto at = document.find(begin); at != std::string::npos; at = document.find(begin, at)) {
+    at += begin.size();
+    values.push_back(document.substr(at, document.find(end, at) - at));
+  }
+  return values;
+}
+
 std::mutex enclave_mutex;
 std::string process_enclave = "/";
 
 }  // namespace
+
+bool protects_every_datagram(const std::string& governance) {
+  const auto values = values_of("rtps_protection_kind", governance);
+  const auto strangers = values_of("allow_unauthenticated_participants", governance);
+  const auto protects = [](const std::string& kind) { return kind.find("NONE") == kind.npos; };
+  const auto refuses = [](const std::string& flag) {
+    return flag.find("false") != flag.npos || flag.find("FALSE") != flag.npos;
+  };
+  return !values.empty() && !strangers.empty() &&
+         std::all_of(values.begin(), values.end(), protects) &&
+         std::all_of(strangers.begin(), strangers.end(), refuses);
+}
 
 SecurityRequest read_security_request() {
   SecurityRequest request;
@@ -105,13 +136,17 @@ Security find_security(const SecurityRequest& request, const std::string& enclav
   if (const std::string what = missing(request, wanted, folder); !what.empty()) {
     if (request.enforced)
       throw std::runtime_error(std::string{kStrategy} + "=Enforce, and " + what);
-    return {{}, folder, what};
+    Security unsecured;
+    unsecured.folder = folder;
+    unsecured.complaint = what;
+    return unsecured;
   }
-  Security security{{{"dds.sec.auth.plugin", "builtin.PKI-DH"},
-                     {"dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC"},
-                     {"dds.sec.access.plugin", "builtin.Access-Permissions"}},
-                    folder,
-                    {}};
+  Security security;
+  security.folder = folder;
+  security.protects_all = protects_every_datagram(text_in(folder / "governance.p7s"));
+  security.properties = {{"dds.sec.auth.plugin", "builtin.PKI-DH"},
+                         {"dds.sec.crypto.plugin", "builtin.AES-GCM-GMAC"},
+                         {"dds.sec.access.plugin", "builtin.Access-Permissions"}};
   for (const auto& file : kFiles) security.properties.push_back(property_of(file, folder));
   if (fs::is_regular_file(folder / kRevoked.name))
     security.properties.push_back(property_of(kRevoked, folder));

@@ -23,8 +23,15 @@ struct Security {
   std::string folder;     ///< of the enclave
   std::string complaint;  ///< why there are no properties although security is enabled
 
+  /// Whether the governance protects every datagram of everybody.
+  bool protects_all = false;
+
   [[nodiscard]] bool on() const { return !properties.empty(); }
 };
+
+/// Whether a governance document, signed or not, protects every datagram in each of its domains and
+/// lets nobody in unauthenticated.
+[[nodiscard]] bool protects_every_datagram(const std::string& governance);
 
 /// Throws std::runtime_error naming a variable whose value ROS 2 does not have: rcl would take
 /// ROS_SECURITY_ENABLE=1 for false, and speak unsecured.

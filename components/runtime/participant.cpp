@@ -18,6 +18,7 @@
 #include "runtime/names.hpp"
 #include "runtime/security_fault.hpp"
 #include "runtime/thread_limit.hpp"
+#include "runtime/wire_guard.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -203,6 +204,7 @@ Participant::Participant(const Environment& environment, const Security& securit
         "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used, and what arrives by "
         "them is not checked: a malformed packet can end this process");
   auto* factory = fdds::DomainParticipantFactory::get_instance();
+  WireGuard::shared().expect_protection(security.protects_all);
   const DdsErrors errors;
   dds_ = factory->create_participant(static_cast<uint32_t>(environment.domain),
                                      participant_qos(environment, security),

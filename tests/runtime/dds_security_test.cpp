@@ -158,5 +158,21 @@ TEST_F(DdsSecurity, TheCommandLineSetsTheEnclave) {
                std::invalid_argument);
 }
 
+TEST(Governance, ProtectsEveryDatagramOnlyIfEachDomainsRuleDoes) {
+  const std::string closed =
+      "<allow_unauthenticated_participants>false</allow_unauthenticated_participants>";
+  const auto rtps = [](const std::string& kind) {
+    return "<rtps_protection_kind>" + kind + "</rtps_protection_kind>";
+  };
+  EXPECT_TRUE(protects_every_datagram(closed + rtps("SIGN")));
+  EXPECT_TRUE(protects_every_datagram(closed + rtps("ENCRYPT_WITH_ORIGIN_AUTHENTICATION")));
+  EXPECT_FALSE(protects_every_datagram(closed + rtps("NONE")));
+  EXPECT_FALSE(protects_every_datagram(closed + rtps("SIGN") + closed + rtps("NONE")));
+  EXPECT_FALSE(protects_every_datagram(
+      "<allow_unauthenticated_participants>true</allow_unauthenticated_participants>" +
+      rtps("SIGN")));
+  EXPECT_FALSE(protects_every_datagram(""));
+}
+
 }  // namespace
 }  // namespace tandem::runtime
