@@ -3,7 +3,7 @@
 // `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer.
 // `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on /pong.
 // `peer join`: ends with 0 as soon as it has heard three messages of /odom.
-// `peer probe`: for 3 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy;
+// `peer probe`: for 2 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy;
 // ends with 3 if it heard anything or anybody heard it. `peer throw`: a callback throws. Ends with
 // 0 on SIGTERM.
 #include <cstdio>
@@ -68,7 +68,7 @@ int probe() {
     stick.buttons({1, 0});
     joy.publish(stick);
     matched = matched || drive.matched() > 1 || joy.matched() > 0;  // its own hears it
-    if (++beats == 150) node.stop();
+    if (++beats == 100) node.stop();
   });
   node.spin();
   return heard > beats || matched ? 3 : 0;  // its own commands come back
