@@ -114,6 +114,29 @@ TEST(Security, ASystemOfNineProcessesDrivesWithinTenSeconds) {
   EXPECT_LT(*secured, 10.0);
 }
 
+// What `tandem run FILE` with these arguments comes to.
+std::optional<double> time_to_drive_by(std::vector<std::string> arguments) {
+  std::optional<ChildProcess> program;
+  return time_to_drive([&](SystemUnderTest&) {
+    arguments.insert(arguments.begin(), {"run", forest()});
+    program.emplace("../tandem", arguments);
+  });
+}
+
+TEST(Security, SeparateProcessesAreInTheEnclavesOfTheirNodes) {
+  const SecuredDomain domain;
+  domain.add_system(forest());
+  EXPECT_TRUE(time_to_drive_by({"--separate"}));
+}
+
+TEST(Security, AComposedSystemDrivesInOneEnclave) {
+  const SecuredDomain domain;
+  Permissions all;
+  for (const auto& node : load_system(forest()).nodes) all.add(permissions_of(node));
+  domain.add("/robot", all);
+  EXPECT_TRUE(time_to_drive_by({"--enclave", "/robot"}));
+}
+
 TEST_F(SecuredSystem, AStrangerHearsAndSaysNothing) {
   const auto stranger = probe({{"ROS_SECURITY_ENABLE", ""}}, &system_);
   EXPECT_EQ(stranger.status, 0) << stranger.log;
