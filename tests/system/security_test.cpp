@@ -27,9 +27,15 @@ constexpr double kBackwards = -0.7;  // [m/s] only the probe asks for less
 
 std::string forest() { return source_path("bringup/systems/forest.yaml"); }
 
+void start_in_enclave(SystemUnderTest& system, const std::string& name,
+                      const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"--ros-args", "--enclave", "/" + name};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  system.start(name, arguments);
+}
+
 void start_in_enclaves(SystemUnderTest& system) {
-  for (const char* name : kComponents)
-    system.start(name, {"--ros-args", "--enclave", "/" + std::string{name}});
+  for (const char* name : kComponents) start_in_enclave(system, name);
 }
 
 // [s] from the start of the first process until the robot drives; no value if it does not.
@@ -138,6 +144,23 @@ TEST(Security, SeparateProcessesAreInTheEnclavesOfTheirNodes) {
   const SecuredDomain domain;
   domain.add_system(forest());
   EXPECT_TRUE(time_to_drive_by({"--separate"}));
+}
+
+// TwistStamped goes by a second participant of each process that hears Twist too.
+TEST(Security, TheSecondParticipantOfAProcessIsSecuredToo) {
+  const SecuredDomain domain;
+  domain.add_system(forest());
+  SystemUnderTest system;
+  int stamped = 0;
+  const auto commands =
+      system.node().create_subscription(topics::cmd_vel_stamped, [&](const auto&) { ++stamped; });
+  for (const char* name : kComponents)
+    if (std::string{name} == "safety_filter")
+      start_in_enclave(system, name, {"-p", "stamped:=true"});
+    else
+      start_in_enclave(system, name);
+  EXPECT_TRUE(system.wait_until([&] { return system.truth.twist.v > 0.4 && stamped > 0; }, 40.0));
+  EXPECT_EQ(system.commands, 0);
 }
 
 TEST(Security, AComposedSystemDrivesInOneEnclave) {
