@@ -128,7 +128,7 @@ TEST(Security, ASystemOfNineProcessesDrivesWithinTenSeconds) {
   const auto secured = time_to_drive(start_in_enclaves);
   ASSERT_TRUE(secured);
   std::printf("driving after %.1f s secured, %.1f s open\n", *secured, *open);
-  EXPECT_LT(*secured, 10.0);
+  EXPECT_LT(*secured, kInstrumented ? 100.0 : 10.0);
 }
 
 // What `tandem run FILE` with these arguments comes to.
