@@ -22,6 +22,8 @@ struct ClockParams {
   }
 };
 
+// [s] for a peer to open what fits; its second participant is authenticated apart.
+constexpr double kSettling = 1.0, kSecuredSettling = 10.0;
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 // As ROS 2 calls a node's logger: "ns.name".
@@ -72,7 +74,8 @@ NodeCore::NodeCore(NodeOptions node_options)
       store{full_name, options.parameters},
       use_sim_time{options.use_sim_time},
       participant_{Participant::shared()},
-      peers_{participant_->discovery(), log},
+      peers_{participant_->discovery(), log,
+             participant_->security().on() ? kSecuredSettling : kSettling},
       clock_arrival_{steady_seconds()} {
   log.set_level(options.log_level);
   report_security(participant_->security());
