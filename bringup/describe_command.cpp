@@ -4,11 +4,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cstdio>
-#include <map>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "bringup/component_params.hpp"
+#include "bringup/component_topics.hpp"
 
 namespace tandem {
 namespace {
@@ -50,44 +51,18 @@ struct Printer {
   }
 };
 
-// The topics stand in each node's header too; here for those who have only the program.
-const std::map<std::string, const char*>& topics_of_components() {
-  static const std::map<std::string, const char*> all{
-      {"map_server", "(a map file) -> octomap_binary, map"},
-      {"driver", "odom, tf, leader_pose, teleop/status -> joy"},
-      {"haptics", "cmd_vel_user, safety_filter/status -> joy/set_feedback"},
-      {"joystick", "(a joystick or gamepad) -> joy; joy/set_feedback -> (its rumble)"},
-      {"teleop",
-       "joy, cmd_vel_user, odom, tf, planner/status -> cmd_vel_user, leader_pose, leader/markers, "
-       "teleop/status, end_sim"},
-      {"octomap_builder",
-       "scan, cloud_in, odom, tf -> octomap_local, sensing_status, /diagnostics; service ~/reset"},
-      {"obstacle_extractor",
-       "octomap_binary, octomap_local, odom, tf -> obstacles, obstacles/markers"},
-      {"shared_dwa",
-       "cmd_vel_user, octomap_binary, octomap_local, odom, "
-       "tf -> cmd_vel_shared, planner/status"},
-      {"hindsight",
-       "cmd_vel_user, octomap_binary, odom, tf -> cmd_vel_assisted, "
-       "hindsight/markers"},
-      {"local_planner",
-       "odom, tf, obstacles, cmd_vel, leader_pose | cmd_vel_user | goal_pose -> "
-       "cmd_vel_shared, plan, user_path, planner/status"},
-      {"arbitration",
-       "cmd_vel_user, cmd_vel_shared, cmd_vel_nav, teleop/status, planner/status, "
-       "safety_filter/status, e_stop -> cmd_vel_arbitrated, "
-       "arbitration/status, /diagnostics; services ~/set_policy, "
-       "~/release_emergency_stop"},
-      {"safety_filter",
-       "cmd_vel_arbitrated, octomap_binary, octomap_local, sensing_status, odom, tf "
-       "-> cmd_vel, safety_filter/status, /diagnostics"},
-      {"dashboard",
-       "every topic and service -> web clients; web clients -> joy, cmd_vel_user, "
-       "goal_pose, initialpose, end_sim, e_stop; own service ~/take_wheel"},
-      {"diff_drive_sim",
-       "cmd_vel, initialpose -> odom, tf, ground_truth/odom, "
-       "scan, collision, /clock; service ~/reset"}};
-  return all;
+std::string list(std::vector<const char*> names, const char* other) {
+  if (*other != '\0') names.push_back(other);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// "a, b -> c; services d".
+std::string summary(const ComponentTopics& topics) {
+  std::string text = list(topics.subscribes, topics.other_input) + " -> " +
+                     list(topics.publishes, topics.other_output);
+  if (!topics.serves.empty()) text += "; services " + list(topics.serves, "");
+  if (!topics.calls.empty()) text += "; calls services " + list(topics.calls, "");
+  return text;
 }
 
 void print(const std::string& component) {
@@ -97,7 +72,7 @@ void print(const std::string& component) {
     known += std::string{" "} + name;
     if (component != name) return;
     found = true;
-    std::printf("%s: %s\n\n", name, topics_of_components().at(name));
+    std::printf("%s: %s\n\n", name, summary(topics_of(name)).c_str());
     std::printf("  %-24s %-12s %-22s %s\n", "parameter", "default", "bounds", "meaning");
     params.visit(Printer{});
   });

@@ -15,6 +15,7 @@
 #include "bringup/record_command.hpp"
 #include "bringup/run_command.hpp"
 #include "bringup/scenario_command.hpp"
+#include "bringup/security_command.hpp"
 #include "bringup/study_command.hpp"
 #include "bringup/teleop_command.hpp"
 #include "bringup/tune_command.hpp"
@@ -56,6 +57,9 @@ int main(int argc, char** argv) {
   tandem::add_describe_command(app);
   tandem::add_map_command(app);
   tandem::add_tune_command(app);
+  tandem::add_security_command(app);
+  for (const char* command : {"run", "container", "teleop", "scenario", "record", "play", "doctor"})
+    tandem::add_enclave_option(*app.get_subcommand(command));
   try {
     for (int i = 1; i < argc; ++i)  // else it would count as not given
       if (*argv[i] == '\0')

@@ -12,6 +12,7 @@
 #include "bringup/processes.hpp"
 #include "config/yaml_document.hpp"
 #include "runtime/arguments.hpp"
+#include "runtime/dds_security.hpp"
 #include "runtime/names.hpp"
 #include "runtime/parameter_files.hpp"
 #include "runtime/shutdown.hpp"
@@ -140,16 +141,6 @@ bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
   return only.empty() || std::find(only.begin(), only.end(), node.options.name) != only.end();
 }
 
-void require_names(const System& system, const std::vector<std::string>& only) {
-  for (const auto& name : only) {
-    const auto found =
-        std::find_if(system.nodes.begin(), system.nodes.end(),
-                     [&](const SystemNode& node) { return node.options.name == name; });
-    if (found == system.nodes.end())
-      throw std::invalid_argument(system.path + ": no component is named '" + name + "'");
-  }
-}
-
 int run_here(const System& system, const std::vector<std::string>& only) {
   RunningSystem running{system, only};
   if (only.empty())  // a process of its own cannot know what the others use
@@ -222,14 +213,34 @@ std::vector<std::string> respawn_arguments(const SystemNode& node) {
   return {"--ros-args", "-p", node.options.name + ":start_stopped:=true"};
 }
 
-std::vector<std::string> command_for(const std::string& path, const std::string& name,
+// What a process of its own is told of its enclave.
+std::vector<std::string> enclave_arguments(const rt::NodeOptions& options) {
+  if (rt::enclave() != "/") return {"--ros-args", "--enclave", rt::enclave()};
+  if (!rt::read_security_request().enabled) return {};
+  return {"--ros-args", "--enclave", rt::make_node_name(options.ns, options.name).full()};
+}
+
+std::vector<std::string> command_for(const std::string& path, const SystemNode& node,
                                      const std::vector<std::string>& ros_args) {
-  std::vector<std::string> command{"run", path, "--only", name};
+  std::vector<std::string> command{"run", path, "--only", node.options.name};
   command.insert(command.end(), ros_args.begin(), ros_args.end());
+  const auto of_enclave =
+      enclave_arguments(rt::with_arguments(node.options, rt::parse_ros_arguments(ros_args)));
+  command.insert(command.end(), of_enclave.begin(), of_enclave.end());
   return command;
 }
 
 }  // namespace
+
+void require_names(const System& system, const std::vector<std::string>& only) {
+  for (const auto& name : only) {
+    const auto found =
+        std::find_if(system.nodes.begin(), system.nodes.end(),
+                     [&](const SystemNode& node) { return node.options.name == name; });
+    if (found == system.nodes.end())
+      throw std::invalid_argument(system.path + ": no component is named '" + name + "'");
+  }
+}
 
 System load_system(const std::string& path) { return SystemReader{path}.read(); }
 
@@ -263,8 +274,8 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
     Processes processes;
     for (const auto& node : system.nodes)
       if (wanted(node, only))
-        processes.start({node.options.name, command_for(path, node.options.name, ros_args),
-                         node.respawn, respawn_arguments(node)});
+        processes.start({node.options.name, command_for(path, node, ros_args), node.respawn,
+                         respawn_arguments(node)});
     return processes.run();
   }
   for (auto& node : system.nodes) node.options = rt::with_arguments(node.options, arguments);

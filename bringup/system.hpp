@@ -26,6 +26,9 @@ struct System {
 /// Throws std::invalid_argument naming file and line for whatever is not of a system file's form.
 [[nodiscard]] System load_system(const std::string& path);
 
+/// Throws std::invalid_argument for a name of `only` that no node of the system has.
+void require_names(const System& system, const std::vector<std::string>& only);
+
 /// The components of a system, each on its own thread. Destruction stops them.
 class RunningSystem {
  public:
@@ -42,7 +45,8 @@ class RunningSystem {
 
 /// Runs a system until SIGINT or SIGTERM; the result is the program's exit status.
 /// `separate_processes`: one process per component, started as `<this program> run FILE --only
-/// NAME`.
+/// NAME`. With security enabled each is in the enclave of its node's full name, unless an enclave
+/// is set for all.
 int run_system(const std::string& path, const std::vector<std::string>& only,
                bool separate_processes, const std::vector<std::string>& ros_args);
 

@@ -12,10 +12,12 @@ constexpr std::size_t kMaxWriters = 16;
 }  // namespace
 
 bool SingleSource::same_source(const Heard& a, const Heard& b) {
-  constexpr int kProcessBytes = 8;
+  constexpr int kProcessBytes = 8, kSubjectBytes = 6;
   if (a.writer == b.writer) return true;
+  const bool secured = (a.writer[0] & 0x80) != 0;
   return a.type != b.type &&
-         std::equal(a.writer.begin(), a.writer.begin() + kProcessBytes, b.writer.begin());
+         std::equal(a.writer.begin(), a.writer.begin() + (secured ? kSubjectBytes : kProcessBytes),
+                    b.writer.begin());
 }
 
 bool SingleSource::on_command(const Writer& writer, Type type, double t) {

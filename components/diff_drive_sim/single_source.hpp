@@ -14,7 +14,8 @@ namespace tandem {
 ///
 /// The Twist and the TwistStamped writer of one process count as one source, because a node may
 /// publish both. Processes are told apart by the first eight bytes of the GUID, as Fast DDS makes
-/// it: vendor, host and process.
+/// it: vendor, host and process. Under DDS Security it makes them of hashes, the first bit set: the
+/// first six bytes are then the enclave's, and stand for the process.
 class SingleSource {
  public:
   using Writer = std::array<std::uint8_t, 16>;

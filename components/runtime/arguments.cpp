@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "runtime/dds_security.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -75,8 +77,10 @@ class Parser {
     } else if (word.ends_with("-logs") &&
                (word.starts_with("--enable-") || word.starts_with("--disable-"))) {
       switch_logs(word);
-    } else if (word == "-e" || word == "--enclave" || word == "--log-config-file") {
-      (void)value_of(word);  // of what is not here: security, rcl's logging library
+    } else if (word == "-e" || word == "--enclave") {
+      set_enclave(value_of(word));
+    } else if (word == "--log-config-file") {
+      (void)value_of(word);  // of rcl's logging library, which is not here
     } else if (word.find(":=") != std::string::npos && word.starts_with("__")) {
       const Rule rule = parse_rule(word);
       result_.remappings[rule.node][rule.from] = rule.to;

@@ -20,7 +20,7 @@ struct RosArguments {
   std::vector<std::string> rest;               ///< the arguments that are not ROS's
 };
 
-/// The process's log level and whether it logs to stderr are set at once. Throws
+/// The process's enclave, log level and whether it logs to stderr are set at once. Throws
 /// std::invalid_argument for an argument that ROS 2 would not understand.
 [[nodiscard]] RosArguments parse_ros_arguments(const std::vector<std::string>& arguments);
 

@@ -25,14 +25,32 @@ LogLevel level_of(fdds::Log::Kind kind) {
   return LogLevel::kError;
 }
 
+// The first error since the oldest DdsErrors that lives was made.
+struct FirstError {
+  std::mutex mutex;
+  int awaited = 0;  // by so many DdsErrors
+  std::string text;
+};
+
+FirstError& first_error() {
+  static FirstError error;
+  return error;
+}
+
 class ToOurs final : public fdds::LogConsumer {
  public:
   void Consume(const fdds::Log::Entry& entry) override {
     const std::string text = entry.message + " (" + entry.context.category + ")";
+    if (entry.kind == fdds::Log::Kind::Error) note(text);
     logger_.write_every(1.0, level_of(entry.kind), entry.context.category, text);
   }
 
  private:
+  static void note(const std::string& text) {
+    const std::lock_guard lock{first_error().mutex};
+    if (first_error().awaited > 0 && first_error().text.empty()) first_error().text = text;
+  }
+
   Logger logger_{"dds"};
 };
 
@@ -44,6 +62,22 @@ void redirect_dds_log() {
     fdds::Log::ClearConsumers();
     fdds::Log::RegisterConsumer(std::make_unique<ToOurs>());
   });
+}
+
+DdsErrors::DdsErrors() {
+  const std::lock_guard lock{first_error().mutex};
+  if (first_error().awaited++ == 0) first_error().text.clear();
+}
+
+DdsErrors::~DdsErrors() {
+  const std::lock_guard lock{first_error().mutex};
+  --first_error().awaited;
+}
+
+std::string DdsErrors::first() const {
+  fdds::Log::Flush();
+  const std::lock_guard lock{first_error().mutex};
+  return first_error().text;
 }
 
 }  // namespace tandem::runtime

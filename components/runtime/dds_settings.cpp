@@ -4,7 +4,6 @@
 #include <netdb.h>
 
 #include <charconv>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <regex>
@@ -12,6 +11,7 @@
 #include <stdexcept>
 
 #include "runtime/dds.hpp"
+#include "runtime/environment.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -59,11 +59,6 @@ void check_profiles(const std::string& file) {
   if (!ok(factory->load_XML_profiles_file(file)))
     refuse(kProfilesVariable, file,
            "no file of Fast DDS profiles; the line before says what is wrong in it");
-}
-
-std::string variable(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? "" : value;
 }
 
 }  // namespace

@@ -69,7 +69,10 @@ std::string type_hash_in(const std::string& user_data) {
 
 bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
   constexpr int kOfProcess = 8;  // vendor, host and process; the last four: the participant
-  return std::equal(a.guidPrefix.value, a.guidPrefix.value + kOfProcess, b.guidPrefix.value);
+  constexpr int kOfSubject = 6;  // of a certificate's name, the first bit set; then a hash
+  const bool secured = (a.guidPrefix.value[0] & 0x80) != 0;
+  return std::equal(a.guidPrefix.value, a.guidPrefix.value + (secured ? kOfSubject : kOfProcess),
+                    b.guidPrefix.value);
 }
 
 void Discovery::add(KnownEndpoint endpoint) {

@@ -29,7 +29,7 @@ struct KnownEndpoint {
 /// "RIHS01_…" out of an endpoint's user data; empty if it has none.
 [[nodiscard]] std::string type_hash_in(const std::string& user_data);
 
-/// Whether two endpoints are of one process.
+/// Whether two endpoints are of one process. DDS Security hides the process: there, of one enclave.
 [[nodiscard]] bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b);
 
 /// Knows all endpoints of the domain. May be asked by any thread.

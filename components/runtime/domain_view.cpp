@@ -90,12 +90,11 @@ Domain DomainView::look() const {
   Domain domain;
   domain.malformed = static_cast<int>(state_->reader->malformed());
   std::map<std::string, DomainParticipantInfo> participants;
-  const rtps::GUID_t own = state_->reader->guid();
   for (const auto& endpoint : state_->core->discovery().endpoints()) {
     const std::string id = hex(endpoint.guid.guidPrefix.value, kPrefix);
     auto& participant = participants[id];
     participant.id = id;
-    participant.ours = same_process(endpoint.guid, own);
+    participant.ours = state_->core->is_own(endpoint.guid);
     const auto said = state_->said.find(id);
     std::string node;
     if (said != state_->said.end()) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "runtime/codec.hpp"
+#include "runtime/dds_log.hpp"
 #include "runtime/names.hpp"
 #include "runtime/time.hpp"
 #include "type_hashes.hpp"
@@ -75,6 +76,37 @@ fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& e
   return dds;
 }
 
+// `create` makes an endpoint of `topic`. Throws std::runtime_error if DDS refuses `what`.
+template <class Create>
+auto created(const SharedTopic& topic, const std::string& what, Create create) {
+  const DdsErrors errors;
+  auto* endpoint = create();
+  if (endpoint != nullptr) return endpoint;
+  const std::string reason = errors.first();
+  const Security& security = topic.participant().security();
+  throw std::runtime_error(
+      "DDS refuses " + what + (reason.empty() ? "" : ": " + reason) +
+      (security.on() ? "; this process may do what " + security.folder + "/permissions.xml says"
+                     : ""));
+}
+
+fdds::DataReader* make_reader(const SharedTopic& topic, const Participant& participant,
+                              const Endpoint& endpoint) {
+  return created(topic, "a subscription to " + ros_name(endpoint.topic), [&] {
+    return topic.participant().subscriber().create_datareader(
+        topic.dds(), reader_qos(participant, endpoint), nullptr, fdds::StatusMask::none());
+  });
+}
+
+fdds::DataWriter* make_writer(const SharedTopic& topic, const Participant& participant,
+                              const Endpoint& endpoint, fdds::DataWriterListener& listener) {
+  return created(topic, "a publisher of " + ros_name(endpoint.topic), [&] {
+    return topic.participant().publisher().create_datawriter(
+        topic.dds(), writer_qos(participant, endpoint), &listener,
+        fdds::StatusMask::publication_matched());
+  });
+}
+
 }  // namespace
 
 std::string Endpoint::user_data(bool humble) const {
@@ -84,13 +116,10 @@ std::string Endpoint::user_data(bool humble) const {
 
 Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver, Refused refused)
     : topic_{participant, endpoint.topic, endpoint.type},
-      dds_{topic_.participant().subscriber().create_datareader(
-          topic_.dds(), reader_qos(participant, endpoint), nullptr, fdds::StatusMask::none())},
+      dds_{make_reader(topic_, participant, endpoint)},
       deliver_{std::move(deliver)},
       refused_{std::move(refused)},
       lifespan_{endpoint.qos.lifespan} {
-  if (dds_ == nullptr)
-    throw std::runtime_error("DDS refuses a subscription to " + ros_name(endpoint.topic));
   dds_->get_statuscondition().set_enabled_statuses(fdds::StatusMask::data_available());
 }
 
@@ -139,11 +168,7 @@ int Reader::matched() const {
 Writer::Writer(Participant& participant, const Endpoint& endpoint)
     : name_{ros_name(endpoint.topic)},
       topic_{participant, endpoint.topic, endpoint.type},
-      dds_{topic_.participant().publisher().create_datawriter(
-          topic_.dds(), writer_qos(participant, endpoint), &matches_,
-          fdds::StatusMask::publication_matched())} {
-  if (dds_ == nullptr) throw std::runtime_error("DDS refuses a publisher of " + name_);
-}
+      dds_{make_writer(topic_, participant, endpoint, matches_)} {}
 
 Writer::~Writer() {
   dds_->set_listener(nullptr);

@@ -11,11 +11,6 @@ namespace {
 
 constexpr int kMaxDomain = 232;  // beyond it the well-known ports pass 65535
 
-std::string variable(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
 // An integer from `least` to `most`; `value` if the variable is not set.
 int integer_from(const char* name, int value, int least, int most) {
   const std::string text = variable(name);
@@ -42,17 +37,6 @@ bool flag_from(const char* name) {
   throw std::runtime_error(std::string{name} + " = '" + text + "' is neither 0 nor 1");
 }
 
-// Whether security is wanted, and may be missing.
-bool goes_unsecured() {
-  if (variable("ROS_SECURITY_ENABLE") != "true") return false;
-  if (variable("ROS_SECURITY_STRATEGY") == "Enforce")
-    throw std::runtime_error(
-        "ROS_SECURITY_ENABLE=true with ROS_SECURITY_STRATEGY=Enforce: Tandem does not speak DDS "
-        "Security, and unsecured it may not start; keep this domain on a network of its own "
-        "(WireGuard, a VLAN) and unset one of the two");
-  return true;
-}
-
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::istringstream stream{text};
@@ -62,6 +46,11 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }
 
 }  // namespace
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
 
 // The default is above the largest map that a subscription takes.
 std::uint32_t largest_sample() {
@@ -76,7 +65,7 @@ Environment read_environment() {
                           .loopback_only = flag_from("ROS_LOCALHOST_ONLY"),
                           .static_peers = split(variable("ROS_STATIC_PEERS"), ';'),
                           .humble = distribution == "humble",
-                          .unsecured = goes_unsecured(),
+                          .security = read_security_request(),
                           .unguarded_transports = flag_from("TANDEM_UNGUARDED_TRANSPORTS")};
   const bool since_iron = !distribution.empty() && !environment.humble;
   if (environment.loopback_only && since_iron) {  // there it is the old word for a range, and wins

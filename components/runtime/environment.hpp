@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "runtime/dds_security.hpp"
+
 namespace tandem::runtime {
 
 /// How far discovery reaches: everything multicast reaches, this host, nobody.
@@ -17,16 +19,18 @@ struct Environment {
   bool loopback_only = false;             ///< ROS_LOCALHOST_ONLY=1, as Humble understands it
   std::vector<std::string> static_peers;  ///< ROS_STATIC_PEERS, a;b;c
   bool humble = false;                ///< ROS_DISTRO=humble: speak to ROS 2 as it was before Iron
-  bool unsecured = false;             ///< ROS_SECURITY_ENABLE=true, which is not done here
+  SecurityRequest security;           ///< ROS_SECURITY_…
   bool unguarded_transports = false;  ///< TANDEM_UNGUARDED_TRANSPORTS=1: others than UDP too
 };
+
+/// The value of an environment variable; empty if it is not set.
+[[nodiscard]] std::string variable(const char* name);
 
 /// TANDEM_MAX_SAMPLE_SIZE [bytes]: fragmented samples above it are dropped. Throws
 /// std::runtime_error if it is no integer of its range.
 [[nodiscard]] std::uint32_t largest_sample();
 
-/// Throws std::runtime_error naming the variable, its value and what it may be; also where
-/// ROS_SECURITY_STRATEGY=Enforce forbids to speak unsecured.
+/// Throws std::runtime_error naming the variable, its value and what it may be.
 [[nodiscard]] Environment read_environment();
 
 }  // namespace tandem::runtime

@@ -58,7 +58,7 @@ double GuardReport::poll(double now) {
     status_.level(level::OK);
     status_.message("no datagram was dropped in the last minute");
   }
-  if (!status_.message().empty()) publish();  // else another node has reported these
+  if (!status_.message().empty() && !refused_) publish();  // else another node has reported these
   return now + kPeriod;
 }
 
@@ -86,7 +86,13 @@ void GuardReport::report(WireGuard::Reported& reported) {
 void GuardReport::publish() {
   if (!writer_) {
     codec_ = std::make_shared<Codec>(type_ref<DiagnosticArray>());
-    writer_ = node_.open_writer({"rt/diagnostics", codec_->dds_name(), kDefault});
+    try {
+      writer_ = node_.open_writer({"rt/diagnostics", codec_->dds_name(), kDefault});
+    } catch (const std::runtime_error& error) {  // a stranger's datagram must not end the process
+      node_.log.warn("what the network's guard drops stands only in this log: {}", error.what());
+      refused_ = true;
+      return;
+    }
   }
   status_.values().resize(std::max(kTotals, status_.values().size()));
   status_.values()[0] = value("received", std::to_string(guard_.received()));

@@ -37,6 +37,7 @@ class GuardReport {
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;
   diagnostic_msgs::msg::DiagnosticStatus status_;
+  bool refused_ = false;  // /diagnostics, by DDS
 };
 
 }  // namespace tandem::runtime

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstring>
+#include <mutex>
 
 #include "runtime/wire_guard.hpp"
 #if TANDEM_FASTDDS_3
@@ -56,8 +57,12 @@ class GuardedTransport final : public transport::ChainingTransport {
                std::uint32_t size, const rtps::Locator_t& to,
                const rtps::Locator_t& from) override {
     // The transport's own buffer, which a transport on top of it may change.
-    if (guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from)))
-      above->OnDataReceived(data, size, to, from);
+    if (!guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from))) return;
+    // One after another: while Fast DDS 2.9.1 authenticates a participant, another thread's
+    // announcement of it changes what is being read, and the two may never hear each other.
+    std::unique_lock lock{announcements_, std::defer_lock};
+    if (announces_participant({data, size})) lock.lock();
+    above->OnDataReceived(data, size, to, from);
   }
 
  private:
@@ -76,6 +81,7 @@ class GuardedTransport final : public transport::ChainingTransport {
 #endif
 
   WireGuard& guard_;
+  static inline std::mutex announcements_;  // of the process
 };
 
 struct GuardedDescriptor final : transport::ChainingTransportDescriptor {

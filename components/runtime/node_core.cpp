@@ -22,6 +22,8 @@ struct ClockParams {
   }
 };
 
+// [s] for a peer to open what fits; its second participant is authenticated apart.
+constexpr double kSettling = 1.0, kSecuredSettling = 10.0;
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 // As ROS 2 calls a node's logger: "ns.name".
@@ -41,6 +43,22 @@ std::vector<std::shared_ptr<T>> select(const std::vector<std::shared_ptr<T>>& li
   return selected;
 }
 
+// Once for the process.
+void report_security(const Security& security) {
+  static std::once_flag once;
+  if (!security.on() && security.complaint.empty()) return;
+  std::call_once(once, [&] {
+    Logger log{"runtime"};
+    if (security.on())
+      log.info("DDS Security by {}", security.folder);
+    else
+      log.warn(
+          "ROS_SECURITY_ENABLE=true, but this process runs without security, so that everybody on "
+          "this network can read and forge what it says: {}",
+          security.complaint);
+  });
+}
+
 template <class T>
 void erase(std::vector<std::shared_ptr<T>>& list, const T& item) {
   std::erase_if(list, [&](const auto& element) { return element.get() == &item; });
@@ -56,15 +74,11 @@ NodeCore::NodeCore(NodeOptions node_options)
       store{full_name, options.parameters},
       use_sim_time{options.use_sim_time},
       participant_{Participant::shared()},
-      peers_{participant_->discovery(), log},
+      peers_{participant_->discovery(), log,
+             participant_->security().on() ? kSecuredSettling : kSettling},
       clock_arrival_{steady_seconds()} {
   log.set_level(options.log_level);
-  if (static std::once_flag said; participant_->goes_unsecured())
-    std::call_once(said, [this] {
-      log.warn(
-          "ROS_SECURITY_ENABLE=true, but Tandem does not speak DDS Security: all that it says can "
-          "be read and forged by whoever reaches this network");
-    });
+  report_security(participant_->security());
   declare_use_sim_time();
   for (const auto& [from, to] : options.remappings) (void)resolve(from.c_str());
   participant_->graph().add_node(name);

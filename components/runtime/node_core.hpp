@@ -53,6 +53,8 @@ class NodeCore {
 
   [[nodiscard]] PeerWatch& peers() { return peers_; }
   [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
+  /// Whether an endpoint is of this process.
+  [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
 
   /// Keeps `part` until no callback is running: a callback may close what called it.
   void retire(std::shared_ptr<void> part);

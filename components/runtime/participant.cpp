@@ -16,7 +16,9 @@
 #include "runtime/guarded_transport.hpp"
 #include "runtime/log.hpp"
 #include "runtime/names.hpp"
+#include "runtime/security_fault.hpp"
 #include "runtime/thread_limit.hpp"
+#include "runtime/wire_guard.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -123,20 +125,30 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   guard_transports(qos, environment);
 }
 
-fdds::DomainParticipantQos participant_qos(const Environment& environment) {
+// In the place of what a profile says of security.
+void secure(fdds::DomainParticipantQos& qos, const Security& security) {
+  if (!security.on()) return;
+  auto& properties = qos.properties().properties();
+  std::erase_if(properties, [](const auto& known) { return known.name().starts_with("dds.sec."); });
+  for (const auto& [name, value] : security.properties) properties.emplace_back(name, value);
+}
+
+fdds::DomainParticipantQos participant_qos(const Environment& environment,
+                                           const Security& security) {
   fdds::DomainParticipantQos qos;
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   factory->load_profiles();
   factory->get_default_participant_qos(qos);
-  qos.name("/");
-  const std::string enclave = "enclave=/;";
-  qos.user_data().data_vec({enclave.begin(), enclave.end()});
+  qos.name(enclave());
+  const std::string user_data = "enclave=" + enclave() + ";";
+  qos.user_data().data_vec({user_data.begin(), user_data.end()});
   qos.wire_protocol().builtin.readerHistoryMemoryPolicy =
       rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.wire_protocol().builtin.writerHistoryMemoryPolicy =
       rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   set_transport(qos, environment);
   set_peers(qos, environment);
+  secure(qos, security);
   return qos;
 }
 
@@ -144,6 +156,13 @@ template <class Entity>
 Entity* created(Entity* entity, const std::string& what) {
   if (entity == nullptr) throw std::runtime_error("DDS refuses to create " + what);
   return entity;
+}
+
+// Why there is no participant; DDS itself says little of what is wrong with an enclave.
+std::string refusal(const Security& security, const DdsErrors& errors) {
+  if (!security.on()) return ": " + errors.first();
+  const std::string fault = security_fault(security.folder);
+  return " secured by " + security.folder + ": " + (fault.empty() ? errors.first() : fault);
 }
 
 }  // namespace
@@ -167,14 +186,16 @@ std::shared_ptr<Participant> Participant::shared() {
   static std::weak_ptr<Participant> current;
   const std::lock_guard lock{mutex};
   if (auto participant = current.lock()) return participant;
-  std::shared_ptr<Participant> participant{new Participant{read_environment(), true}};
+  const Environment environment = read_environment();
+  const Security security = find_security(environment.security, enclave());
+  std::shared_ptr<Participant> participant{new Participant{environment, security, true}};
   current = participant;
   return participant;
 }
 
 // The first alone listens: to it the second is a stranger like all others.
-Participant::Participant(const Environment& environment, bool is_first)
-    : environment_{environment} {
+Participant::Participant(const Environment& environment, const Security& security, bool is_first)
+    : environment_{environment}, security_{security} {
   redirect_dds_log();
   check_dds_settings();
   require_threads(kParticipantThreads);
@@ -183,10 +204,14 @@ Participant::Participant(const Environment& environment, bool is_first)
         "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used, and what arrives by "
         "them is not checked: a malformed packet can end this process");
   auto* factory = fdds::DomainParticipantFactory::get_instance();
-  dds_ = created(factory->create_participant(
-                     static_cast<uint32_t>(environment.domain), participant_qos(environment),
-                     is_first ? &discovery_ : nullptr, fdds::StatusMask::none()),
-                 "a participant in domain " + std::to_string(environment.domain));
+  WireGuard::shared().expect_protection(security.protects_all);
+  const DdsErrors errors;
+  dds_ = factory->create_participant(static_cast<uint32_t>(environment.domain),
+                                     participant_qos(environment, security),
+                                     is_first ? &discovery_ : nullptr, fdds::StatusMask::none());
+  if (dds_ == nullptr)
+    throw std::runtime_error("DDS refuses to create a participant in domain " +
+                             std::to_string(environment.domain) + refusal(security, errors));
   publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
   subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
   graph_ = std::make_unique<Graph>(*this, is_first ? Graph::Nodes::kOwn : Graph::Nodes::kHidden);
@@ -194,8 +219,14 @@ Participant::Participant(const Environment& environment, bool is_first)
 
 Participant& Participant::second() {
   const std::lock_guard lock{mutex_};
-  if (!second_) second_.reset(new Participant{environment_, false});
+  if (!second_) second_.reset(new Participant{environment_, security_, false});
   return *second_;
+}
+
+bool Participant::is_own(const rtps::GUID_t& guid) {
+  const std::lock_guard lock{mutex_};
+  return guid.guidPrefix == dds_->guid().guidPrefix ||
+         (second_ && guid.guidPrefix == second_->dds_->guid().guidPrefix);
 }
 
 // The second goes after all endpoints of the first: what removes one of these is told to the second

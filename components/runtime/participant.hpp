@@ -53,11 +53,13 @@ class Participant {
   [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// Whether the ROS 2 around is Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
-  [[nodiscard]] bool goes_unsecured() const { return environment_.unsecured; }
+  [[nodiscard]] const Security& security() const { return security_; }
+  /// Whether it is a participant of this process.
+  [[nodiscard]] bool is_own(const rtps::GUID_t& guid);
 
  private:
   friend class SharedTopic;
-  Participant(const Environment& environment, bool is_first);
+  Participant(const Environment& environment, const Security& security, bool is_first);
   [[nodiscard]] Participant& second();
   // Null if the name is in use with another type.
   fdds::Topic* acquire_topic(const std::string& dds_name, const std::string& dds_type);
@@ -71,6 +73,7 @@ class Participant {
   };
 
   Environment environment_;
+  Security security_;
   Discovery discovery_;
   fdds::DomainParticipant* dds_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;

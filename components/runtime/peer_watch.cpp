@@ -8,8 +8,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr double kPeriod = 0.1;    // [s] between looks for who came and went
-constexpr double kSettling = 1.0;  // [s] in which a peer may open what fits after all
+constexpr double kPeriod = 0.1;  // [s] between looks for who came and went
 
 std::string counted(const std::vector<Misfit>& misfits, bool peer_writes) {
   std::string text;
@@ -100,7 +99,7 @@ void PeerWatch::judge(const std::vector<KnownEndpoint>& known, double now) {
   });
   for (const auto& peer : known) {
     if (judged_.contains(peer.guid)) continue;
-    if (now - peer.since < kSettling)
+    if (now - peer.since < settling_)
       settled_ = false;
     else
       judge(peer, known);

@@ -19,7 +19,9 @@ namespace tandem::runtime {
 /// publisher of a type. On the node's thread.
 class PeerWatch {
  public:
-  PeerWatch(const Discovery& discovery, Logger& log) : discovery_{discovery}, log_{log} {}
+  /// `settling`: [s] in which a peer may open what fits after all.
+  PeerWatch(const Discovery& discovery, Logger& log, double settling)
+      : discovery_{discovery}, log_{log}, settling_{settling} {}
 
   void add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void remove(const rtps::GUID_t& guid);
@@ -60,6 +62,7 @@ class PeerWatch {
 
   const Discovery& discovery_;
   Logger& log_;
+  double settling_;  // [s]
   std::vector<Own> own_;
   std::vector<std::weak_ptr<Wish>> wishes_;
   std::set<rtps::GUID_t> judged_;

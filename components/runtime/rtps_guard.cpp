@@ -43,6 +43,7 @@ enum Parameter : std::uint16_t {
   kEndpointGuid = 0x5a,
   kEntityName = 0x62,
   kKeyHash = 0x70,
+  kStatusInfo = 0x71,
   kDataRepresentation = 0x73,
   kIdentityToken = 0x1001,
   kPermissionsToken = 0x1002,
@@ -78,10 +79,14 @@ bool is_list_of_strings(Span value, bool little, std::size_t parts) {
 }
 
 // A token of DDS Security: its class, text properties, binary properties.
-bool is_data_holder(Span value, bool little) {
-  std::size_t at = 0;
+bool skip_data_holder(Span value, bool little, std::size_t& at) {
   return skip_string(value, little, at) && skip_list(value, little, 2, at) &&
          skip_list(value, little, 2, at);
+}
+
+bool is_data_holder(Span value, bool little) {
+  std::size_t at = 0;
+  return skip_data_holder(value, little, at);
 }
 
 bool is_one_string(Span value, bool little) {
@@ -175,8 +180,37 @@ Drop check_announcement(Span payload) {
   return whole ? Drop::kNone : Drop::kDiscovery;
 }
 
+bool authenticates(std::uint32_t writer, std::uint32_t reader) {
+  return writer == kStatelessWriter || reader == kStatelessReader;
+}
+
+// Of authentication, or of keys: these are protected, but Fast DDS also reads unprotected ones.
+bool is_of_security(std::uint32_t writer, std::uint32_t reader) {
+  return authenticates(writer, reader) || writer == kVolatileSecureWriter ||
+         reader == kVolatileSecureReader;
+}
+
+// A ParticipantGenericMessage: two identities, three GUIDs, its class, tokens. Fast DDS 2.9.1 makes
+// room for as many tokens as it says (CVE-2025-62603).
+Drop check_security_message(Span payload) {
+  constexpr std::size_t kEncapsulation = 4, kFixed = 96, kLeastHolder = 12;
+  if (payload.size() < kEncapsulation + kFixed || payload[0] != 0 || payload[1] > 1)
+    return Drop::kSecurity;
+  const bool little = payload[1] == 1;
+  const Span message = payload.subspan(kEncapsulation);
+  std::size_t at = kFixed;
+  if (!skip_string(message, little, at) || message.size() - at < 4) return Drop::kSecurity;
+  const std::size_t count = u32(message.data() + at, little);
+  at += 4;
+  if (count > (message.size() - at) / kLeastHolder) return Drop::kSecurity;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!skip_data_holder(message, little, at)) return Drop::kSecurity;
+  return Drop::kNone;
+}
+
 Drop check_payload(std::uint32_t writer, std::uint32_t reader, Span payload) {
   if (announces(writer, reader)) return check_announcement(payload);
+  if (is_of_security(writer, reader)) return check_security_message(payload);
   const bool of_liveliness = writer == kLivelinessWriter || reader == kLivelinessReader;
   if (of_liveliness && payload.size() < kLivelinessSize) return Drop::kDiscovery;
   return Drop::kNone;
@@ -234,6 +268,7 @@ Drop check_data_frag(const Submessage& data, const GuardLimits& limits) {
   if (begin == 0) return Drop::kInlineQos;
   const Fragments fragments{data.u32(20), data.u16(24), data.u16(26), data.u32(28)};
   if (!fragments.fit() || data.body.size() - begin < fragments.bytes()) return Drop::kFragment;
+  if (is_of_security(data.entity(8), data.entity(4))) return Drop::kSecurity;
   const bool announced = announces(data.entity(8), data.entity(4));
   const auto limit = announced ? limits.discovery_size : limits.sample_size;
   return fragments.sample_size > limit ? Drop::kSampleSize : Drop::kNone;
@@ -296,6 +331,48 @@ Drop check_statistics(const Submessage& statistics) {
   return as_written ? Drop::kNone : Drop::kStatistics;
 }
 
+// Whether a domain that protects every datagram has it unprotected. An encrypted submessage is of
+// the exchange of keys, or cannot be decrypted.
+bool may_be_unprotected(const Submessage& submessage) {
+  switch (submessage.id) {
+    case kData: {
+      const std::uint32_t writer = submessage.entity(8), reader = submessage.entity(4);
+      if (writer == kSpdpWriter) return reader == kSpdpReader || reader == kUnknownReader;
+      return writer == kStatelessWriter && (reader == kStatelessReader || reader == kUnknownReader);
+    }
+    case kDataFrag:
+    case kAckNack:
+    case kHeartbeat:
+    case kGap:
+    case kNackFrag:
+    case kHeartbeatFrag:
+      return false;
+    default:
+      return true;
+  }
+}
+
+// Whether it announces that a participant has left: by its key alone, or by its status.
+bool says_goodbye(const Submessage& submessage) {
+  constexpr std::uint8_t kInlineQos = 2, kHasData = 4, kGone = 3;  // disposed, unregistered
+  if (submessage.id != kData || submessage.entity(8) != kSpdpWriter) return false;
+  if ((submessage.flags & kHasData) == 0) return true;
+  if ((submessage.flags & kInlineQos) == 0) return false;
+  bool gone = false;
+  const auto look = [&gone](std::uint16_t id, Span value, bool) {
+    gone = gone || (id == kStatusInfo && value.size() >= 4 && (value[3] & kGone) != 0);
+    return true;
+  };
+  (void)list_size(submessage.body.subspan(std::size_t{4} + submessage.u16(2)), submessage.little(),
+                  look);
+  return gone;
+}
+
+Drop check_exposed(const Submessage& submessage) {
+  if (!may_be_unprotected(submessage)) return Drop::kUnsecured;
+  return says_goodbye(submessage) ? Drop::kGoodbye : Drop::kNone;
+}
+
 Drop check(const Submessage& submessage, bool of_eprosima, const GuardLimits& limits) {
   switch (submessage.id) {
     case kData:
@@ -356,6 +433,12 @@ const char* name(Drop drop) {
       return "too many announcements";
     case Drop::kSequence:
       return "sequence number";
+    case Drop::kSecurity:
+      return "security message";
+    case Drop::kUnsecured:
+      return "unsecured";
+    case Drop::kGoodbye:
+      return "goodbye";
   }
   return "";
 }
@@ -363,12 +446,26 @@ const char* name(Drop drop) {
 Drop check_datagram(std::span<const std::uint8_t> datagram, const GuardLimits& limits) {
   if (!has_header(datagram)) return Drop::kHeader;
   const bool of_eprosima = datagram[6] == 0x01 && datagram[7] == 0x0f;
+  const bool exposed = limits.all_protected && !is_protected(datagram);
   Submessage submessage;
   for (Submessages all{datagram}; !all.at_end();) {
     if (!all.next(submessage)) return Drop::kSubmessage;
     if (const Drop drop = check(submessage, of_eprosima, limits); drop != Drop::kNone) return drop;
+    if (!exposed) continue;
+    if (const Drop drop = check_exposed(submessage); drop != Drop::kNone) return drop;
   }
   return Drop::kNone;
+}
+
+bool announces_participant(std::span<const std::uint8_t> datagram) {
+  Submessage submessage;
+  for (Submessages all{datagram}; !all.at_end() && all.next(submessage);)
+    if (submessage.id == kData && submessage.entity(8) == kSpdpWriter) return true;
+  return false;
+}
+
+bool is_protected(std::span<const std::uint8_t> datagram) {
+  return datagram.size() > kHeaderSize && datagram[kHeaderSize] == kSecureRtpsPrefix;
 }
 
 }  // namespace tandem::runtime

@@ -28,7 +28,9 @@ enum Id : std::uint8_t {
   kHeartbeatFrag = 0x13,
   kData = 0x15,
   kDataFrag = 0x16,
-  kStatistics = 0x80,  // of eProsima
+  kSecurePrefix = 0x31,      // of an encrypted or signed submessage
+  kSecureRtpsPrefix = 0x33,  // of a signed or encrypted datagram
+  kStatistics = 0x80,        // of eProsima
 };
 
 /// Well-known entities, as big-endian numbers.
@@ -42,6 +44,10 @@ enum Entity : std::uint32_t {
   kSedpSubscriptionsReader = 0x000004c7,
   kLivelinessWriter = 0x000200c2,
   kLivelinessReader = 0x000200c7,
+  kStatelessWriter = 0x000201c3,  // authentication, unprotected
+  kStatelessReader = 0x000201c4,
+  kVolatileSecureWriter = 0xff0202c3,  // exchange of keys, protected
+  kVolatileSecureReader = 0xff0202c4,
 };
 
 /// Span in the order a submessage names; nothing here looks at the bounds.

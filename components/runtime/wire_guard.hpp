@@ -28,6 +28,9 @@ class WireGuard {
   static constexpr std::size_t kMostSources = 64;  ///< that are counted apart
 
   explicit WireGuard(const GuardLimits& limits) : limits_{limits} {}
+
+  /// Whether the domain's governance protects every datagram: GuardLimits::all_protected.
+  void expect_protection(bool of_all) { all_protected_ = of_all; }
   /// The guard of this process, with the limits of its environment.
   static WireGuard& shared();
 
@@ -56,7 +59,8 @@ class WireGuard {
  private:
   void count(Drop drop, std::uint32_t source, int times = 1);
 
-  GuardLimits limits_;
+  const GuardLimits limits_;
+  std::atomic<bool> all_protected_ = false;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
   std::atomic<const void*> reporter_ = nullptr;
   Reported reported_;       // the reporter's

@@ -49,6 +49,21 @@ TEST(SingleSource, TwistAndTwistStampedOfOneProcessAreOneSource) {
   EXPECT_FALSE(source.on_command(writer(2, 1, 3), kTwistStamped, 0.2));
 }
 
+// Under DDS Security the bytes that name the process are a hash.
+TEST(SingleSource, TwistAndTwistStampedOfOneEnclaveAreOneSource) {
+  const auto secured = [](std::uint8_t enclave, std::uint8_t participant) {
+    SingleSource::Writer id = writer(participant, participant, 3);
+    id[0] = 0x80;
+    id[5] = enclave;
+    return id;
+  };
+  SingleSource source{kTimeout};
+  EXPECT_TRUE(source.on_command(secured(1, 1), kTwist, 0.0));
+  EXPECT_TRUE(source.on_command(secured(1, 2), kTwistStamped, 0.01));
+  EXPECT_FALSE(source.on_command(secured(1, 3), kTwist, 0.02));
+  EXPECT_FALSE(source.on_command(secured(2, 4), kTwistStamped, 0.03));
+}
+
 TEST(SingleSource, AWriterThatIsSilentForTheTimeoutIsNone) {
   SingleSource source{kTimeout};
   EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.0));

@@ -184,6 +184,15 @@ class HashListener final : public rt::fdds::DomainParticipantListener {
   std::map<std::string, std::string> seen_;
 };
 
+TEST(EnclaveOnTheWire, IsWhereRos2LooksForIt) {
+  rt::set_enclave("/a/b");
+  const auto qos = rt::Participant::shared()->dds().get_qos();
+  rt::set_enclave("/");
+  const auto& data = qos.user_data();
+  EXPECT_EQ((std::string{data.begin(), data.end()}), "enclave=/a/b;");
+  EXPECT_EQ(qos.name().to_string(), "/a/b");
+}
+
 class TypeHashOnTheWire : public GraphTest {
  protected:
   // What is said of the topic's type; waits for its discovery.

@@ -11,6 +11,7 @@
 #include "support/child_process.hpp"
 #include "support/memory_of.hpp"
 #include "support/private_domain.hpp"
+#include "support/secured_domain.hpp"
 #include "support/spin_until.hpp"
 
 namespace tandem {
@@ -22,7 +23,14 @@ constexpr double kTimeout = 30.0;                      // [s]
 constexpr double kMostKept = test::most_memory(20.0);  // [MB]
 constexpr std::size_t kMega = 1'000'000;
 
-class HostileMemory : public testing::Test {
+struct Open {};
+struct Secured {
+  test::SecuredDomain domain;
+  test::Variables enclave{{{"ROS_SECURITY_ENCLAVE_OVERRIDE", "/watcher"}}};
+};
+
+template <class Where>
+class MemoryIn : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(test::spin_until([&] { return pong_.matched() == 1; }, kTimeout, node_));
@@ -57,6 +65,7 @@ class HostileMemory : public testing::Test {
   [[nodiscard]] double peak() const { return test::memory_of(peer_.pid(), "VmHWM"); }
 
  private:
+  Where where_;
   test::ChildProcess peer_{"peer", {"listen"}};
   rt::Node node_{"stranger"};
   int answers_ = 0;
@@ -65,12 +74,26 @@ class HostileMemory : public testing::Test {
                                 [this](const auto&) { ++answers_; });
 };
 
+class HostileMemory : public MemoryIn<Open> {};
+class SecuredMemory : public MemoryIn<Secured> {};
+
 TEST_F(HostileMemory, OfThreeSamplesOf60MegabytesOnOdomIsNotKept) {
   attack<nav_msgs::msg::Odometry>("rt/odom", Bytes(60 * kMega, 1), 3);
   EXPECT_LT(peak(), test::most_memory(100.0));
 }
 
 TEST_F(HostileMemory, OfTwoSamplesOf300MegabytesOnJoyIsNotKept) {
+  attack<sensor_msgs::msg::Joy>("rt/joy", Bytes(300 * kMega, 1), 2);
+  EXPECT_LT(peak(), test::most_memory(100.0));
+}
+
+// The guard cannot read how large an encrypted sample is; the reader's history can.
+TEST_F(SecuredMemory, OfThreeSamplesOf60MegabytesOnOdomIsNotKept) {
+  attack<nav_msgs::msg::Odometry>("rt/odom", Bytes(60 * kMega, 1), 3);
+  EXPECT_LT(peak(), test::most_memory(100.0));
+}
+
+TEST_F(SecuredMemory, OfTwoSamplesOf300MegabytesOnJoyIsNotKept) {
   attack<sensor_msgs::msg::Joy>("rt/joy", Bytes(300 * kMega, 1), 2);
   EXPECT_LT(peak(), test::most_memory(100.0));
 }

@@ -3,7 +3,9 @@
 // `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer.
 // `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on /pong.
 // `peer join`: ends with 0 as soon as it has heard three messages of /odom.
-// `peer throw`: a callback throws. Ends with 0 on SIGTERM.
+// `peer probe`: for 2 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy;
+// ends with 3 if it heard anything or anybody heard it. `peer throw`: a callback throws. Ends with
+// 0 on SIGTERM.
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -48,6 +50,30 @@ void join() {
   node.spin();
 }
 
+int probe() {
+  rt::Node node{"probe"};
+  int heard = 0, beats = 0;
+  bool matched = false;
+  const auto count = [&](const auto&) { ++heard; };
+  const auto cmd_vel = node.create_subscription(rt::Topic<Twist>{"cmd_vel"}, count);
+  const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"odom"}, count);
+  const auto joy = node.create_publisher(rt::Topic<sensor_msgs::msg::Joy>{"joy"});
+  const auto drive = node.create_publisher(rt::Topic<Twist>{"cmd_vel"});
+  const auto beat = node.create_wall_timer(0.02, [&] {
+    Twist backwards;
+    backwards.linear().x(-0.77);
+    drive.publish(backwards);
+    sensor_msgs::msg::Joy stick;
+    stick.axes({0.0F, -1.0F});
+    stick.buttons({1, 0});
+    joy.publish(stick);
+    matched = matched || drive.matched() > 1 || joy.matched() > 0;  // its own hears it
+    if (++beats == 100) node.stop();
+  });
+  node.spin();
+  return heard > beats || matched ? 3 : 0;  // its own commands come back
+}
+
 void trigger() {
   rt::Node node{"server"};
   const auto service = node.create_service(rt::ServiceName<Trigger>{"trigger"},
@@ -83,6 +109,7 @@ int main(int argc, char** argv) try {
   const std::string mode = argc > 1 ? argv[1] : "";
   if (mode == "echo") echo();
   if (mode == "join") join();
+  if (mode == "probe") return probe();
   if (mode == "listen") listen();
   if (mode == "trigger") trigger();
   if (mode == "ask") ask();

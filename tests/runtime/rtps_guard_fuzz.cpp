@@ -14,7 +14,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static double now = 0.0;
   std::vector<std::uint8_t> datagram(data, data + size);
   progress.sent(datagram);
+  (void)check_datagram(datagram, {.all_protected = true});
   if (check_datagram(datagram, {}) != Drop::kNone) return 0;
+  (void)announces_participant(datagram);
   (void)progress.narrow(datagram);
   (void)announcements.thin(datagram, now += 0.001);
   if (check_datagram(datagram, {}) != Drop::kNone) std::abort();

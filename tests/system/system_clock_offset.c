@@ -31,6 +31,13 @@ int clock_gettime(clockid_t id, struct timespec* time) {
   return 0;
 }
 
+time_t time(time_t* where) {
+  struct timespec now;
+  clock_gettime(CLOCK_REALTIME, &now);
+  if (where) *where = now.tv_sec;
+  return now.tv_sec;
+}
+
 int gettimeofday(struct timeval* restrict time, void* restrict zone) {
   (void)zone;
   struct timespec now;
