@@ -83,6 +83,7 @@ void DashboardNode::tick() {
   }
   serve(Lane::kJoined);
   serve_for(kUsual, Lane::kUsual);
+  topics_.listen_to_next();
   tell_seat();
 }
 

@@ -105,11 +105,7 @@ std::string TopicRelay::subscribe(ClientId client, const foxglove::Subscribe::On
   if (std::any_of(channels.begin(), channels.end(),
                   [&](const auto& entry) { return entry.second == wanted.channel; }))
     return "channel " + std::to_string(wanted.channel) + " is subscribed to already";
-  if (!relayed->listening) try {
-      listen(*relayed);
-    } catch (const std::exception& error) {  // others' names and types may be anything
-      return error.what();
-    }
+  if (!relayed->listening) web_.charge(client, kCallCost);
   channels[wanted.subscription] = wanted.channel;
   relayed->listeners.push_back({client, wanted.subscription});
   for (const auto& [sender, last] : relayed->last) {
@@ -130,6 +126,23 @@ void TopicRelay::unsubscribe(ClientId client, std::uint32_t subscription) {
   if (Relayed* relayed = find(channel->second))
     std::erase_if(relayed->listeners, [&](const Listener& l) { return l.client == client; });
   channels.erase(channel);
+}
+
+// One in a beat: a reader costs a millisecond here and a little in every other process.
+void TopicRelay::listen_to_next() {
+  const auto wanted = std::find_if(relayed_.begin(), relayed_.end(), [](const auto& entry) {
+    return !entry.second.listening && !entry.second.listeners.empty();
+  });
+  if (wanted == relayed_.end()) return;
+  Relayed& relayed = wanted->second;
+  try {
+    listen(relayed);
+  } catch (const std::exception& error) {  // others' names and types may be anything
+    for (const auto& [client, subscription] : std::exchange(relayed.listeners, {})) {
+      channels_[client].erase(subscription);
+      web_.answer(client, {true, foxglove::status(foxglove::Level::kError, error.what())});
+    }
+  }
 }
 
 // Throws what the runtime does for names and types that are none.
@@ -161,15 +174,18 @@ void TopicRelay::send(const Listener& to, const Body& body) {
 }
 
 // Not at once: a client that comes and goes does not make the domain discover a reader each time.
+// And one in a look: to destroy a reader takes time.
 void TopicRelay::rest() {
   const double now = node_.steady_now();
+  bool rested = false;
   for (auto& [key, relayed] : relayed_) {
     if (!relayed.listeners.empty() || relayed.publishers.empty() || !relayed.listening) {
       relayed.unused_since = now;
-    } else if (now - relayed.unused_since > kRest) {
+    } else if (!rested && now - relayed.unused_since > kRest) {
       relayed.subscription = {};
       relayed.listening = false;
       relayed.last.clear();
+      rested = true;
     }
   }
 }

@@ -32,6 +32,8 @@ class TopicRelay {
   /// One subscription for each channel and client, as other servers of the protocol have it.
   void subscribe(ClientId client, const foxglove::Subscribe& request);
   void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
+  /// Begins to listen to one of the topics that somebody wants.
+  void listen_to_next();
 
   /// Sends a message of an own channel, to a client who listens to it.
   void tell(ClientId client, std::uint32_t channel, const std::string& payload);
