@@ -102,10 +102,10 @@ std::string TopicRelay::subscribe(ClientId client, const foxglove::Subscribe::On
     return "subscription " + std::to_string(wanted.subscription) + " is in use";
   if (channels.size() >= kMaxSubscriptions)
     return "no more than " + std::to_string(kMaxSubscriptions) + " subscriptions";
-  if (std::any_of(channels.begin(), channels.end(),
-                  [&](const auto& entry) { return entry.second == wanted.channel; }))
-    return "channel " + std::to_string(wanted.channel) + " is subscribed to already";
-  if (!relayed->listening) web_.charge(client, kCallCost);
+  if (std::count_if(channels.begin(), channels.end(),
+                    [&](const auto& entry) { return entry.second == wanted.channel; }) >= kMaxOfOne)
+    return "no more than " + std::to_string(kMaxOfOne) + " subscriptions of one channel";
+  if (!relayed->listening) web_.charge(client, kReaderCost);
   channels[wanted.subscription] = wanted.channel;
   relayed->listeners.push_back({client, wanted.subscription});
   for (const auto& [sender, last] : relayed->last) {
@@ -124,7 +124,9 @@ void TopicRelay::unsubscribe(ClientId client, std::uint32_t subscription) {
   const auto channel = channels.find(subscription);
   if (channel == channels.end()) return;
   if (Relayed* relayed = find(channel->second))
-    std::erase_if(relayed->listeners, [&](const Listener& l) { return l.client == client; });
+    std::erase_if(relayed->listeners, [&](const Listener& l) {
+      return l.client == client && l.subscription == subscription;
+    });
   channels.erase(channel);
 }
 

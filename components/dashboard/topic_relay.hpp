@@ -20,6 +20,7 @@ namespace tandem {
 class TopicRelay {
  public:
   static constexpr std::size_t kMaxSubscriptions = 500;  // of one client, and of one request
+  static constexpr int kMaxOfOne = 4;   // subscriptions of one client to one channel
   static constexpr double kRest = 5.0;  // [s] until a topic that nobody wants is not listened to
 
   /// `own`: channels that are no topics and that tell() fills; their ids are the first ones.
@@ -29,7 +30,8 @@ class TopicRelay {
   void look(const std::set<ClientId>& clients);
   void greet(ClientId client);
   void forget(ClientId client);
-  /// One subscription for each channel and client, as other servers of the protocol have it.
+  /// A client may have several subscriptions of one channel: parts of a page do not know each
+  /// other.
   void subscribe(ClientId client, const foxglove::Subscribe& request);
   void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
   /// Begins to listen to one of the topics that somebody wants.

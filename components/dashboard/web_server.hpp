@@ -54,6 +54,7 @@ struct WebServerParams {
   }
 };
 
+inline constexpr double kReaderCost = 0.002;   // [s] that a new reader costs here and there
 inline constexpr double kCallCost = 0.005;     // [s] that a service call costs other nodes
 inline constexpr double kCostPerByte = 20e-9;  // [s] of an answer
 
