@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dashboard/dashboard_node.hpp"
 
+#include <ctime>
 #include <iostream>
 #include <span>
 #include <variant>
 
+#include "dashboard/own_channels.hpp"
 #include "dashboard/page_files.hpp"
 #include "dashboard/user_test.hpp"
 #include "runtime/component.hpp"
@@ -12,28 +14,12 @@
 namespace tandem {
 namespace {
 
-constexpr std::uint32_t kSeatChannel = 1, kTrialChannel = 2;
-
 template <class... Fs>
 struct Overloaded : Fs... {
   using Fs::operator()...;
 };
 template <class... Fs>
 Overloaded(Fs...) -> Overloaded<Fs...>;
-
-foxglove::Channel seat_channel(const rt::Node& node) {
-  constexpr const char* kSchema =
-      R"({"type":"object","properties":{"driver":{"type":"string"},"clients":{"type":"integer"}}})";
-  return {kSeatChannel, node.fully_qualified_name() + "/seat", "json", "tandem.Seat", kSchema,
-          "jsonschema"};
-}
-
-foxglove::Channel trial_channel(const rt::Node& node) {
-  constexpr const char* kSchema =
-      R"({"type":"object","properties":{"id":{"type":"integer"},"time":{"type":"number"},"collisions":{"type":"integer"},"trial":{"type":"object"}}})";
-  return {kTrialChannel, node.fully_qualified_name() + "/trial", "json", "tandem.Trial", kSchema,
-          "jsonschema"};
-}
 
 std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -46,26 +32,17 @@ std::string printable(std::string text) {
   return text;
 }
 
+// [s] of this thread alone.
+double processor_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 foxglove::Request parse(const WebEvent& event) {
   if (event.kind == WebEvent::Kind::kText) return foxglove::parse_text(event.bytes);
   return foxglove::parse_binary(
       {reinterpret_cast<const std::uint8_t*>(event.bytes.data()), event.bytes.size()});
-}
-
-const char* text(PublishRelay::Outcome outcome) {
-  switch (outcome) {
-    case PublishRelay::Outcome::kPublished:
-      return "published";
-    case PublishRelay::Outcome::kNoChannel:
-      return "a message on a channel that was not advertised";
-    case PublishRelay::Outcome::kOtherDrives:
-      return "someone else is driving";
-    case PublishRelay::Outcome::kMalformed:
-      return "a message that is none of its type";
-    case PublishRelay::Outcome::kOld:
-      return "a stick from the past: the connection stalls, or the clocks differ";
-  }
-  return "?";
 }
 
 }  // namespace
@@ -75,7 +52,10 @@ DashboardNode::DashboardNode(rt::Node& node)
       params_{node.declare_parameters<DashboardParams>()},
       web_{params_->web, foxglove::kSubprotocol, page_files(),
            [&node](const std::string& line) { node.log().warn_every(1.0, "{}", printable(line)); }},
-      topics_{node, web_, {seat_channel(node), trial_channel(node)}},
+      topics_{
+          node,
+          web_,
+          {seat_channel(node.fully_qualified_name()), trial_channel(node.fully_qualified_name())}},
       services_{node, web_, node.fully_qualified_name() + "/take_wheel",
                 [this](ClientId client) { return take_wheel(client); }},
       parameters_{node, web_},
@@ -101,14 +81,38 @@ DashboardNode::DashboardNode(rt::Node& node)
     std::cerr << "    Open it with its token: " << web_.url() << "?token=" << token << std::endl;
 }
 
-// What one client asks for may not end the process, in which the planner and the filter may be too.
+// Each lane has its own share of the beat; one event may overdraw it.
 void DashboardNode::tick() {
-  for (const auto& event : web_.take()) try {
-      on_event(event);
-    } catch (const std::exception& error) {
-      complain(event.client, error.what());
-    }
+  parameters_.begin_beat();
+  for (int i = 0; i < kMostUrgent && serve(Lane::kUrgent); ++i) {
+  }
+  serve_for(kLastWords, Lane::kLastWords);
+  while (serve(Lane::kLeft)) {
+  }
+  serve(Lane::kJoined);
+  serve_for(kUsual, Lane::kUsual);
+  topics_.listen_to_next();
   tell_seat();
+}
+
+void DashboardNode::serve_for(double time, Lane lane) {
+  const double end = node_.steady_now() + time;
+  while (serve(lane) && node_.steady_now() < end) {
+  }
+}
+
+// What one client asks for may not end the process, in which the planner and the filter may be too.
+bool DashboardNode::serve(Lane lane) {
+  const auto event = web_.next(lane);
+  if (!event) return false;
+  const double begin = processor_time();
+  try {
+    on_event(*event);
+  } catch (const std::exception& error) {
+    complain(event->client, error.what());
+  }
+  web_.charge(event->client, processor_time() - begin);
+  return true;
 }
 
 void DashboardNode::look() {
@@ -125,11 +129,11 @@ void DashboardNode::on_event(const WebEvent& event) {
   std::visit(Overloaded{
                  [&](const foxglove::Subscribe& r) { topics_.subscribe(client, r); },
                  [&](const foxglove::Unsubscribe& r) { topics_.unsubscribe(client, r); },
-                 [&](const foxglove::Advertise& r) {
-                   for (const auto& complaint : publish_.advertise(client, r))
-                     complain(client, complaint);
+                 [&](const foxglove::Advertise& r) { on_advertise(client, r); },
+                 [&](const foxglove::Unadvertise& r) {
+                   publish_.unadvertise(client, r);
+                   web_.set_urgent(client, publish_.urgent_prefixes(client));
                  },
-                 [&](const foxglove::Unadvertise& r) { publish_.unadvertise(client, r); },
                  [&](const foxglove::Message& r) { on_message(client, r); },
                  [&](const foxglove::ServiceCall& r) { on_call(client, r); },
                  [&](const foxglove::GetParameters& r) { parameters_.get(client, r); },
@@ -172,6 +176,12 @@ void DashboardNode::on_leave(ClientId client) {
   node_.log().info("web client {} is gone ({} left)", client, clients_.size());
 }
 
+void DashboardNode::on_advertise(ClientId client, const foxglove::Advertise& request) {
+  const auto complaint = publish_.advertise(client, request);
+  web_.set_urgent(client, publish_.urgent_prefixes(client));
+  if (!complaint.empty()) complain(client, complaint);
+}
+
 void DashboardNode::on_message(ClientId client, const foxglove::Message& message) {
   const double now = node_.steady_now();
   const auto outcome = publish_.publish(client, message, [&] { return seat_.drive(client, now); });
@@ -181,7 +191,7 @@ void DashboardNode::on_message(ClientId client, const foxglove::Message& message
       last != refused_.end() && now - last->second < kPeriod)
     return;
   refused_[client] = now;
-  complain(client, text(outcome));
+  complain(client, PublishRelay::text(outcome));
 }
 
 void DashboardNode::on_call(ClientId client, const foxglove::ServiceCall& call) {
@@ -286,7 +296,7 @@ void DashboardNode::tell_seat() {
 
 void DashboardNode::complain(ClientId client, const std::string& what) {
   node_.log().warn_every(1.0, "web client {}: {}", client, printable(what));
-  web_.send(client, {true, foxglove::status(foxglove::Level::kWarning, what)});
+  web_.answer(client, {true, foxglove::status(foxglove::Level::kWarning, what)});
 }
 
 }  // namespace tandem

@@ -45,21 +45,27 @@ struct DashboardParams {
 /// The emergency stop is everybody's.
 class DashboardNode {
  public:
-  static constexpr double kTick = 0.005;       // [s] between looks at what clients say
-  static constexpr double kLook = 0.5;         // [s] between looks at the domain
-  static constexpr double kTimePeriod = 0.05;  // [s]
-  static constexpr double kSavePeriod = 1.0;   // [s] at least between two user tests
-  static constexpr double kTrialPeriod = 0.3;  // [s] at least between the beginnings of two trials
+  static constexpr double kTick = 0.005;        // [s] between looks at what clients say
+  static constexpr double kUsual = 0.0015;      // [s] of a tick for what clients ask for
+  static constexpr double kLastWords = 0.0005;  // [s] of a tick for what those asked who have left
+  static constexpr int kMostUrgent = 64;        // presses of the emergency stop in a tick
+  static constexpr double kLook = 0.5;          // [s] between looks at the domain
+  static constexpr double kTimePeriod = 0.05;   // [s]
+  static constexpr double kSavePeriod = 1.0;    // [s] at least between two user tests
+  static constexpr double kTrialPeriod = 0.3;   // [s] at least between the beginnings of two trials
 
   explicit DashboardNode(rt::Node& node);
 
  private:
   void tick();
   void look();
+  bool serve(Lane lane);
+  void serve_for(double time, Lane lane);
   void on_event(const WebEvent& event);
   void on_join(ClientId client);
   void on_leave(ClientId client);
   void tell_time(ClientId client);
+  void on_advertise(ClientId client, const foxglove::Advertise& request);
   void on_message(ClientId client, const foxglove::Message& message);
   void on_call(ClientId client, const foxglove::ServiceCall& call);
   void on_set(ClientId client, const foxglove::SetParameters& request);

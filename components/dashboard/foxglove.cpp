@@ -140,6 +140,13 @@ Request parse_binary(std::span<const std::uint8_t> frame) {
   return Malformed{"no binary operation " + std::to_string(frame[0])};
 }
 
+std::string message_prefix(std::uint32_t channel) {
+  std::string prefix;
+  put(prefix, static_cast<std::uint8_t>(ClientFrame::kMessage), 1);
+  put(prefix, channel, 4);
+  return prefix;
+}
+
 std::string server_info(const std::string& name, const std::string& session) {
   return dump(
       {{"op", "serverInfo"},

@@ -80,6 +80,9 @@ using Request = std::variant<Subscribe, Unsubscribe, Advertise, Unadvertise, Mes
 [[nodiscard]] Request parse_text(std::string_view frame);
 [[nodiscard]] Request parse_binary(std::span<const std::uint8_t> frame);
 
+/// What each frame with a client's message on that channel begins with.
+[[nodiscard]] std::string message_prefix(std::uint32_t channel);
+
 struct Channel {
   std::uint32_t id;
   std::string topic, encoding, schema_name, schema, schema_encoding;

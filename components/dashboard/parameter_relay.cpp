@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "dashboard/complaints.hpp"
 #include "runtime/names.hpp"
 
 namespace tandem {
@@ -16,7 +17,6 @@ using rcl_interfaces::msg::ParameterValue;
 constexpr rt::Topic<rcl_interfaces::msg::ParameterEvent> kEvents{"/parameter_events",
                                                                  {.depth = 1000}};
 constexpr const char* kListService = "/list_parameters";
-constexpr std::size_t kMaxNames = 1000;  // that a client watches
 
 // rcl_interfaces/msg/ParameterType
 enum Type : std::uint8_t {
@@ -115,22 +115,27 @@ class ParameterRelay::Answer {
  public:
   Answer(WebServer& web, ClientId client, std::string id)
       : web_{web}, client_{client}, id_{std::move(id)} {}
-  ~Answer() { web_.send(client_, {true, foxglove::parameter_values(parameters_, id_)}); }
+  ~Answer() {
+    if (const auto text = complaints_.text(); !text.empty())
+      web_.answer(client_, {true, foxglove::status(foxglove::Level::kWarning, text)});
+    web_.answer(client_, {true, foxglove::parameter_values(parameters_, id_)});
+  }
   Answer(const Answer&) = delete;
   Answer& operator=(const Answer&) = delete;
 
   void add(const std::string& name, const ParameterValue& value) {
     if (auto parameter = to_json(name, value)) parameters_.push_back(std::move(*parameter));
   }
-  void complain(const std::string& what) {
-    web_.send(client_, {true, foxglove::status(foxglove::Level::kWarning, what)});
-  }
+  void complain(const std::string& what) { complaints_.add(what); }
+  /// The client pays for what another node does.
+  void pay() { web_.charge(client_, kCallCost); }
 
  private:
   WebServer& web_;
   ClientId client_;
   std::string id_;
   json parameters_ = json::array();
+  Complaints complaints_;
 };
 
 ParameterRelay::ParameterRelay(rt::Node& node, WebServer& web)
@@ -142,11 +147,7 @@ ParameterRelay::ParameterRelay(rt::Node& node, WebServer& web)
 ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
   const auto known = clients_.find(node);
   if (known != clients_.end()) return &known->second;
-  const auto services = node_.services();
-  const bool is_there = std::any_of(services.begin(), services.end(), [&](const auto& service) {
-    return service.name == node + kListService;
-  });
-  if (!is_there || !rt::is_full_name(node)) return nullptr;
+  if (!nodes().contains(node) || !rt::is_full_name(node)) return nullptr;
   const auto client = [&]<class S>(const char* name) {
     return node_.create_client(rt::ServiceName<S>{(node + name).c_str()});
   };
@@ -162,7 +163,26 @@ ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
   return &(clients_[node] = std::move(made));
 }
 
+const std::set<std::string>& ParameterRelay::nodes() {
+  if (nodes_) return *nodes_;
+  auto& all = nodes_.emplace();
+  for (const auto& service : node_.services())
+    if (service.name.ends_with(kListService))
+      all.insert(
+          service.name.substr(0, service.name.size() - std::string_view{kListService}.size()));
+  return all;
+}
+
+bool ParameterRelay::too_many(ClientId client, std::size_t names) {
+  if (names <= kMaxNames) return false;
+  const std::string what = std::to_string(names) + " parameters in one request; no more than " +
+                           std::to_string(kMaxNames) + " are answered";
+  web_.answer(client, {true, foxglove::status(foxglove::Level::kError, what)});
+  return true;
+}
+
 void ParameterRelay::get(ClientId client, const foxglove::GetParameters& request) {
+  if (too_many(client, request.names.size())) return;
   const auto answer = std::make_shared<Answer>(web_, client, request.id);
   std::map<std::string, Names> by_node;
   for (const auto& full : request.names) {
@@ -171,15 +191,13 @@ void ParameterRelay::get(ClientId client, const foxglove::GetParameters& request
   }
   for (const auto& [node, names] : by_node) get(node, names, answer);
   if (!request.names.empty()) return;
-  for (const auto& service : node_.services())
-    if (service.name.ends_with(kListService))
-      list(service.name.substr(0, service.name.size() - std::string_view{kListService}.size()),
-           answer);
+  for (const auto& node : nodes()) list(node, answer);
 }
 
 void ParameterRelay::list(const std::string& node, const std::shared_ptr<Answer>& answer) {
   Clients* clients = clients_of(node);
   if (clients == nullptr) return;
+  answer->pay();
   clients->list.call(
       {}, [this, node, answer](const auto& list) { get(node, list.result().names(), answer); },
       rt::Client<rcl_interfaces::srv::ListParameters>::kTimeout, [answer] {});
@@ -189,6 +207,7 @@ void ParameterRelay::get(const std::string& node, const Names& names,
                          const std::shared_ptr<Answer>& answer) {
   Clients* clients = clients_of(node);
   if (clients == nullptr) return;
+  answer->pay();
   rcl_interfaces::srv::GetParameters_Request request;
   request.names(names);
   clients->get.call(
@@ -201,6 +220,7 @@ void ParameterRelay::get(const std::string& node, const Names& names,
 }
 
 void ParameterRelay::set(ClientId client, const foxglove::SetParameters& request) {
+  if (too_many(client, request.all.size())) return;
   const auto answer = std::make_shared<Answer>(web_, client, request.id);
   std::map<std::string, rcl_interfaces::srv::SetParameters_Request> by_node;
   for (const auto& parameter : request.all) {
@@ -214,27 +234,30 @@ void ParameterRelay::set(ClientId client, const foxglove::SetParameters& request
     one.name(name);
     one.value(*value);
   }
-  for (const auto& [node, wanted] : by_node) {
-    Clients* clients = clients_of(node);
-    if (clients == nullptr) {
-      answer->complain("there is no node " + node.substr(0, 100));
-      continue;
-    }
-    Names names;
-    for (const auto& one : wanted.parameters()) names.push_back(one.name());
-    clients->set.call(
-        wanted,
-        [this, node = node, names, answer](const auto& done) {
-          for (const auto& result : done.results())
-            if (!result.successful()) answer->complain(result.reason());
-          get(node, names, answer);
-        },
-        rt::Client<rcl_interfaces::srv::SetParameters>::kTimeout,
-        [node = node, answer] { answer->complain(node + " does not answer"); });
-  }
+  for (const auto& [node, wanted] : by_node) set(node, wanted, answer);
+}
+
+void ParameterRelay::set(const std::string& node,
+                         const rcl_interfaces::srv::SetParameters_Request& wanted,
+                         const std::shared_ptr<Answer>& answer) {
+  Clients* clients = clients_of(node);
+  if (clients == nullptr) return answer->complain("there is no node " + node.substr(0, 100));
+  Names names;
+  for (const auto& one : wanted.parameters()) names.push_back(one.name());
+  answer->pay();
+  clients->set.call(
+      wanted,
+      [this, node, names, answer](const auto& done) {
+        for (const auto& result : done.results())
+          if (!result.successful()) answer->complain(result.reason());
+        get(node, names, answer);
+      },
+      rt::Client<rcl_interfaces::srv::SetParameters>::kTimeout,
+      [node, answer] { answer->complain(node + " does not answer"); });
 }
 
 void ParameterRelay::subscribe(ClientId client, const foxglove::SubscribeParameters& request) {
+  if (too_many(client, request.names.size())) return;
   auto& wanted = wanted_[client];
   for (const auto& name : request.names)
     if (!request.wanted)

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "dashboard/complaints.hpp"
 #include "topics.hpp"
 
 namespace tandem {
@@ -20,6 +21,22 @@ std::string full_type(const std::string& type) {
 
 }  // namespace
 
+const char* PublishRelay::text(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kPublished:
+      return "published";
+    case Outcome::kNoChannel:
+      return "a message on a channel that was not advertised";
+    case Outcome::kOtherDrives:
+      return "someone else is driving";
+    case Outcome::kMalformed:
+      return "a message that is none of its type";
+    case Outcome::kOld:
+      return "a stick from the past: the connection stalls, or the clocks differ";
+  }
+  return "?";
+}
+
 PublishRelay::PublishRelay(rt::Node& node, double max_age)
     : node_{node}, max_age_{max_age}, joy_{node.create_publisher(topics::joy)} {
   const auto& full = node.fully_qualified_name();
@@ -34,7 +51,7 @@ PublishRelay::PublishRelay(rt::Node& node, double max_age)
   inlets_[namespace_ + "/" + topics::e_stop.name] = {
       // whoever sees danger may stop the robot
       rt::type_ref<std_msgs::msg::Bool>().name, false,
-      [this](ClientId, const auto& bytes) { return publish_stop(bytes); }};
+      [this](ClientId, const auto& bytes) { return publish_stop(bytes); }, "cdr", true};
 }
 
 template <class M>
@@ -57,24 +74,32 @@ void PublishRelay::open_own(
   inlets_[topic] = {type, false, std::move(take), "json"};
 }
 
-std::vector<std::string> PublishRelay::advertise(ClientId client,
-                                                 const foxglove::Advertise& request) {
-  std::vector<std::string> complaints;
-  auto& channels = channels_[client];
-  for (const auto& [channel, topic, encoding, short_type] : request.all) {
-    const std::string type = encoding == "cdr" ? full_type(short_type) : short_type;
-    const auto inlet = inlets_.find(topic.starts_with("/") ? topic : namespace_ + "/" + topic);
-    if (inlet == inlets_.end())
-      complaints.push_back("web clients may not publish " + topic.substr(0, 100));
-    else if (encoding != inlet->second.encoding || type != inlet->second.type)
-      complaints.push_back(topic + " takes " + inlet->second.type + " in " +
-                           inlet->second.encoding);
-    else if (channels.size() >= kMaxChannels)
-      complaints.push_back("no more than " + std::to_string(kMaxChannels) + " channels");
-    else
-      channels[channel] = &inlet->second;
-  }
-  return complaints;
+std::string PublishRelay::advertise(ClientId client, const foxglove::Advertise& request) {
+  Complaints complaints;
+  for (const auto& one : request.all) complaints.add(advertise(channels_[client], one));
+  return complaints.text();
+}
+
+std::string PublishRelay::advertise(std::map<std::uint32_t, const Inlet*>& channels,
+                                    const foxglove::Advertise::One& wanted) {
+  const auto& [channel, topic, encoding, short_type] = wanted;
+  const std::string type = encoding == "cdr" ? full_type(short_type) : short_type;
+  const auto inlet = inlets_.find(topic.starts_with("/") ? topic : namespace_ + "/" + topic);
+  if (inlet == inlets_.end()) return "web clients may not publish " + topic.substr(0, 100);
+  if (encoding != inlet->second.encoding || type != inlet->second.type)
+    return topic + " takes " + inlet->second.type + " in " + inlet->second.encoding;
+  if (channels.size() >= kMaxChannels)
+    return "no more than " + std::to_string(kMaxChannels) + " channels";
+  channels[channel] = &inlet->second;
+  return {};
+}
+
+std::vector<std::string> PublishRelay::urgent_prefixes(ClientId client) const {
+  std::vector<std::string> prefixes;
+  if (const auto found = channels_.find(client); found != channels_.end())
+    for (const auto& [channel, inlet] : found->second)
+      if (inlet->urgent) prefixes.push_back(foxglove::message_prefix(channel));
+  return prefixes;
 }
 
 void PublishRelay::unadvertise(ClientId client, const foxglove::Unadvertise& request) {

@@ -22,15 +22,17 @@ class PublishRelay {
 
   /// What became of a message.
   enum class Outcome { kPublished, kNoChannel, kOtherDrives, kMalformed, kOld };
+  [[nodiscard]] static const char* text(Outcome outcome);
 
   /// A stamped stick older than `max_age` [s] is not passed on; 0: any age.
   PublishRelay(rt::Node& node, double max_age);
 
-  /// Each complaint is one sentence for the client.
-  [[nodiscard]] std::vector<std::string> advertise(ClientId client,
-                                                   const foxglove::Advertise& request);
+  /// At most one complaint about each frame, a sentence for the client; empty: all is well.
+  [[nodiscard]] std::string advertise(ClientId client, const foxglove::Advertise& request);
   void unadvertise(ClientId client, const foxglove::Unadvertise& request);
   void forget(ClientId client) { channels_.erase(client); }
+  /// Beginnings of the frames with which the client presses the emergency stop.
+  [[nodiscard]] std::vector<std::string> urgent_prefixes(ClientId client) const;
 
   /// `may_drive` is asked only for topics that move the robot.
   [[nodiscard]] Outcome publish(ClientId client, const foxglove::Message& message,
@@ -47,10 +49,13 @@ class PublishRelay {
     bool drives;
     std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> publish;
     std::string encoding = "cdr";
+    bool urgent = false;
   };
 
   template <class M>
   void open(const rt::Topic<M>& topic, bool drives);
+  [[nodiscard]] std::string advertise(std::map<std::uint32_t, const Inlet*>& channels,
+                                      const foxglove::Advertise::One& wanted);
   [[nodiscard]] Outcome publish_joy(const std::vector<std::uint8_t>& bytes);
   [[nodiscard]] Outcome publish_stop(const std::vector<std::uint8_t>& bytes);
 

@@ -49,16 +49,18 @@ void ServiceRelay::look(const std::set<ClientId>& clients) {
     if (is_gone) gone.push_back(entry.second.service.id);
     return is_gone;
   });
-  for (const ClientId client : clients) {
-    if (!come.empty()) web_.send(client, {true, foxglove::advertise_services(come)});
-    if (!gone.empty()) web_.send(client, {true, foxglove::unadvertise_services(gone)});
-  }
+  if (!come.empty()) web_.send_text(clients, foxglove::advertise_services(come));
+  if (!gone.empty()) web_.send_text(clients, foxglove::unadvertise_services(gone));
+  if (!come.empty() || !gone.empty()) greeting_.reset();
 }
 
 void ServiceRelay::greet(ClientId client) {
-  std::vector<foxglove::Service> all;
-  for (const auto& [name, relayed] : relayed_) all.push_back(relayed.service);
-  web_.send(client, {true, foxglove::advertise_services(all)});
+  if (!greeting_) {
+    std::vector<foxglove::Service> all;
+    for (const auto& [name, relayed] : relayed_) all.push_back(relayed.service);
+    greeting_ = body_of(foxglove::advertise_services(all));
+  }
+  web_.answer(client, {true, {}, greeting_, true});
 }
 
 const ServiceRelay::Relayed* ServiceRelay::find(std::uint32_t service) const {
@@ -107,6 +109,7 @@ void ServiceRelay::ask(ClientId client, const foxglove::ServiceCall& call, Relay
       return fail(client, call, error.what());
     }
   ++waiting_[client];
+  web_.charge(client, kCallCost);
   const foxglove::ServiceCall head{call.service, call.call, call.encoding, {}};
   const auto done = [this, client] {
     if (const auto count = waiting_.find(client); count != waiting_.end()) --count->second;
@@ -126,13 +129,13 @@ void ServiceRelay::ask(ClientId client, const foxglove::ServiceCall& call, Relay
 
 void ServiceRelay::answer(ClientId client, const foxglove::ServiceCall& call,
                           const std::vector<std::uint8_t>& bytes) {
-  web_.send(client, {false, foxglove::response_head(call),
-                     std::make_shared<const std::vector<std::uint8_t>>(bytes)});
+  web_.answer(client, {false, foxglove::response_head(call),
+                       std::make_shared<const std::vector<std::uint8_t>>(bytes)});
 }
 
 void ServiceRelay::fail(ClientId client, const foxglove::ServiceCall& call,
                         const std::string& why) {
-  web_.send(client, {true, foxglove::call_failure(call, why)});
+  web_.answer(client, {true, foxglove::call_failure(call, why)});
 }
 
 }  // namespace tandem

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "dashboard/foxglove.hpp"
 #include "dashboard/web_server.hpp"
@@ -18,7 +20,7 @@ namespace tandem {
 class ServiceRelay {
  public:
   static constexpr double kTimeout = 5.0;  // [s]
-  static constexpr int kMaxCalls = 50;     // of one client that wait for their answers
+  static constexpr int kMaxCalls = 10;     // of one client that wait for their answers
 
   /// `own`: a Trigger that is no service of the domain; `on_own` says what became of it.
   ServiceRelay(rt::Node& node, WebServer& web, const std::string& own,
@@ -54,6 +56,7 @@ class ServiceRelay {
   std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own_;
   std::map<std::string, Relayed> relayed_;  // by name
   std::map<ClientId, int> waiting_;
+  std::shared_ptr<const std::vector<std::uint8_t>> greeting_;  // until a service comes or goes
   std::uint32_t last_id_ = 1;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dashboard/complaints.hpp"
 #include "dashboard/ros2msg.hpp"
 #include "runtime/names.hpp"
 
@@ -51,23 +52,25 @@ void TopicRelay::look(const std::set<ClientId>& clients) {
     if (is_gone) gone.push_back(entry.second.channel.id);
     return is_gone;
   });
-  for (const ClientId client : clients) {
-    if (!come.empty()) web_.send(client, {true, foxglove::advertise(come)});
-    if (!gone.empty()) web_.send(client, {true, foxglove::unadvertise(gone)});
-  }
+  if (!come.empty()) web_.send_text(clients, foxglove::advertise(come));
+  if (!gone.empty()) web_.send_text(clients, foxglove::unadvertise(gone));
+  if (!come.empty() || !gone.empty()) greeting_.reset();
+  rest();
 }
 
 void TopicRelay::greet(ClientId client) {
-  std::vector<foxglove::Channel> all;
-  for (const auto& [key, relayed] : relayed_) all.push_back(relayed.channel);
-  web_.send(client, {true, foxglove::advertise(all)});
+  if (!greeting_) {
+    std::vector<foxglove::Channel> all;
+    for (const auto& [key, relayed] : relayed_) all.push_back(relayed.channel);
+    greeting_ = body_of(foxglove::advertise(all));
+  }
+  web_.answer(client, {true, {}, greeting_, true});
 }
 
 void TopicRelay::forget(ClientId client) {
-  for (auto& [key, relayed] : relayed_) {
+  channels_.erase(client);
+  for (auto& [key, relayed] : relayed_)
     std::erase_if(relayed.listeners, [&](const auto& l) { return l.client == client; });
-    rest(relayed);
-  }
 }
 
 TopicRelay::Relayed* TopicRelay::find(std::uint32_t channel) {
@@ -77,56 +80,70 @@ TopicRelay::Relayed* TopicRelay::find(std::uint32_t channel) {
   return found == relayed_.end() ? nullptr : &found->second;
 }
 
-bool TopicRelay::is_subscribed(ClientId client, std::uint32_t subscription) const {
-  return std::any_of(relayed_.begin(), relayed_.end(), [&](const auto& entry) {
-    const auto& all = entry.second.listeners;
-    return std::any_of(all.begin(), all.end(), [&](const Listener& l) {
-      return l.client == client && l.subscription == subscription;
-    });
-  });
-}
-
-std::size_t TopicRelay::subscriptions_of(ClientId client) const {
-  std::size_t count = 0;
-  for (const auto& [key, relayed] : relayed_)
-    for (const auto& listener : relayed.listeners) count += listener.client == client ? 1 : 0;
-  return count;
-}
-
 void TopicRelay::subscribe(ClientId client, const foxglove::Subscribe& request) {
-  for (const auto& [subscription, channel] : request.all) {
-    Relayed* relayed = find(channel);
-    std::string complaint;
-    if (relayed == nullptr)
-      complaint = "there is no channel " + std::to_string(channel);
-    else if (is_subscribed(client, subscription))
-      complaint = "subscription " + std::to_string(subscription) + " is in use";
-    else if (subscriptions_of(client) >= kMaxSubscriptions)
-      complaint = "no more than " + std::to_string(kMaxSubscriptions) + " subscriptions";
-    if (!complaint.empty()) {
-      web_.send(client, {true, foxglove::status(foxglove::Level::kWarning, complaint)});
-      continue;
-    }
-    relayed->listeners.push_back({client, subscription});
-    for (const auto& [sender, last] : relayed->last) send(relayed->listeners.back(), last);
-    if (relayed->listening) continue;
-    try {
-      listen(*relayed);
-    } catch (const std::exception& error) {  // others' names and types may be anything
-      relayed->listeners.pop_back();
-      web_.send(client, {true, foxglove::status(foxglove::Level::kError, error.what())});
-    }
+  std::erase_if(channels_[client],
+                [&](const auto& entry) { return find(entry.second) == nullptr; });
+  Complaints complaints;
+  if (request.all.size() > kMaxSubscriptions)
+    complaints.add("no more than " + std::to_string(kMaxSubscriptions) +
+                   " subscriptions in one request");
+  else
+    for (const auto& one : request.all) complaints.add(subscribe(client, one));
+  if (const auto text = complaints.text(); !text.empty())
+    web_.answer(client, {true, foxglove::status(foxglove::Level::kWarning, text)});
+}
+
+// Returns what is wrong.
+std::string TopicRelay::subscribe(ClientId client, const foxglove::Subscribe::One& wanted) {
+  Relayed* relayed = find(wanted.channel);
+  auto& channels = channels_[client];
+  if (relayed == nullptr) return "there is no channel " + std::to_string(wanted.channel);
+  if (channels.contains(wanted.subscription))
+    return "subscription " + std::to_string(wanted.subscription) + " is in use";
+  if (channels.size() >= kMaxSubscriptions)
+    return "no more than " + std::to_string(kMaxSubscriptions) + " subscriptions";
+  if (std::count_if(channels.begin(), channels.end(),
+                    [&](const auto& entry) { return entry.second == wanted.channel; }) >= kMaxOfOne)
+    return "no more than " + std::to_string(kMaxOfOne) + " subscriptions of one channel";
+  if (!relayed->listening) web_.charge(client, kReaderCost);
+  channels[wanted.subscription] = wanted.channel;
+  relayed->listeners.push_back({client, wanted.subscription});
+  for (const auto& [sender, last] : relayed->last) {
+    web_.charge(client, kCostPerByte * static_cast<double>(last->size()));
+    send(relayed->listeners.back(), last);
   }
+  return {};
 }
 
 void TopicRelay::unsubscribe(ClientId client, const foxglove::Unsubscribe& request) {
-  for (auto& [key, relayed] : relayed_) {
-    std::erase_if(relayed.listeners, [&](const Listener& l) {
-      return l.client == client &&
-             std::find(request.subscriptions.begin(), request.subscriptions.end(),
-                       l.subscription) != request.subscriptions.end();
+  for (const auto subscription : request.subscriptions) unsubscribe(client, subscription);
+}
+
+void TopicRelay::unsubscribe(ClientId client, std::uint32_t subscription) {
+  auto& channels = channels_[client];
+  const auto channel = channels.find(subscription);
+  if (channel == channels.end()) return;
+  if (Relayed* relayed = find(channel->second))
+    std::erase_if(relayed->listeners, [&](const Listener& l) {
+      return l.client == client && l.subscription == subscription;
     });
-    rest(relayed);
+  channels.erase(channel);
+}
+
+// One in a beat: a reader costs a millisecond here and a little in every other process.
+void TopicRelay::listen_to_next() {
+  const auto wanted = std::find_if(relayed_.begin(), relayed_.end(), [](const auto& entry) {
+    return !entry.second.listening && !entry.second.listeners.empty();
+  });
+  if (wanted == relayed_.end()) return;
+  Relayed& relayed = wanted->second;
+  try {
+    listen(relayed);
+  } catch (const std::exception& error) {  // others' names and types may be anything
+    for (const auto& [client, subscription] : std::exchange(relayed.listeners, {})) {
+      channels_[client].erase(subscription);
+      web_.answer(client, {true, foxglove::status(foxglove::Level::kError, error.what())});
+    }
   }
 }
 
@@ -155,22 +172,30 @@ void TopicRelay::relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes)
 
 void TopicRelay::send(const Listener& to, const Body& body) {
   const auto now = static_cast<std::uint64_t>(rt::system_nanoseconds());
-  web_.send(to.client, {false, foxglove::message_head(to.subscription, now), body});
+  web_.send(to.client, {false, foxglove::message_head(to.subscription, now), body, true});
 }
 
-// Nobody wants it any more.
-void TopicRelay::rest(Relayed& relayed) {
-  if (!relayed.listeners.empty() || relayed.publishers.empty() || !relayed.listening) return;
-  relayed.subscription = {};
-  relayed.listening = false;
-  relayed.last.clear();
+// Not at once: a client that comes and goes does not make the domain discover a reader each time.
+// And one in a look: to destroy a reader takes time.
+void TopicRelay::rest() {
+  const double now = node_.steady_now();
+  bool rested = false;
+  for (auto& [key, relayed] : relayed_) {
+    if (!relayed.listeners.empty() || relayed.publishers.empty() || !relayed.listening) {
+      relayed.unused_since = now;
+    } else if (!rested && now - relayed.unused_since > kRest) {
+      relayed.subscription = {};
+      relayed.listening = false;
+      relayed.last.clear();
+      rested = true;
+    }
+  }
 }
 
 void TopicRelay::tell(ClientId client, std::uint32_t channel, const std::string& payload) {
   const Relayed* const own = find(channel);
   if (own == nullptr) return;
-  const auto body =
-      std::make_shared<const std::vector<std::uint8_t>>(payload.begin(), payload.end());
+  const auto body = body_of(payload);
   for (const auto& listener : own->listeners)
     if (listener.client == client) send(listener, body);
 }

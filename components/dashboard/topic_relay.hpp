@@ -19,7 +19,9 @@ namespace tandem {
 /// wants.
 class TopicRelay {
  public:
-  static constexpr std::size_t kMaxSubscriptions = 500;  // of one client
+  static constexpr std::size_t kMaxSubscriptions = 500;  // of one client, and of one request
+  static constexpr int kMaxOfOne = 4;   // subscriptions of one client to one channel
+  static constexpr double kRest = 5.0;  // [s] until a topic that nobody wants is not listened to
 
   /// `own`: channels that are no topics and that tell() fills; their ids are the first ones.
   TopicRelay(rt::Node& node, WebServer& web, std::vector<foxglove::Channel> own);
@@ -28,8 +30,12 @@ class TopicRelay {
   void look(const std::set<ClientId>& clients);
   void greet(ClientId client);
   void forget(ClientId client);
+  /// A client may have several subscriptions of one channel: parts of a page do not know each
+  /// other.
   void subscribe(ClientId client, const foxglove::Subscribe& request);
   void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
+  /// Begins to listen to one of the topics that somebody wants.
+  void listen_to_next();
 
   /// Sends a message of an own channel, to a client who listens to it.
   void tell(ClientId client, std::uint32_t channel, const std::string& payload);
@@ -46,21 +52,24 @@ class TopicRelay {
     std::vector<Listener> listeners;
     rt::Subscription subscription;
     bool listening = false, latched = false;
+    double unused_since = 0.0;  // [s]
     // Of a latched topic, for who comes later: each sender's last, as they came.
     std::vector<std::pair<rt::PublisherId, Body>> last;
   };
 
   [[nodiscard]] Relayed* find(std::uint32_t channel);
+  [[nodiscard]] std::string subscribe(ClientId client, const foxglove::Subscribe::One& wanted);
+  void unsubscribe(ClientId client, std::uint32_t subscription);
   void listen(Relayed& relayed);
   void relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes);
   void send(const Listener& to, const Body& body);
-  void rest(Relayed& relayed);
-  [[nodiscard]] bool is_subscribed(ClientId client, std::uint32_t subscription) const;
-  [[nodiscard]] std::size_t subscriptions_of(ClientId client) const;
+  void rest();
 
   rt::Node& node_;
   WebServer& web_;
-  std::map<std::pair<std::string, std::string>, Relayed> relayed_;  // by topic and type
+  std::map<std::pair<std::string, std::string>, Relayed> relayed_;       // by topic and type
+  std::map<ClientId, std::map<std::uint32_t, std::uint32_t>> channels_;  // by subscription
+  Body greeting_;  // all channels, until one comes or goes
   std::uint32_t last_id_ = 0;
 };
 

@@ -104,23 +104,26 @@ tcp::acceptor listen(asio::io_context& io, const WebServerParams& params) {
                               "): choose another `port`");
 }
 
-std::optional<std::string> refuse(const Request& request, const Rules& rules) {
+std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
   const auto& params = rules.params;
   const auto field = [&](http::field name) { return text_of(request[name]); };
   const std::string host = field(http::field::host), origin = field(http::field::origin);
   // A page of another site reaches loopback under that site's name if its DNS says so.
   if (rules.loopback && !is_loopback_name(host_name(host)))
-    return "the host \"" + host + "\" is not this machine";
+    return Refusal{"the host \"" + host + "\" is not this machine"};
   if (!origin.empty() && origin != "http://" + host && origin != "https://" + host &&
       !has_word(params.allowed_origins, origin, ' '))
-    return "pages of " + origin + " may not connect (allowed_origins)";
-  if (!rules.token.empty() &&
-      !same_secret(query_value(text_of(request.target()), "token"), rules.token))
-    return "the token is missing or wrong (?token=...)";
+    return Refusal{"pages of " + origin + " may not connect (allowed_origins)"};
+  if (!rules.token.empty()) {
+    const std::string said = query_value(text_of(request.target()), "token");
+    if (!same_secret(said, rules.token))
+      return Refusal{"the token is missing or wrong (?token=...)", !said.empty()};
+  }
   if (!has_word(field(http::field::sec_websocket_protocol), rules.subprotocol, ','))
-    return "the subprotocol " + rules.subprotocol + " is not offered";
+    return Refusal{"the subprotocol " + rules.subprotocol + " is not offered"};
   if (rules.clients >= params.max_clients)
-    return "there are " + std::to_string(params.max_clients) + " clients already (max_clients)";
+    return Refusal{"there are " + std::to_string(params.max_clients) +
+                   " clients already (max_clients)"};
   return std::nullopt;
 }
 

@@ -29,9 +29,15 @@ struct Rules {
   int clients = 0;           ///< that are inside
 };
 
+/// One sentence for the client.
+struct Refusal {
+  std::string reason;
+  bool wrong_token = false;  ///< one was said
+};
+
 /// Why the request may not become a WebSocket: the host or the site it comes from, the token, the
 /// subprotocol, too many inside; nothing: it may.
-[[nodiscard]] std::optional<std::string> refuse(const Request& request, const Rules& rules);
+[[nodiscard]] std::optional<Refusal> refuse(const Request& request, const Rules& rules);
 
 /// The file that it asks for, or what is wrong with asking.
 [[nodiscard]] Response answer(const Request& request, const std::map<std::string, WebFile>& files);

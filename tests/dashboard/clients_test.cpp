@@ -92,6 +92,15 @@ TEST(WebClient, SeesWhatItCanOfOthersWithOddNamesAndTypes) {
   expect_client_passes("foreign");
   odd.stop();
 }
+// attacks.py by hand presses 200 times and prints the table of components/dashboard/README.md.
+TEST(WebClient, StopsTheRobotInTimeBesideFourteenHostileOnes) {
+  if (kInstrumented) GTEST_SKIP() << "nothing is in time under a sanitizer";
+  if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " was not built";
+  ChildProcess attacks{
+      kPython,
+      {source_path("tests/dashboard/attacks.py"), kTandem, kSystems + "/teleop.yaml", "40"}};
+  EXPECT_EQ(attacks.wait(kTimeout), 0);
+}
 TEST(WebClient, ThatIsSlowIsDropped) { expect_client_passes("slow"); }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+
 #include <vector>
 
 #include "dashboard/damaged.hpp"
@@ -131,6 +134,25 @@ TEST(Foxglove, WritesFramesThatOthersRead) {
   EXPECT_EQ(response_head({1, 2, "cdr", {}}), std::string("\x03\1\0\0\0\2\0\0\0\3\0\0\0cdr", 16));
   const auto frame = json::parse(status(Level::kError, "\xff is no UTF-8"));
   EXPECT_EQ(frame.at("level"), 2);
+}
+
+double seconds_to_parse(int objects) {
+  std::string frame = R"({"op":"x","y":[)";
+  for (int i = 0; i < objects; ++i) frame += R"({"":[]},)";
+  frame.back() = ']';
+  frame += '}';
+  double best = 1e9;
+  for (int i = 0; i < 7; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    (void)parse_text(frame);
+    best = std::min(
+        best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  return best;
+}
+
+TEST(Foxglove, TakesTimeInProportionToTheFrame) {
+  EXPECT_LT(seconds_to_parse(16'000), 64.0 * seconds_to_parse(1000));  // 256 times if quadratic
 }
 
 }  // namespace
