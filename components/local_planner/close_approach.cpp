@@ -10,10 +10,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kSpeed = 0.5;   // [m/s]
-constexpr double kTurn = 0.8;    // [rad/s]
-constexpr double kMoves = 0.02;  // [m/s] less is to turn on the spot
-constexpr double kSoon = 1.0;    // [s]
+constexpr double kSpeed = 0.5;  // [m/s]
+constexpr double kTurn = 0.8;   // [rad/s]
+constexpr double kSpot = 0.15;  // [m] an arc of less radius is a turn on the spot
+constexpr double kLever = 0.5;  // [m] by which a turn rate counts like a speed
+constexpr double kSoon = 1.0;   // [s]
 constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 constexpr double kBlocked = 0.15;   // share of the person's way; a plan that makes less is blocked
 constexpr double kFree = 0.8;       // and one that makes more is followed again
@@ -24,6 +25,8 @@ constexpr double kGivesUp = 5.0;    // [s] of pushing without moving
 constexpr double kElsewhere = 0.5;  // [m]
 constexpr double kNear = 0.25;      // [m] between discs and obstacle
 constexpr double kNoLonger = 0.35;  // [m] where the planner takes over again
+
+bool turns_on_spot(const Twist2& twist) { return std::abs(twist.v) < kSpot * std::abs(twist.w); }
 
 // The twist with its ratio kept, no faster than kSpeed and kTurn.
 Twist2 slowed(const Twist2& twist) {
@@ -44,19 +47,20 @@ double gap_at_start(const Cycle& cycle) {
 double share_of_way(const Plan& plan, const Twist2& twist, double time) {
   time = std::min(time, kQuarterTurn / std::max(1e-9, std::abs(twist.w)));
   const Pose2 &from = plan.X_MB.front(), to = plan.pose_at(plan.t0 + time);
+  if (turns_on_spot(twist)) return (to.theta - from.theta) / (twist.w * time);
   const Eigen::Vector2d way = integrate(from, twist, time).position() - from.position();
-  if (way.norm() > kMoves * time)
-    return (to.position() - from.position()).dot(way) / way.squaredNorm();
-  return twist.w == 0.0 ? 1.0 : (to.theta - from.theta) / (twist.w * time);
+  return (to.position() - from.position()).dot(way) / way.squaredNorm();
 }
 
 // A plan that follows a leader may lead anywhere for a while, and counts only where the robot
-// stands. One that follows the stick may promise for later what it never begins.
+// stands. One that follows the stick, or is to turn on the spot, may promise for later what it
+// never begins.
 bool is_blocked(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
   const bool stands = std::abs(cycle.request.measured.v) < kStands;
   const bool for_good =
       share_of_way(plan, twist, cycle.params.dt * cycle.params.horizon_steps) < kBlocked;
-  if (cycle.request.method != Method::kIntention) return stands && for_good;
+  const bool follows = cycle.request.method != Method::kIntention && !turns_on_spot(twist);
+  if (follows) return stands && for_good;
   return for_good || (stands && share_of_way(plan, twist, kSoon) < kBlocked);
 }
 
@@ -67,7 +71,11 @@ bool is_free(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
 
 // A person who turns the stick wants past something, not nearer to it.
 bool is_straight(const Twist2& twist) {
-  return std::abs(twist.v) < kMoves || std::abs(twist.w) < kStraight * std::abs(twist.v);
+  return turns_on_spot(twist) || std::abs(twist.w) < kStraight * std::abs(twist.v);
+}
+
+bool is_opposite(const Twist2& a, const Twist2& b) {
+  return a.v * b.v + kLever * kLever * a.w * b.w < 0.0;
 }
 
 bool is_possible(const Cycle& cycle, double near) {
@@ -82,7 +90,7 @@ std::optional<Twist2> CloseApproach::instead_of(const Plan& plan, const Cycle& c
   const PlanRequest& request = cycle.request;
   const Twist2 twist = slowed(request.user);
   const bool possible = is_possible(cycle, approaches_ ? kNoLonger : kNear);
-  const bool turned_back = approaches_ && twist.v * direction_ < 0.0;
+  const bool turned_back = approaches_ && is_opposite(twist, last_);
   const bool in_vain = in_vain_.holds(approaches_, request);
   if (!possible || turned_back || in_vain) {
     approaches_ = false;
@@ -94,7 +102,7 @@ std::optional<Twist2> CloseApproach::instead_of(const Plan& plan, const Cycle& c
   if (!blocked) blocked_since_ = -1.0;
   if (blocked && (blocked_since_ < 0.0 || request.t < blocked_since_)) blocked_since_ = request.t;
   approaches_ = blocked && (approaches_ || request.t - blocked_since_ >= kPatience);
-  direction_ = twist.v;
+  last_ = twist;
   return approaches_ ? std::optional{twist} : std::nullopt;
 }
 

@@ -41,7 +41,7 @@ class CloseApproach {
  private:
   double blocked_since_ = -1.0;  // [s]; below 0: not blocked
   bool approaches_ = false;
-  double direction_ = 0.0;  // sign of the last twist's v
+  Twist2 last_ = {};
   InVain in_vain_;
 };
 
