@@ -315,6 +315,14 @@ def knock(port, times):
         one.close()
 
 
+def soon(condition):
+    """A machine under a sanitizer lets the planner stand for a moment."""
+    end = time.monotonic() + 3.0
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
 def hostile(robot):
     driver = Client(robot.port)
     driver.subscribe("/odom")
@@ -336,7 +344,7 @@ def hostile(robot):
         except ConnectionClosed:
             pass
         client.socket.close()
-        assert turns(), "garbage disturbed the robot"
+        assert soon(turns), "garbage disturbed the robot"
     client = Client(robot.port, close_timeout=0.1)
     client.socket.send(b"\1" * 70_000)  # larger than max_message
     expect_closed(client)
@@ -353,7 +361,7 @@ def hostile(robot):
     holds.join()
     count = len(driver.messages["/odom"])
     driver.until(lambda: len(driver.messages["/odom"]) >= count + 20, beat=drives)
-    assert turns(), "the robot was disturbed"
+    assert soon(turns), "the robot was disturbed"
     stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in driver.messages["/odom"]]
     gap = max(after - at for at, after in zip(stamps, stamps[1:]))
     print(f"{gap:.3f} s at most between two odometries")

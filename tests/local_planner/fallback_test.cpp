@@ -77,9 +77,8 @@ TEST(Nmpc, EachRungHasItsName) {
        {PlanSource::kSolution, PlanSource::kPrevious, PlanSource::kBraking, PlanSource::kYielded,
         PlanSource::kResting, PlanSource::kStanding})
     names.insert(name(source));
-  EXPECT_EQ(names,
-            (std::set<std::string>{"solution", "previous", "braking", "yielded", "resting",
-                                   "standing"}));
+  EXPECT_EQ(names, (std::set<std::string>{"solution", "previous", "braking", "yielded", "resting",
+                                          "standing"}));
 }
 
 // What the robot is asked for is as much less than it does as it can brake until that acts: less is

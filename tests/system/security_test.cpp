@@ -3,6 +3,7 @@
 // not, and a system drives as an open one does.
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
@@ -56,6 +57,10 @@ struct Probed {
 Probed probe(const std::map<std::string, std::string>& variables, SystemUnderTest* system) {
   const CapturedLog log;
   const Variables set{variables};
+  // Fast DDS 2.9.1 leaks the identities that it refuses, and the peer ends by what it heard.
+  const char* options = std::getenv("ASAN_OPTIONS");
+  const Variables leaks{
+      {{"ASAN_OPTIONS", std::string{options ? options : ""} + ":detect_leaks=0"}}};
   ChildProcess peer{"peer", {"probe"}};
   Probed probed;
   const double end = rt::steady_seconds() + kTimeout;
