@@ -191,9 +191,11 @@ TEST_F(SecuredSystem, AStrangerHearsAndSaysNothing) {
 // So that the tests beside this one can fail.
 TEST_F(SecuredSystem, AMemberThatMayDriveIsHeard) {
   domain_.add("/probe", of_probe(true));
-  // The probe may be gone before the reader of this test has found it.
-  for (int i = 0; i < 5 && !driven_backwards_; ++i)
-    EXPECT_EQ(probe(as_member("/probe"), &system_).status, kHeard);
+  // On a busy machine a probe may be gone before its handshakes are done.
+  bool heard = false;
+  for (int i = 0; i < 6 && !(heard && driven_backwards_); ++i)
+    heard = probe(as_member("/probe"), &system_).status == kHeard || heard;
+  EXPECT_TRUE(heard);
   EXPECT_TRUE(driven_backwards_);
 }
 
