@@ -7,6 +7,15 @@
 #include "model/diff_drive.hpp"
 
 namespace tandem {
+namespace {
+
+// No faster than `command`, which may brake already, and not the other way.
+double eased(double command, double braked) {
+  const double least = std::min(std::abs(command), std::abs(braked));
+  return command * braked > 0.0 ? std::copysign(least, command) : 0.0;
+}
+
+}  // namespace
 
 Motion rest_of(const Plan& plan, const Start& start, double period, const RobotParams& robot) {
   Motion motion{.X_MB = start.X_MB, .dt = period};
@@ -54,6 +63,19 @@ Plan to_plan(const Motion& motion, double t0) {
     at = follow(at, u, motion.lag, motion.dt);
     plan.X_MB.push_back(at.X_MB);
   }
+  return plan;
+}
+
+Plan resting(const PlanRequest& request, double delay, double period, const RobotParams& robot) {
+  const double latest = period + delay + robot.motor_lag;
+  const Start start{request.X_MB, request.measured, request.t + delay};
+  Plan plan = to_plan(braking(start, latest, std::max(robot.a_max, robot.a_brake),
+                              std::max(robot.alpha_max, robot.alpha_brake)),
+                      start.t0);
+  plan.status = PlanStatus::kOptimal;
+  plan.source = PlanSource::kResting;
+  plan.command = {eased(request.command.v, plan.command.v),
+                  eased(request.command.w, plan.command.w)};
   return plan;
 }
 

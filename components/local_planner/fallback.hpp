@@ -41,4 +41,11 @@ struct Start {
 /// The motion as a plan: poses along the arcs.
 [[nodiscard]] Plan to_plan(const Motion& motion, double t0);
 
+/// The plan for a stick at rest: as hard as the robot can brake. By hand such a stick stops the
+/// robot as soon as it can stop, and no method may take longer. The command asks for as much less
+/// than the robot does as it can brake until the next command acts, not for zero, so that a stick
+/// that rested only for a moment goes on from there. `delay`, `period` [s]: as in NmpcParams.
+[[nodiscard]] Plan resting(const PlanRequest& request, double delay, double period,
+                           const RobotParams& robot);
+
 }  // namespace tandem

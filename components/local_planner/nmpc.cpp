@@ -295,34 +295,12 @@ Plan Nmpc::State::yield(const Twist2& user, const Cycle& cycle, Plan plan) const
   return plan;
 }
 
-namespace {
-
-// No faster than `command`, which may brake already, and not the other way.
-double eased(double command, double braked) {
-  const double least = std::min(std::abs(command), std::abs(braked));
-  return command * braked > 0.0 ? std::copysign(least, command) : 0.0;
-}
-
-}  // namespace
-
-// By hand a stick at rest stops the robot as soon as it can stop: no method takes longer. Asks for
-// as much less than the robot does as it can brake until the next command acts, not for zero, so
-// that a stick that was at rest for a moment goes on from there.
 Plan Nmpc::State::rest(const PlanRequest& request) {
   note_command(request);
   trail.clear();
   (void)stalemate.holds(false, request.measured, request.t);
   approach = {};
-  const double latest = params.control_period + params.delay + robot.motor_lag;
-  const Start start{request.X_MB, request.measured, request.t + params.delay};
-  Plan plan = to_plan(braking(start, latest, std::max(robot.a_max, robot.a_brake),
-                              std::max(robot.alpha_max, robot.alpha_brake)),
-                      start.t0);
-  plan.status = PlanStatus::kOptimal;
-  plan.source = PlanSource::kResting;
-  plan.command = {eased(request.command.v, plan.command.v),
-                  eased(request.command.w, plan.command.w)};
-  return plan;
+  return resting(request, params.delay, params.control_period, robot);
 }
 
 Plan Nmpc::State::plan_for(const PlanRequest& request) {

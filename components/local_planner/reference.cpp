@@ -19,7 +19,7 @@ constexpr double kIntentionScale = 20.0;
 // horizon. Without this a person who is blocked far ahead never starts moving.
 constexpr double kPatience = 2.0;
 
-constexpr double kEases = 0.8;      // [1] of the speed in force: who asks for less brakes
+constexpr double kEases = 0.8;      // [1] of the speed in force; a stick that asks for less brakes
 constexpr double kEver = 1e9;       // [s]
 constexpr double kArrived = 0.15;   // [m] from the point that was asked for, the heading counts
 constexpr double kLookahead = 0.4;  // [m] the wish steers to this far along the trail

@@ -4,9 +4,9 @@
 
 namespace tandem {
 
-/// Who drives by pulses (sip and puff, a key that is tapped) rests between any two of them and does
-/// not mean to stop: a rest after a push of less than `kBrief` seconds counts only from `kPause`
-/// seconds on.
+/// Tells a stick at rest from the pause between two pulses. A person who drives by pulses (sip and
+/// puff, a key that is tapped) lets the stick rest after each and does not mean to stop: a rest
+/// after a push shorter than kBrief counts only once it has lasted kPause.
 class BriefPush {
  public:
   static constexpr double kBrief = 0.8;  ///< [s]

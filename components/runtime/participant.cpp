@@ -125,7 +125,7 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   guard_transports(qos, environment);
 }
 
-// In the place of what a profile says of security.
+// Replaces what a profile says of security.
 void secure(fdds::DomainParticipantQos& qos, const Security& security) {
   if (!security.on()) return;
   auto& properties = qos.properties().properties();

@@ -176,8 +176,8 @@ Pose2 Teleop::braking_point(const Pose2& X_MB, const Twist2& measured) const {
   return integrate(X_MB, moves, 0.5 * time);
 }
 
-// Who only turns the stick beside a robot that stands turns it on the spot, wherever the leader
-// went through.
+// A stick that only turns, while the robot stands, turns the leader at the robot, wherever the
+// leader was.
 Pose2 Teleop::driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB, double dt) const {
   if (wish.rests) return braking_point(X_MB, wish.measured);
   const bool turns =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DDS Security between processes: who is not let in hears and says nothing, who may not drive does
-// not, and a system drives as an open one does.
+// DDS Security between processes: a stranger hears and says nothing, a member without permission
+// cannot drive, and a secured system drives as an open one does.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
