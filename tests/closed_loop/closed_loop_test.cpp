@@ -15,46 +15,26 @@
 #include "bringup/lockstep.hpp"
 #include "map/fixtures.hpp"
 #include "map/static_map.hpp"
-#include "support/instrumented.hpp"
 #include "support/paths.hpp"
 
 namespace tandem {
 namespace {
 
-using test::kInstrumented, test::samples;
+constexpr unsigned kSeeds = 3;
 
-constexpr unsigned kSeeds = samples(3, 1);
-constexpr double kWatched = 6.0;  // [s] of a drive are enough for a sanitizer
-
-// A sanitizer sees the same in each.
-auto one_or_all(std::vector<const char*> kinds) {
-  if (kInstrumented) kinds.resize(1);
-  return ::testing::ValuesIn(kinds);
-}
-
-const auto kOpen = one_or_all({"forest_task2", "corridor", "slalom"});
-const auto kNarrow = one_or_all({"clutter", "ward", "doorway"});
+const auto kOpen = ::testing::Values("forest_task2", "corridor", "slalom");
+const auto kNarrow = ::testing::Values("clutter", "ward", "doorway");
 const auto kMethods = ::testing::Values("leader", "intention", "path", "blend");
 
 std::string file(const std::string& name) {
   return test::source_path("bringup/scenarios/" + name + ".yaml");
 }
 
-// The scenario, or the begin of it.
-Scenario scenario_of(const std::string& path) {
-  Scenario scenario = load_scenario(path);
-  if (kInstrumented) scenario.duration = std::min(scenario.duration, kWatched);
-  return scenario;
-}
-
 DriveResult drive(const std::string& path, const std::string& method, unsigned seed,
                   bool enforce = true) {
   const DriveOptions options{.method = method, .seed = seed, .enforce = enforce, .lockstep = true};
-  return drive_in_lockstep(scenario_of(path), options).result;
+  return drive_in_lockstep(load_scenario(path), options).result;
 }
-
-// It has come where it was to go, if it was given the time.
-bool arrived(const DriveResult& result) { return result.reached || kInstrumented; }
 
 double changed_share(const DriveResult& result) {
   return static_cast<double>(result.counts.filter_interventions) /
@@ -67,7 +47,7 @@ TEST_P(Shipped, ReachesItsGoalWithoutContact) {
   const auto [scenario, method] = GetParam();
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const DriveResult result = drive(file(scenario), method, seed);
-    EXPECT_TRUE(arrived(result)) << "seed " << seed;
+    EXPECT_TRUE(result.reached) << "seed " << seed;
     EXPECT_EQ(result.collisions, 0) << "seed " << seed;
     EXPECT_GT(result.min_clearance_m, 0.0) << "seed " << seed;
   }
@@ -89,7 +69,7 @@ class Planned : public ::testing::TestWithParam<std::tuple<const char*, const ch
 TEST_P(Planned, ReachesItsGoalWithoutContact) {
   const auto [scenario, method] = GetParam();
   const DriveResult result = drive(file(scenario), method, 1);
-  EXPECT_TRUE(arrived(result));
+  EXPECT_TRUE(result.reached);
   EXPECT_EQ(result.collisions, 0);
   EXPECT_LT(result.stuck_s, 5.0);
 }
@@ -105,16 +85,16 @@ TEST(Doorway, IsPassedAfterATryInVain) {
   const std::pair<const char*, unsigned> drives[] = {{"path", 34}, {"path", 22}, {"leader", 22}};
   for (const auto& [method, seed] : std::span(drives).first(kSeeds)) {
     const DriveResult result = drive(file("doorway"), method, seed);
-    EXPECT_TRUE(arrived(result)) << method << ", seed " << seed;
+    EXPECT_TRUE(result.reached) << method << ", seed " << seed;
     EXPECT_EQ(result.collisions, 0) << method << ", seed " << seed;
   }
 }
 
 // Two of the six places are on the two sides of one bed-room.
 TEST(Hindsight, BringsAPersonToEachPlaceWithoutContact) {
-  for (unsigned seed = 1; seed <= samples(6, 1); ++seed) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
     const DriveResult result = drive(file("ward_goals"), "hindsight", seed);
-    EXPECT_TRUE(arrived(result)) << "place " << seed;
+    EXPECT_TRUE(result.reached) << "place " << seed;
     EXPECT_EQ(result.collisions, 0) << "place " << seed;
   }
 }
@@ -138,31 +118,31 @@ TEST_P(Delayed, ForestIsDrivenAsCalmlyAsWithoutTheDelay) {
   int quick_turns = 0, slow_turns = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const DriveOptions options{.method = GetParam(), .seed = seed, .lockstep = true};
-    const DriveLog quick = drive_in_lockstep(scenario_of(file("forest_task2")), options);
-    const DriveLog slow = drive_in_lockstep(scenario_of(file("forest_delay")), options);
-    EXPECT_TRUE(arrived(slow.result));
+    const DriveLog quick = drive_in_lockstep(load_scenario(file("forest_task2")), options);
+    const DriveLog slow = drive_in_lockstep(load_scenario(file("forest_delay")), options);
+    EXPECT_TRUE(slow.result.reached);
     EXPECT_EQ(slow.result.collisions, 0);
     quick_way += quick.result.path_length_m;
     slow_way += slow.result.path_length_m;
     quick_turns += turns_back(quick);
     slow_turns += turns_back(slow);
   }
-  if (kInstrumented) return;
   EXPECT_LT(slow_way, 1.1 * quick_way);
   EXPECT_LE(slow_turns, quick_turns + 6 * static_cast<int>(kSeeds));
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, Delayed, one_or_all({"leader", "intention", "path", "blend"}),
+INSTANTIATE_TEST_SUITE_P(Methods, Delayed,
+                         ::testing::Values("leader", "intention", "path", "blend"),
                          [](const auto& test) { return std::string(test.param); });
 
 // Motors of 0.4 s: told of them, the planner gives the filter less to do and is there sooner.
 TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
   double told_time = 0.0, untold_time = 0.0, told_changes = 0.0, untold_changes = 0.0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    Scenario scenario = scenario_of(file("forest_lag"));
+    Scenario scenario = load_scenario(file("forest_lag"));
     const DriveOptions options{.method = "leader", .seed = seed, .lockstep = true};
     const DriveResult told = drive_in_lockstep(scenario, options).result;
-    EXPECT_TRUE(arrived(told));
+    EXPECT_TRUE(told.reached);
     EXPECT_EQ(told.collisions, 0);
     for (const char* lag : {"lag_v", "lag_w"})
       scenario.parameters["local_planner"][lag] = {"0.0", "this test"};
@@ -172,7 +152,6 @@ TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
     told_changes += changed_share(told);
     untold_changes += changed_share(untold);
   }
-  if (kInstrumented) return;
   EXPECT_LT(told_time, untold_time);
   EXPECT_LT(told_changes, 0.7 * untold_changes);
 }
@@ -185,10 +164,9 @@ TEST(Barn, WorldsArePassedWithoutContact) {
   const std::string path = test::source_path("tests/closed_loop/barn.yaml");
   for (const unsigned seed : {20U, 70U, 110U, 150U}) {
     const DriveOptions options{.method = "leader", .seed = seed, .map = worlds, .lockstep = true};
-    const DriveResult result = drive_in_lockstep(scenario_of(path), options).result;
-    EXPECT_TRUE(arrived(result)) << result.map;
+    const DriveResult result = drive_in_lockstep(load_scenario(path), options).result;
+    EXPECT_TRUE(result.reached) << result.map;
     EXPECT_EQ(result.collisions, 0) << result.map;
-    if (kInstrumented) break;
   }
 }
 
@@ -202,13 +180,13 @@ TEST_P(Forbidden, RegionsAreNeverEntered) {
   const StaticMap region{with_forbidden(empty, fixtures)};
   const Footprint mir = rectangle(0.89, 0.58, 0.038);
   const DriveOptions options{.method = GetParam(), .seed = 1, .lockstep = true};
-  const DriveLog log = drive_in_lockstep(scenario_of(folder + "forest_forbidden.yaml"), options);
-  EXPECT_TRUE(arrived(log.result));
+  const DriveLog log = drive_in_lockstep(load_scenario(folder + "forest_forbidden.yaml"), options);
+  EXPECT_TRUE(log.result.reached);
   double nearest = 1.0;
   for (const DriveSample& sample : log.track)
     nearest = std::min(nearest, region.clearance(mir, sample.X_MB, 1.0));
   EXPECT_GT(nearest, 0.0);
-  EXPECT_TRUE(nearest < 0.5 || kInstrumented) << "the way leads past it, else this proves nothing";
+  EXPECT_LT(nearest, 0.5) << "the way leads past it, else this proves nothing";
 }
 
 // Nothing but the laser scanner tells what stands there.
@@ -217,7 +195,7 @@ class WithoutAMap : public ::testing::TestWithParam<const char*> {};
 TEST_P(WithoutAMap, ReachesItsGoalWithoutContact) {
   const DriveResult result =
       drive(test::source_path("tests/closed_loop/forest_unknown.yaml"), GetParam(), 1);
-  EXPECT_TRUE(arrived(result));
+  EXPECT_TRUE(result.reached);
   EXPECT_EQ(result.collisions, 0);
 }
 
@@ -233,7 +211,7 @@ class AmongPeople : public ::testing::TestWithParam<const char*> {};
 // They walk through whatever is there: into the robot, too, but only while it stands.
 TEST_P(AmongPeople, ReachesItsGoalAndTouchesNobody) {
   const DriveResult result = drive(file("crossing"), GetParam(), 1);
-  EXPECT_TRUE(arrived(result));
+  EXPECT_TRUE(result.reached);
   EXPECT_EQ(result.collisions, 0);
 }
 
@@ -242,9 +220,9 @@ INSTANTIATE_TEST_SUITE_P(Methods, AmongPeople, ::testing::Values("safety_filter"
 
 TEST(ForestTask1, LeaderDrivesTwoMinutesWithoutContact) {
   const DriveResult result = drive(file("forest_task1"), "leader", 1);
-  EXPECT_TRUE(arrived(result));
+  EXPECT_TRUE(result.reached);
   EXPECT_EQ(result.collisions, 0);
-  EXPECT_GE(result.path_length_m, kInstrumented ? 2.0 : 30.0);
+  EXPECT_GE(result.path_length_m, 30.0);
 }
 
 class Manual : public ::testing::TestWithParam<const char*> {};
@@ -279,7 +257,7 @@ TEST(Tables, SteadyStateErrorsComeOutBesideTheThesis) {
     std::printf("%s: steady-state error %.4f m (thesis %.4f m), path %.2f m\n", name,
                 result.final_position_error_m, thesis, result.path_length_m);
     EXPECT_EQ(result.collisions, 0) << name;
-    EXPECT_TRUE(result.final_position_error_m < 0.25 || kInstrumented) << name;
+    EXPECT_LT(result.final_position_error_m, 0.25) << name;
   }
 }
 
@@ -291,8 +269,8 @@ TEST_P(RealBuilding, JackalReachesItsGoalWithoutContact) {
   const std::string path =
       test::source_path("tests/closed_loop/" + std::string(GetParam()) + ".yaml");
   const DriveOptions options{.method = "leader", .seed = 1, .map = map, .lockstep = true};
-  const DriveResult result = drive_in_lockstep(scenario_of(path), options).result;
-  EXPECT_TRUE(arrived(result));
+  const DriveResult result = drive_in_lockstep(load_scenario(path), options).result;
+  EXPECT_TRUE(result.reached);
   EXPECT_EQ(result.collisions, 0);
 }
 

@@ -10,7 +10,6 @@
 
 #include "bringup/lockstep.hpp"
 #include "bringup/study.hpp"
-#include "support/instrumented.hpp"
 #include "support/paths.hpp"
 
 namespace tandem {
@@ -28,17 +27,15 @@ std::vector<std::string> daily_scenarios() {
 class Daily : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Daily, IsDoneByHand) {
-  Scenario scenario = load_scenario(GetParam());
-  if (test::kInstrumented) scenario.duration = std::min(scenario.duration, 4.0);
+  const Scenario scenario = load_scenario(GetParam());
   const DriveOptions options{.method = "manual", .seed = 1, .lockstep = true};
   const DriveResult result = drive_in_lockstep(scenario, options).result;
-  EXPECT_TRUE(result.reached || test::kInstrumented);
-  EXPECT_TRUE(result.failures.empty() || test::kInstrumented);
+  EXPECT_TRUE(result.reached);
+  EXPECT_TRUE(result.failures.empty());
 }
 
 // By the methods that plan, but for those that the file excepts.
 TEST_P(Daily, IsDoneWithThePlannerToo) {
-  if (test::kInstrumented) GTEST_SKIP() << "a long drive: tested without sanitizers";
   const Scenario scenario = load_scenario(GetParam());
   for (const char* method : {"leader", "intention"}) {
     const DriveResult result =

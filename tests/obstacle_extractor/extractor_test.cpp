@@ -19,11 +19,6 @@ namespace {
 
 using namespace test;
 
-// How many of something: few, unless TANDEM_TEST_LONG is set.
-unsigned number(unsigned in_long, unsigned in_short) {
-  return std::getenv("TANDEM_TEST_LONG") != nullptr ? in_long : in_short;
-}
-
 void expect_covered(const std::shared_ptr<const StaticMap>& map, unsigned poses) {
   const ExtractorParams params;
   Extractor extractor(map, params);
@@ -87,7 +82,7 @@ void expect_no_deep_shape(const std::shared_ptr<const StaticMap>& map,
 }
 
 TEST(Extractor, CoversEveryCellOfRandomWorlds) {
-  for (unsigned seed = 0; seed < number(200, samples(40, 8)); ++seed)
+  for (unsigned seed = 0; seed < samples(40, 8, 200); ++seed)
     expect_covered(random_world(seed), 10);
 }
 
@@ -97,7 +92,7 @@ TEST(Extractor, CoversEveryCellOfTheProjectsMaps) {
        std::filesystem::directory_iterator(project_map("forest").parent_path())) {
     if (file.path().extension() != ".bt") continue;
     SCOPED_TRACE(file.path());
-    expect_covered(load_world(file.path()), samples(100, 3));
+    expect_covered(load_world(file.path()), samples(40, 2, 100));
     ++maps;
   }
   EXPECT_GE(maps, 6);
@@ -105,7 +100,7 @@ TEST(Extractor, CoversEveryCellOfTheProjectsMaps) {
 
 TEST(Extractor, CoversEveryCellOfARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_covered(load_world(building_map()), samples(60, 3));
+  expect_covered(load_world(building_map()), samples(60, 2));
 }
 
 TEST(Extractor, CoversWithAnyParameters) {
@@ -135,15 +130,15 @@ TEST(Extractor, CoversEveryCellOfBarnWorlds) {
   const auto numbers = barn_world_numbers(barn_file());
   EXPECT_EQ(numbers.size(), 150U);
   EXPECT_EQ(low_barn_world(numbers[0])->grid().cells, barn_world(numbers[0])->grid().cells);
-  for (std::size_t i = 0; i < numbers.size(); i += samples(1, 50)) {
+  for (std::size_t i = 0; i < numbers.size(); i += samples(5, 75, 1)) {
     SCOPED_TRACE(numbers[i]);
-    expect_covered(low_barn_world(numbers[i]), number(30, 3));
+    expect_covered(low_barn_world(numbers[i]), samples(3, 3, 30));
   }
 }
 
 TEST(Extractor, LosesFewPosesInBarnWorlds) {
   if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
-  expect_tight(barn_loss_worlds(static_cast<int>(number(1, samples(30, 150)))));
+  expect_tight(barn_loss_worlds(static_cast<int>(samples(30, 150, 1))));
 }
 
 TEST(Extractor, LosesFewPosesInARealBuilding) {
@@ -210,7 +205,7 @@ TEST(Extractor, LeavesTheWayThroughTheMostCrowdedWorldsOpen) {
 }
 
 TEST(Extractor, ReachesNowhereDeepIntoFreeSpace) {
-  for (unsigned seed = 0; seed < number(40, samples(10, 2)); ++seed)
+  for (unsigned seed = 0; seed < samples(10, 2, 40); ++seed)
     expect_no_deep_shape(random_world(seed));
   for (const char* name : {"forest", "corridor", "slalom"})
     expect_no_deep_shape(load_world(project_map(name)));

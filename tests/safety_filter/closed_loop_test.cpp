@@ -91,7 +91,7 @@ TEST(SafetyFilterLoop, LetsAMirThroughADoorItIsSteeredThrough) {
 TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
   const auto map = wall_ahead();
   SafetyFilterParams params;
-  for (unsigned seed = 1; seed <= samples(24, 7); ++seed) {
+  for (unsigned seed = 1; seed <= samples(24, kMalices); ++seed) {
     Random random(seed);
     DiffDriveSimParams sim;
     sim.max_step = 0.01;

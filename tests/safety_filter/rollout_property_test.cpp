@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter's claim, by at least 150,000 control steps of closed-loop rollouts to standstill: no
+// The filter's claim, by at least 40,000 control steps of closed-loop rollouts to standstill: no
 // contact, whatever is commanded and however bad the base is within its bounds.
 // `safety_filter_rollouts` does the same for as long as wanted.
 #include "people_rollouts.hpp"
@@ -11,8 +11,8 @@
 namespace tandem::test {
 namespace {
 
-constexpr long kSteps = samples(150'000, 6'000);
-constexpr unsigned kPeopleScenes = samples(400, 20);
+const long kSteps = samples(40'000, 3'000, 150'000);
+const unsigned kPeopleScenes = samples(200, 10, 400);
 
 TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
   Tally tally;
@@ -30,6 +30,7 @@ TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
 // The bounds are not idle: a base far beyond them is a base that hits something. Were it not so,
 // the rollouts above would prove nothing about the filter.
 TEST(SafetyFilter, TouchesOnceTheBoundsAreFarFromTrue) {
+  if (kInstrumented) GTEST_SKIP() << "asked of the scenes, which are the same without a sanitizer";
   for (const Beyond& beyond : {Beyond{.braking = 4.0}, Beyond{.delay = 6.0},
                                Beyond{.pose_error = 6.0}, Beyond{.slip = 20.0}}) {
     Tally tally;

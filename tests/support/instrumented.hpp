@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdlib>
+
 namespace tandem::test {
 
 /// True if a sanitizer watches. Such code is ten to forty times as slow: it runs every test, with
@@ -14,6 +16,11 @@ inline constexpr bool kInstrumented = false;
 /// How many samples to take.
 constexpr unsigned samples(unsigned usual, unsigned instrumented) {
   return kInstrumented ? instrumented : usual;
+}
+
+/// The same; `in_long` of them where TANDEM_TEST_LONG is set.
+inline unsigned samples(unsigned usual, unsigned instrumented, unsigned in_long) {
+  return std::getenv("TANDEM_TEST_LONG") != nullptr ? in_long : samples(usual, instrumented);
 }
 
 }  // namespace tandem::test

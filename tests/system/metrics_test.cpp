@@ -16,7 +16,6 @@
 #include "runtime/node.hpp"
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
-#include "support/instrumented.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -84,14 +83,10 @@ void expect_alike(const json& live, const json& recorded) {
   for (const char* key : {"scenario", "map", "method", "driver", "seed", "reached", "collisions"})
     EXPECT_EQ(live.at(key), recorded.at(key)) << key;
   const std::vector<std::pair<const char*, double>> tolerances{
-      {"time_to_goal_s", test::kInstrumented ? 3.0 : 0.5},
-      {"path_length_m", test::kInstrumented ? 2.0 : 0.1},
-      {"min_clearance_m", 0.01},
-      {"mean_clearance_m", 0.05},
-      {"agreement_direction", 0.05},
-      {"agreement_magnitude", 0.05},
-      {"final_position_error_m", 0.05},
-      {"filter_commands", test::kInstrumented ? 60.0 : 20.0}};
+      {"time_to_goal_s", 0.5},          {"path_length_m", 0.1},
+      {"min_clearance_m", 0.01},        {"mean_clearance_m", 0.05},
+      {"agreement_direction", 0.05},    {"agreement_magnitude", 0.05},
+      {"final_position_error_m", 0.05}, {"filter_commands", 20.0}};
   for (const auto& [key, tolerance] : tolerances)
     EXPECT_NEAR(live.at(key).get<double>(), recorded.at(key).get<double>(), tolerance) << key;
 }

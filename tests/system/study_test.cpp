@@ -14,7 +14,6 @@
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
-#include "support/instrumented.hpp"
 #include "support/paths.hpp"
 
 namespace tandem {
@@ -23,8 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr bool kWhole = !test::kInstrumented;  // else a part of it
-constexpr std::size_t kDrives = test::samples(24, 6), kGroups = test::samples(8, 2);
+constexpr std::size_t kDrives = 24, kGroups = 8;
 constexpr double kLong = 300.0;  // [s] for a sanitizer on a busy machine
 
 class StudyProgram : public ::testing::Test {
@@ -32,10 +30,6 @@ class StudyProgram : public ::testing::Test {
   static void SetUpTestSuite() {
     folder() = fs::temp_directory_path() / ("tandem_study_" + std::to_string(getpid()));
     fs::create_directories(folder());
-    if (!kWhole)
-      std::ofstream{out("part.yaml")} << "study: quick\nscenarios: ["
-                                      << test::source_path("tests/system/near.yaml")
-                                      << "]\nmethods: [safety_filter, leader]\nseeds: 1-3\n";
     ASSERT_EQ(run({study(), "--out", out("whole")}), 0);
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
@@ -46,9 +40,7 @@ class StudyProgram : public ::testing::Test {
   }
   static std::string out(const std::string& name) { return (folder() / name).string(); }
 
-  static std::string study() {
-    return kWhole ? test::source_path("bringup/studies/quick.yaml") : out("part.yaml");
-  }
+  static std::string study() { return test::source_path("bringup/studies/quick.yaml"); }
   // Runs `tandem study` with two processes and returns its exit status.
   static int run(std::vector<std::string> words, double timeout = kLong) {
     words.insert(words.begin(), "study");
@@ -123,13 +115,10 @@ TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
   ASSERT_EQ(program.wait(kLong), 0);
   std::ifstream in{out("reported") + "/report.html"};
   const std::string page{std::istreambuf_iterator<char>{in}, {}};
-  std::vector<std::string> expected{"<h1>Study quick</h1>", "paths in forest.bt",
-                                    "data:image/png;base64,"};
-  if (kWhole) expected.insert(expected.end(), {"Devalla 2020: direct", "<h2>corridor</h2>"});
-  for (const std::string& what : expected) EXPECT_NE(page.find(what), std::string::npos) << what;
-  EXPECT_GT(fs::file_size(out("reported") +
-                          (kWhole ? "/paths_forest_task2_forest.png" : "/paths_near_forest.png")),
-            10'000u);
+  for (const char* what : {"<h1>Study quick</h1>", "paths in forest.bt", "data:image/png;base64,",
+                           "Devalla 2020: direct", "<h2>corridor</h2>"})
+    EXPECT_NE(page.find(what), std::string::npos) << what;
+  EXPECT_GT(fs::file_size(out("reported") + "/paths_forest_task2_forest.png"), 10'000u);
 }
 
 TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
