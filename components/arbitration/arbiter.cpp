@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/arbiter.hpp"
+#include "tandem/arbitration/arbiter.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "reasons.hpp"
+#include "tandem/model/reasons.hpp"
 
 namespace tandem {
 namespace {

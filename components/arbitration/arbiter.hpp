@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "arbitration/emergency_stop.hpp"
-#include "arbitration/handover.hpp"
-#include "arbitration/performance.hpp"
-#include "model/se2.hpp"
-#include "params.hpp"
+#include "tandem/arbitration/emergency_stop.hpp"
+#include "tandem/arbitration/handover.hpp"
+#include "tandem/arbitration/performance.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

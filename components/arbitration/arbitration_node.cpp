@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/arbitration_node.hpp"
+#include "tandem/arbitration/arbitration_node.hpp"
 
 #include <cmath>
 #include <utility>
 
-#include "reasons.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/model/reasons.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

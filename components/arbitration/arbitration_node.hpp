@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
-#include "arbitration/arbiter.hpp"
-#include "arbitration/stop_words.hpp"
-#include "convert.hpp"
-#include "diagnostics.hpp"
-#include "runtime/node.hpp"
-#include "twist_input.hpp"
+#include "tandem/arbitration/arbiter.hpp"
+#include "tandem/arbitration/stop_words.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/emergency_stop.hpp"
+#include "tandem/arbitration/emergency_stop.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Ramps the command up when another source takes over.
 #pragma once
 
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

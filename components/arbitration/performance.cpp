@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/performance.hpp"
+#include "tandem/arbitration/performance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 // planner's authority from it.
 #pragma once
 
-#include "model/se2.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/yaml_document.hpp"
+#include "tandem/config/yaml_document.hpp"
 
 #include <array>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 #include <yaml-cpp/eventhandler.h>
 
-#include "config/printable.hpp"
+#include "tandem/config/printable.hpp"
 
 namespace tandem {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "config/yaml_reader.hpp"
+#include "tandem/config/yaml_reader.hpp"
 
 #include <algorithm>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 
-#include "config/printable.hpp"
-#include "config/yaml_document.hpp"
+#include "tandem/config/printable.hpp"
+#include "tandem/config/yaml_document.hpp"
 
 namespace tandem {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dashboard/autonomy_guard.hpp"
+#include "tandem/dashboard/autonomy_guard.hpp"
 
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
 
 namespace tandem {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "dashboard/seat.hpp"
-#include "runtime/node.hpp"
+#include "tandem/dashboard/driver_lock.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dashboard/dashboard_node.hpp"
+#include "tandem/dashboard/dashboard_node.hpp"
 
 #include <ctime>
 #include <iostream>
 #include <span>
 #include <variant>
 
-#include "dashboard/own_channels.hpp"
-#include "dashboard/page_files.hpp"
-#include "dashboard/user_test.hpp"
-#include "runtime/component.hpp"
+#include "tandem/dashboard/own_channels.hpp"
+#include "tandem/dashboard/user_study/user_study.hpp"
+#include "tandem/dashboard/web/page_files.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

@@ -6,16 +6,16 @@
 #include <set>
 #include <string>
 
-#include "dashboard/autonomy_guard.hpp"
-#include "dashboard/foxglove.hpp"
-#include "dashboard/parameter_relay.hpp"
-#include "dashboard/publish_relay.hpp"
-#include "dashboard/seat.hpp"
-#include "dashboard/service_relay.hpp"
-#include "dashboard/topic_relay.hpp"
-#include "dashboard/trial_meter.hpp"
-#include "dashboard/web_server.hpp"
-#include "runtime/node.hpp"
+#include "tandem/dashboard/autonomy_guard.hpp"
+#include "tandem/dashboard/bridge/parameter_relay.hpp"
+#include "tandem/dashboard/bridge/publish_relay.hpp"
+#include "tandem/dashboard/bridge/service_relay.hpp"
+#include "tandem/dashboard/bridge/topic_relay.hpp"
+#include "tandem/dashboard/driver_lock.hpp"
+#include "tandem/dashboard/user_study/trial_recorder.hpp"
+#include "tandem/dashboard/web/foxglove_protocol.hpp"
+#include "tandem/dashboard/web/web_server.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

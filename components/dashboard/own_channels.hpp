@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "dashboard/foxglove.hpp"
+#include "tandem/dashboard/web/foxglove_protocol.hpp"
 
 namespace tandem {
 

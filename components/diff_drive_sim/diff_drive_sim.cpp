@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
 
 #include <algorithm>
 #include <limits>

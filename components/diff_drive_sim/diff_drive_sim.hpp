@@ -10,10 +10,10 @@
 #include <numbers>
 #include <vector>
 
-#include "diff_drive_sim/drive.hpp"
-#include "diff_drive_sim/people.hpp"
-#include "map/static_map.hpp"
-#include "model/robot.hpp"
+#include "tandem/diff_drive_sim/drive.hpp"
+#include "tandem/diff_drive_sim/people.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diff_drive_sim/diff_drive_sim_node.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "map/map_file.hpp"
-#include "model/frame_tree.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/map/map_file.hpp"
+#include "tandem/model/frame_tree.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

@@ -4,12 +4,12 @@
 #include <limits>
 #include <random>
 
-#include "convert.hpp"
-#include "diff_drive_sim/diff_drive_sim.hpp"
-#include "diff_drive_sim/single_source.hpp"
-#include "map/slice.hpp"
-#include "runtime/node.hpp"
-#include "twist_input.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/diff_drive_sim/single_source.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -5,8 +5,8 @@
 #include <deque>
 #include <random>
 
-#include "model/diff_drive.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 

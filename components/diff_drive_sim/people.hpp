@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "model/obstacle.hpp"
+#include "tandem/model/obstacle.hpp"
 
 namespace tandem {
 

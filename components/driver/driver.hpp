@@ -7,11 +7,11 @@
 #include <variant>
 #include <vector>
 
-#include "driver/hand.hpp"
-#include "driver/navigator.hpp"
-#include "driver/script.hpp"
-#include "driver/wanderers.hpp"
-#include "model/robot.hpp"
+#include "tandem/driver/hand.hpp"
+#include "tandem/driver/navigator.hpp"
+#include "tandem/driver/script.hpp"
+#include "tandem/driver/wanderers.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/driver_node.hpp"
+#include "tandem/driver/driver_node.hpp"
 
 #include <utility>
 
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "driver/driver.hpp"
-#include "map_input.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
+#include "tandem/driver/driver.hpp"
+#include "tandem/io/map_input.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "params.hpp"
+#include "tandem/config/params.hpp"
 
 namespace tandem {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/navigator.hpp"
+#include "tandem/driver/navigator.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "driver/wander.hpp"
+#include "tandem/driver/wander.hpp"
 
 namespace tandem {
 namespace {

@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "driver/hand.hpp"
-#include "model/se2.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/driver/hand.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

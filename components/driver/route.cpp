@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/route.hpp"
+#include "tandem/driver/route.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/script.hpp"
+#include "tandem/driver/script.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "driver/wander.hpp"
+#include "tandem/driver/wander.hpp"
 
 namespace tandem {
 namespace {

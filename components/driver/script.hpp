@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "driver/hand.hpp"
-#include "driver/navigator.hpp"
-#include "driver/script_phase.hpp"
-#include "model/se2.hpp"
+#include "tandem/driver/hand.hpp"
+#include "tandem/driver/navigator.hpp"
+#include "tandem/driver/script_phase.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/script_phase.hpp"
+#include "tandem/driver/script_phase.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "driver/route.hpp"
-#include "model/footprint.hpp"
+#include "tandem/driver/route.hpp"
+#include "tandem/model/footprint.hpp"
 
 namespace tandem {
 

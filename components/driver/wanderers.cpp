@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/wanderers.hpp"
+#include "tandem/driver/wanderers.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "driver/navigator.hpp"
-#include "map/static_map.hpp"
+#include "tandem/driver/navigator.hpp"
+#include "tandem/map/static_map.hpp"
 
 namespace tandem {
 

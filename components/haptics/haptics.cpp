@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptics/haptics.hpp"
+#include "tandem/haptics/haptics.hpp"
 
 #include <algorithm>
 #include <cmath>

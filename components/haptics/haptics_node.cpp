@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptics/haptics_node.hpp"
+#include "tandem/haptics/haptics_node.hpp"
 
-#include "convert.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "haptics/haptics.hpp"
-#include "model/heard.hpp"
-#include "runtime/node.hpp"
-#include "twist_input.hpp"
+#include "tandem/haptics/haptics.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/model/stamped.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hindsight/hindsight.hpp"
+#include "tandem/hindsight/hindsight.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

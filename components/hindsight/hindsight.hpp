@@ -5,9 +5,9 @@
 
 #include <vector>
 
-#include "map/cost_to_go.hpp"
-#include "model/robot.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/cost_to_go.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hindsight/hindsight_node.hpp"
+#include "tandem/hindsight/hindsight_node.hpp"
 
 #include <stdexcept>
 
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

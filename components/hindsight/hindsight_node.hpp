@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "hindsight/hindsight.hpp"
-#include "map_input.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
-#include "twist_input.hpp"
+#include "tandem/hindsight/hindsight.hpp"
+#include "tandem/io/map_input.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

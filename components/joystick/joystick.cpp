@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "joystick/joystick.hpp"
+#include "tandem/joystick/joystick.hpp"
 
 #include <algorithm>
 #include <cmath>

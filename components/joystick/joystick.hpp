@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "params.hpp"
+#include "tandem/config/params.hpp"
 
 namespace tandem {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "joystick/joystick_node.hpp"
+#include "tandem/joystick/joystick_node.hpp"
 
 #include <SDL2/SDL.h>
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

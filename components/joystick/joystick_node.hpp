@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "joystick/joystick.hpp"
-#include "runtime/node.hpp"
+#include "tandem/joystick/joystick.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

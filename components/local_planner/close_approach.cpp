@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/close_approach.hpp"
+#include "tandem/local_planner/close_approach.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

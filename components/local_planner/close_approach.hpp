@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "local_planner/cycle.hpp"
+#include "tandem/local_planner/cycle.hpp"
 
 namespace tandem {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/cycle.hpp"
+#include "tandem/local_planner/cycle.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "local_planner/guesses.hpp"
-#include "local_planner/guidance.hpp"
-#include "local_planner/stage_terms.hpp"
-#include "local_planner/warm_start.hpp"
+#include "tandem/local_planner/guesses.hpp"
+#include "tandem/local_planner/guidance.hpp"
+#include "tandem/local_planner/ocp/stage_terms.hpp"
+#include "tandem/local_planner/warm_start.hpp"
 
 namespace tandem {
 namespace {

@@ -4,13 +4,13 @@
 
 #include <vector>
 
-#include "local_planner/fallback.hpp"
-#include "local_planner/nmpc_params.hpp"
-#include "local_planner/pairs.hpp"
-#include "local_planner/plan.hpp"
-#include "local_planner/reference.hpp"
-#include "local_planner/solver.hpp"
-#include "model/robot.hpp"
+#include "tandem/local_planner/fallback.hpp"
+#include "tandem/local_planner/nmpc_params.hpp"
+#include "tandem/local_planner/ocp/pairs.hpp"
+#include "tandem/local_planner/plan.hpp"
+#include "tandem/local_planner/reference.hpp"
+#include "tandem/local_planner/solvers/solver.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

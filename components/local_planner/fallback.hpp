@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <span>
 
-#include "local_planner/motion_check.hpp"
-#include "local_planner/plan.hpp"
-#include "model/robot.hpp"
+#include "tandem/local_planner/motion_check.hpp"
+#include "tandem/local_planner/plan.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

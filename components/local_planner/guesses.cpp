@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/guesses.hpp"
+#include "tandem/local_planner/guesses.hpp"
 
 #include <algorithm>
 #include <optional>
 
-#include "local_planner/ellipse_distance.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

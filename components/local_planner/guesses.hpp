@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "local_planner/pairs.hpp"
-#include "local_planner/reference.hpp"
+#include "tandem/local_planner/ocp/pairs.hpp"
+#include "tandem/local_planner/reference.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/guidance.hpp"
+#include "tandem/local_planner/guidance.hpp"
 
 #include <algorithm>
 #include <cmath>

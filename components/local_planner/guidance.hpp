@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "model/guidance_line.hpp"
-#include "model/se2.hpp"
+#include "tandem/model/guidance_line.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "diagnostics.hpp"
-#include "local_planner/nmpc.hpp"
-#include "map/fixtures.hpp"
-#include "model/heard.hpp"
-#include "reasons.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
-#include "twist_input.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/local_planner/nmpc.hpp"
+#include "tandem/map/virtual_fixtures.hpp"
+#include "tandem/model/reasons.hpp"
+#include "tandem/model/stamped.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

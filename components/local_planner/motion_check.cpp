@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/motion_check.hpp"
+#include "tandem/local_planner/motion_check.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "local_planner/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/ellipse_distance.hpp"
 
 namespace tandem {
 namespace {

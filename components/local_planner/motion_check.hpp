@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "model/footprint.hpp"
-#include "model/motor_lag.hpp"
-#include "model/obstacle.hpp"
-#include "model/se2.hpp"
+#include "tandem/model/footprint.hpp"
+#include "tandem/model/motor_lag.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/nmpc.hpp"
+#include "tandem/local_planner/nmpc.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
 
-#include "local_planner/close_approach.hpp"
-#include "local_planner/cycle.hpp"
-#include "local_planner/delay_estimator.hpp"
-#include "local_planner/solver.hpp"
-#include "local_planner/stalemate.hpp"
-#include "local_planner/trail.hpp"
-#include "local_planner/warm_start.hpp"
-#include "model/brief_push.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/local_planner/close_approach.hpp"
+#include "tandem/local_planner/cycle.hpp"
+#include "tandem/local_planner/deadlock.hpp"
+#include "tandem/local_planner/delay_estimator.hpp"
+#include "tandem/local_planner/solvers/solver.hpp"
+#include "tandem/local_planner/trail.hpp"
+#include "tandem/local_planner/warm_start.hpp"
+#include "tandem/model/brief_push.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

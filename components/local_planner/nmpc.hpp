@@ -4,9 +4,9 @@
 
 #include <memory>
 
-#include "local_planner/nmpc_params.hpp"
-#include "local_planner/plan.hpp"
-#include "model/robot.hpp"
+#include "tandem/local_planner/nmpc_params.hpp"
+#include "tandem/local_planner/plan.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "model/motor_lag.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/motor_lag.hpp"
 
 namespace tandem {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/plan.hpp"
+#include "tandem/local_planner/plan.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
-#include "reasons.hpp"
+#include "tandem/model/reasons.hpp"
 
 namespace tandem {
 namespace {

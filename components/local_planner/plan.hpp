@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "local_planner/solve.hpp"
-#include "model/guidance_line.hpp"
-#include "model/obstacle.hpp"
-#include "model/se2.hpp"
+#include "tandem/local_planner/solvers/solver_types.hpp"
+#include "tandem/model/guidance_line.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/reference.hpp"
+#include "tandem/local_planner/reference.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "local_planner/trail.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/local_planner/trail.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

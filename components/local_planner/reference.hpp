@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "local_planner/nmpc_params.hpp"
-#include "local_planner/ocp.hpp"
-#include "local_planner/plan.hpp"
-#include "model/robot.hpp"
+#include "tandem/local_planner/nmpc_params.hpp"
+#include "tandem/local_planner/ocp/ocp.hpp"
+#include "tandem/local_planner/plan.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

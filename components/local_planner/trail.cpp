@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/trail.hpp"
+#include "tandem/local_planner/trail.hpp"
 
 #include <algorithm>
 

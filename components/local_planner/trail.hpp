@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "local_planner/pairs.hpp"
+#include "tandem/local_planner/ocp/pairs.hpp"
 
 namespace tandem {
 

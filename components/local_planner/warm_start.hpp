@@ -2,9 +2,9 @@
 // In: a motion, or the last solution. Out: an iterate to start the next solve from.
 #pragma once
 
-#include "local_planner/ocp.hpp"
-#include "local_planner/reference.hpp"
-#include "local_planner/solve.hpp"
+#include "tandem/local_planner/ocp/ocp.hpp"
+#include "tandem/local_planner/reference.hpp"
+#include "tandem/local_planner/solvers/solver_types.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/barn_world.hpp"
+#include "tandem/map/barn_world.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/json_text.hpp"
+#include "tandem/config/json_text.hpp"
 
 namespace tandem {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "map/map_description.hpp"
+#include "tandem/map/map_description.hpp"
 
 namespace tandem {
 

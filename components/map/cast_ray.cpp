@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "map/static_map.hpp"
+#include "tandem/map/static_map.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/clutter_world.hpp"
+#include "tandem/map/clutter_world.hpp"
 
 #include <array>
 #include <random>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "map/static_map.hpp"
+#include "tandem/map/static_map.hpp"
 
 namespace tandem {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "map/map_description.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/map_description.hpp"
 
 namespace tandem {
 

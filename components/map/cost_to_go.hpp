@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "map/static_map.hpp"
-#include "map/way.hpp"
+#include "tandem/map/path_search.hpp"
+#include "tandem/map/static_map.hpp"
 
 namespace tandem {
 

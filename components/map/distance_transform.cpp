@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/distance_transform.hpp"
+#include "tandem/map/distance_transform.hpp"
 
 #include <algorithm>
 #include <cmath>

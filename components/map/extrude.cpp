@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/extrude.hpp"
+#include "tandem/map/extrude.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "map/overlay.hpp"
+#include "tandem/map/overlay.hpp"
 
 namespace tandem {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "map/grid.hpp"
+#include "tandem/map/grid.hpp"
 
 namespace tandem {
 

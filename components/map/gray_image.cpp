@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/gray_image.hpp"
+#include "tandem/map/gray_image.hpp"
 
 #include <png.h>
 
@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "map/grid.hpp"
+#include "tandem/map/grid.hpp"
 
 namespace tandem {
 namespace {

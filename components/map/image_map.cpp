@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/image_map.hpp"
+#include "tandem/map/image_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "config/yaml_reader.hpp"
-#include "map/gray_image.hpp"
+#include "tandem/config/yaml_reader.hpp"
+#include "tandem/map/gray_image.hpp"
 
 namespace tandem {
 namespace {

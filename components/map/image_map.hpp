@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "map/occupancy_plane.hpp"
+#include "tandem/map/occupancy_plane.hpp"
 
 namespace tandem {
 

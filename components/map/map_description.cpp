@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/map_description.hpp"
+#include "tandem/map/map_description.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "config/yaml_reader.hpp"
+#include "tandem/config/yaml_reader.hpp"
 
 namespace tandem {
 namespace {

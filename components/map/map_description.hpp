@@ -43,8 +43,8 @@ struct MapDescription {
 ///     cylinders: [{center: [x, y], diameter: d, height: h}, …]
 ///
 /// where `z: [low, high]` may stand for `height: h` (z from 0 to h). A wall follows its points;
-/// its free ends are flat and end at the point. Throws std::invalid_argument naming `name`, the line
-/// and what is wrong there; an unknown key is wrong.
+/// its free ends are flat and end at the point. Throws std::invalid_argument naming `name`, the
+/// line and what is wrong there; an unknown key is wrong.
 [[nodiscard]] MapDescription parse_map_description(const std::string& text,
                                                    const std::string& name);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/map_file.hpp"
+#include "tandem/map/map_file.hpp"
 
 #include <stdexcept>
 
-#include "config/yaml_reader.hpp"
-#include "map/extrude.hpp"
-#include "map/image_map.hpp"
-#include "map/map_description.hpp"
-#include "map/octomap_file.hpp"
+#include "tandem/config/yaml_reader.hpp"
+#include "tandem/map/extrude.hpp"
+#include "tandem/map/image_map.hpp"
+#include "tandem/map/map_description.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/occupancy_plane.hpp"
+#include "tandem/map/occupancy_plane.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "map/grid.hpp"
-#include "model/se2.hpp"
+#include "tandem/map/grid.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/octomap_bytes.hpp"
+#include "tandem/map/octomap_bytes.hpp"
 
 #include <bit>
 #include <cmath>

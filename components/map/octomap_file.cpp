@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/octomap_file.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "map/octomap_bytes.hpp"
+#include "tandem/map/octomap_bytes.hpp"
 
 namespace tandem {
 namespace {

@@ -2,7 +2,7 @@
 // In: a map that stays and what is seen now. Out: both as one grid round the robot.
 #pragma once
 
-#include "map/grid.hpp"
+#include "tandem/map/grid.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/placed_grid.hpp"
+#include "tandem/map/placed_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

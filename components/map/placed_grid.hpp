@@ -2,8 +2,8 @@
 // In: a grid whose frame is not the map's. Out: the same in the map, with no obstacle lost.
 #pragma once
 
-#include "map/grid.hpp"
-#include "model/se2.hpp"
+#include "tandem/map/grid.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/slice.hpp"
+#include "tandem/map/slice.hpp"
 
 #include <algorithm>
 #include <array>

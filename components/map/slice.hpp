@@ -4,8 +4,8 @@
 
 #include <octomap/OcTree.h>
 
-#include "map/grid.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/grid.hpp"
 
 namespace tandem {
 

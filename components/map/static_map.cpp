@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/static_map.hpp"
+#include "tandem/map/static_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "map/distance_transform.hpp"
+#include "tandem/map/distance_transform.hpp"
 
 namespace tandem {
 namespace {

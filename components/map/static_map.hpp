@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "map/grid.hpp"
-#include "model/footprint.hpp"
-#include "model/se2.hpp"
+#include "tandem/map/grid.hpp"
+#include "tandem/model/footprint.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map_server/map_server_node.hpp"
+#include "tandem/map_server/map_server_node.hpp"
 
-#include "map/map_file.hpp"
-#include "map/octomap_file.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/map/map_file.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 

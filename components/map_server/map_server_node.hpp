@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "convert.hpp"
-#include "map/slice.hpp"
-#include "runtime/node.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/metrics.hpp"
+#include "tandem/metrics/metrics.hpp"
 
 #include <algorithm>
 #include <cmath>

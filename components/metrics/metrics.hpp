@@ -12,9 +12,9 @@
 #include <variant>
 #include <vector>
 
-#include "metrics/smoothness.hpp"
-#include "model/obstacle.hpp"
-#include "model/se2.hpp"
+#include "tandem/metrics/smoothness.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

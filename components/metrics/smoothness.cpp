@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/smoothness.hpp"
+#include "tandem/metrics/smoothness.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/robot.hpp"
-#include "model/se2.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/footprint.hpp"
+#include "tandem/model/footprint.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "model/obstacle.hpp"
-#include "model/se2.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

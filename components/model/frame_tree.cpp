@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/frame_tree.hpp"
+#include "tandem/model/frame_tree.hpp"
 
 #include <algorithm>
 

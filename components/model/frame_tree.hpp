@@ -15,7 +15,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <optional>
 
-#include "model/se2.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

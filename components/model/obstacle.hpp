@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/robot.hpp"
+#include "tandem/model/robot.hpp"
 
 #include <cmath>
 #include <numeric>

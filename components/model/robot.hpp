@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "model/footprint.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/footprint.hpp"
 
 namespace tandem {
 

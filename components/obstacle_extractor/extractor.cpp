@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "obstacle_extractor/extractor.hpp"
+#include "tandem/obstacle_extractor/extractor.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "obstacle_extractor/clusters.hpp"
+#include "tandem/obstacle_extractor/cover/clusters.hpp"
 
 namespace tandem {
 namespace {

@@ -10,11 +10,11 @@
 #include <memory>
 #include <vector>
 
-#include "map/static_map.hpp"
-#include "model/obstacle.hpp"
-#include "obstacle_extractor/cover.hpp"
-#include "obstacle_extractor/places.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/obstacle_extractor/cover/cover.hpp"
+#include "tandem/obstacle_extractor/cover/free_regions.hpp"
 
 namespace tandem {
 

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "diagnostics.hpp"
-#include "map_input.hpp"
-#include "model/heard.hpp"
-#include "model/robot.hpp"
-#include "obstacle_extractor/shapes_ahead.hpp"
-#include "people_input.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/map_input.hpp"
+#include "tandem/io/obstacle_tracks_input.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/model/stamped.hpp"
+#include "tandem/obstacle_extractor/background_extractor.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/local_map.hpp"
+#include "tandem/octomap_builder/local_map.hpp"
 
 #include <algorithm>
 #include <array>

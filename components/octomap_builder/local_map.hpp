@@ -8,10 +8,10 @@
 #include <optional>
 #include <span>
 
-#include "map/echoes.hpp"
-#include "model/footprint.hpp"
-#include "octomap_builder/voxel_times.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/range_returns.hpp"
+#include "tandem/model/footprint.hpp"
+#include "tandem/octomap_builder/voxel_times.hpp"
 
 namespace tandem {
 

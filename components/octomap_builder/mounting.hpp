@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/octomap_builder_node.hpp"
+#include "tandem/octomap_builder/octomap_builder_node.hpp"
 
 #include <cmath>
 #include <string_view>
@@ -7,9 +7,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "map/octomap_file.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

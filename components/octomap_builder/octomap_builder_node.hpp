@@ -5,18 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "diagnostics.hpp"
-#include "map/slice.hpp"
-#include "model/robot.hpp"
-#include "octomap_builder/local_map.hpp"
-#include "octomap_builder/mounting.hpp"
-#include "octomap_builder/own_body.hpp"
-#include "octomap_builder/pose_history.hpp"
-#include "octomap_builder/scan_reader.hpp"
-#include "octomap_builder/sensor_watch.hpp"
-#include "octomap_builder/sweep.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/octomap_builder/local_map.hpp"
+#include "tandem/octomap_builder/mounting.hpp"
+#include "tandem/octomap_builder/own_body.hpp"
+#include "tandem/octomap_builder/pose_history.hpp"
+#include "tandem/octomap_builder/scan_reader.hpp"
+#include "tandem/octomap_builder/sensor_watch.hpp"
+#include "tandem/octomap_builder/sweep.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/own_body.hpp"
+#include "tandem/octomap_builder/own_body.hpp"
 
 #include <utility>
 

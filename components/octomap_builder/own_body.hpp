@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "map/echoes.hpp"
-#include "model/footprint.hpp"
+#include "tandem/map/range_returns.hpp"
+#include "tandem/model/footprint.hpp"
 
 namespace tandem {
 

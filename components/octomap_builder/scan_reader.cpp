@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/scan_reader.hpp"
+#include "tandem/octomap_builder/scan_reader.hpp"
 
 #include <algorithm>
 #include <array>

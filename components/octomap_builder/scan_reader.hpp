@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "map/echoes.hpp"
-#include "octomap_builder/own_body.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/range_returns.hpp"
+#include "tandem/octomap_builder/own_body.hpp"
 
 namespace tandem {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/sensor_watch.hpp"
+#include "tandem/octomap_builder/sensor_watch.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
 
-#include "octomap_builder/mounting.hpp"
+#include "tandem/octomap_builder/mounting.hpp"
 
 namespace tandem {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "map/echoes.hpp"
-#include "model/se2.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/range_returns.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

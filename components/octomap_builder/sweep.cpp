@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/sweep.hpp"
+#include "tandem/octomap_builder/sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "octomap_builder/mounting.hpp"
+#include "tandem/octomap_builder/mounting.hpp"
 
 namespace tandem {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "map/echoes.hpp"
-#include "model/se2.hpp"
-#include "octomap_builder/local_map.hpp"
+#include "tandem/map/range_returns.hpp"
+#include "tandem/model/se2.hpp"
+#include "tandem/octomap_builder/local_map.hpp"
 
 namespace tandem {
 

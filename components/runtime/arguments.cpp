@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/arguments.hpp"
+#include "tandem/runtime/arguments.hpp"
 
 #include <algorithm>
 #include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "runtime/dds_security.hpp"
+#include "tandem/runtime/dds_security.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/node.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem::runtime {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/component.hpp"
+#include "tandem/runtime/component.hpp"
 
 #include <dlfcn.h>
 
@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "runtime/graph.hpp"
+#include "tandem/runtime/detail/graph.hpp"
 
 namespace tandem::runtime {
 namespace {

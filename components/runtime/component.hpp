@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/node.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem::runtime {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/dds_security.hpp"
+#include "tandem/runtime/dds_security.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "runtime/environment.hpp"
-#include "runtime/names.hpp"
+#include "tandem/runtime/environment.hpp"
+#include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/decode.hpp"
+#include "tandem/runtime/decode.hpp"
 
-#include "runtime/codec.hpp"
+#include "tandem/runtime/detail/codec.hpp"
 
 namespace tandem::runtime {
 

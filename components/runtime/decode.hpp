@@ -2,7 +2,7 @@
 // In: recorded bytes. Out: the message in them.
 #pragma once
 
-#include "runtime/pubsub.hpp"
+#include "tandem/runtime/pubsub.hpp"
 
 namespace tandem::runtime {
 

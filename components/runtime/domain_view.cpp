@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/domain_view.hpp"
+#include "tandem/runtime/domain_view.hpp"
 
 #include <algorithm>
 #include <map>
 #include <set>
 
-#include "runtime/node_core.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/environment.hpp"
+#include "tandem/runtime/environment.hpp"
 
 #include <charconv>
 #include <cstdlib>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/dds_security.hpp"
+#include "tandem/runtime/dds_security.hpp"
 
 namespace tandem::runtime {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/log.hpp"
+#include "tandem/runtime/log.hpp"
 
 #include <atomic>
 #include <cctype>
@@ -11,8 +11,8 @@
 #include <spdlog/logger.h>
 #include <spdlog/sinks/stdout_sinks.h>
 
-#include "config/printable.hpp"
-#include "runtime/time.hpp"
+#include "tandem/config/printable.hpp"
+#include "tandem/runtime/time.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/names.hpp"
+#include "tandem/runtime/names.hpp"
 
 #include <stdexcept>
 

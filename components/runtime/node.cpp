@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/node.hpp"
+#include "tandem/runtime/node.hpp"
 
-#include "runtime/node_core.hpp"
-#include "runtime/reader_set.hpp"
-#include "runtime/service_core.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/detail/reader_set.hpp"
+#include "tandem/runtime/detail/service_core.hpp"
 
 namespace tandem::runtime {
 namespace {

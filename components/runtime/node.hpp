@@ -11,14 +11,14 @@
 
 #include <msgs.hpp>
 
-#include "runtime/log.hpp"
-#include "runtime/parameter_table.hpp"
-#include "runtime/parameters.hpp"
-#include "runtime/pubsub.hpp"
-#include "runtime/qos.hpp"
-#include "runtime/service.hpp"
-#include "runtime/time.hpp"
-#include "runtime/timer.hpp"
+#include "tandem/runtime/log.hpp"
+#include "tandem/runtime/parameter_table.hpp"
+#include "tandem/runtime/parameters.hpp"
+#include "tandem/runtime/pubsub.hpp"
+#include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/service.hpp"
+#include "tandem/runtime/time.hpp"
+#include "tandem/runtime/timer.hpp"
 
 namespace tandem {
 namespace runtime {

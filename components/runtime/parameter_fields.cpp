@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/parameter_fields.hpp"
+#include "tandem/runtime/parameter_fields.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <yaml-cpp/yaml.h>
 
-#include "config/yaml_document.hpp"
+#include "tandem/config/yaml_document.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <msgs.hpp>
 
-#include "params.hpp"
+#include "tandem/config/params.hpp"
 
 namespace tandem::runtime {
 

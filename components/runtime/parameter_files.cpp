@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/parameter_files.hpp"
+#include "tandem/runtime/parameter_files.hpp"
 
 #include <algorithm>
 #include <set>
@@ -7,7 +7,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "config/yaml_document.hpp"
+#include "tandem/config/yaml_document.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/parameters.hpp"
+#include "tandem/runtime/parameters.hpp"
 
 #include <mutex>
 #include <stdexcept>
 
-#include "runtime/parameter_files.hpp"
+#include "tandem/runtime/parameter_files.hpp"
 
 namespace tandem::runtime {
 namespace {

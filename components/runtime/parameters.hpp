@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/parameter_fields.hpp"
+#include "tandem/runtime/parameter_fields.hpp"
 
 namespace tandem::runtime {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/pubsub.hpp"
+#include "tandem/runtime/pubsub.hpp"
 
-#include "runtime/node_core.hpp"
-#include "runtime/reader_set.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/detail/reader_set.hpp"
 
 namespace tandem::runtime {
 

@@ -12,7 +12,7 @@
 
 #include <msgs.hpp>
 
-#include "runtime/qos.hpp"
+#include "tandem/runtime/qos.hpp"
 
 namespace tandem::runtime {
 

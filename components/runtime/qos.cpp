@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/qos.hpp"
+#include "tandem/runtime/qos.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/service.hpp"
+#include "tandem/runtime/service.hpp"
 
 #include <utility>
 
-#include "runtime/service_core.hpp"
+#include "tandem/runtime/detail/service_core.hpp"
 
 namespace tandem::runtime {
 

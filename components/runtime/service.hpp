@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/pubsub.hpp"
+#include "tandem/runtime/pubsub.hpp"
 
 namespace tandem::runtime {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/shutdown.hpp"
+#include "tandem/runtime/shutdown.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -14,8 +14,8 @@
 
 #include <unistd.h>
 
-#include "runtime/node_core.hpp"
-#include "runtime/running_nodes.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/detail/running_nodes.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/timer.hpp"
+#include "tandem/runtime/timer.hpp"
 
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "runtime/node_core.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
 
 namespace tandem::runtime {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/clearance_check.hpp"
+#include "tandem/safety_filter/clearance_check.hpp"
 
 #include <algorithm>
 #include <cmath>

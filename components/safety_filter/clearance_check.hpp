@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "map/static_map.hpp"
-#include "safety_filter/deviation.hpp"
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/safety_filter/deviation.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 namespace tandem {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "model/diff_drive.hpp"
-#include "model/se2.hpp"
+#include "tandem/model/diff_drive.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

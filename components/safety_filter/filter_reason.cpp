@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reasons.hpp"
-#include "safety_filter/safety_filter.hpp"
+#include "tandem/model/reasons.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem {
 

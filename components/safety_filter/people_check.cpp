@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/people_check.hpp"
+#include "tandem/safety_filter/people_check.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

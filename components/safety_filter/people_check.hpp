@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "model/obstacle.hpp"
-#include "model/robot.hpp"
-#include "params.hpp"
-#include "safety_filter/clearance_check.hpp"
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/safety_filter/clearance_check.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/safety_filter.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "model/diff_drive.hpp"
-#include "safety_filter/share_cover.hpp"
-#include "safety_filter/unseen_check.hpp"
+#include "tandem/model/diff_drive.hpp"
+#include "tandem/safety_filter/share_cover.hpp"
+#include "tandem/safety_filter/unseen_check.hpp"
 
 namespace tandem {
 namespace {

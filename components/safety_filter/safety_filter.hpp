@@ -8,14 +8,14 @@
 #include <optional>
 #include <vector>
 
-#include "map/static_map.hpp"
-#include "model/localization.hpp"
-#include "model/robot.hpp"
-#include "model/twist_check.hpp"
-#include "params.hpp"
-#include "safety_filter/clearance_check.hpp"
-#include "safety_filter/people_check.hpp"
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/localization.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/model/twist_check.hpp"
+#include "tandem/safety_filter/clearance_check.hpp"
+#include "tandem/safety_filter/people_check.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 namespace tandem {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/safety_filter_node.hpp"
+#include "tandem/safety_filter/safety_filter_node.hpp"
 
 #include <cmath>
 
-#include "reasons.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/model/reasons.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

@@ -3,14 +3,14 @@
 
 #include <memory>
 
-#include "diagnostics.hpp"
-#include "map_input.hpp"
-#include "people_input.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
-#include "safety_filter/safety_filter.hpp"
-#include "sensing_input.hpp"
-#include "twist_input.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/map_input.hpp"
+#include "tandem/io/obstacle_tracks_input.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/io/sensing_input.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/runtime/node.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem {
 

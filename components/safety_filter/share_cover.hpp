@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 namespace tandem {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <span>
 
-#include "map/static_map.hpp"
-#include "safety_filter/clearance_check.hpp"
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/safety_filter/clearance_check.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 namespace tandem {
 

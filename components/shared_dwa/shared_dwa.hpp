@@ -2,9 +2,9 @@
 // In: the person's command, the robot's state, the map. Out: the nearest command whose arc is free.
 #pragma once
 
-#include "map/static_map.hpp"
-#include "model/robot.hpp"
-#include "params.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 

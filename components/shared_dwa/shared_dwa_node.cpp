@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shared_dwa/shared_dwa_node.hpp"
+#include "tandem/shared_dwa/shared_dwa_node.hpp"
 
 #include <utility>
 
-#include "reasons.hpp"
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/model/reasons.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 

@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "diagnostics.hpp"
-#include "map_input.hpp"
-#include "model/heard.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
-#include "shared_dwa/shared_dwa.hpp"
-#include "twist_input.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/map_input.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/model/stamped.hpp"
+#include "tandem/runtime/node.hpp"
+#include "tandem/shared_dwa/shared_dwa.hpp"
 
 namespace tandem {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/teleop.hpp"
+#include "tandem/teleop/teleop.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "model/brief_push.hpp"
-#include "model/robot.hpp"
-#include "model/se2.hpp"
-#include "params.hpp"
-#include "reasons.hpp"
+#include "tandem/config/params.hpp"
+#include "tandem/model/brief_push.hpp"
+#include "tandem/model/reasons.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/model/se2.hpp"
 
 namespace tandem {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/teleop_node.hpp"
+#include "tandem/teleop/teleop_node.hpp"
 
 #include <spdlog/fmt/ranges.h>
 
-#include "runtime/component.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

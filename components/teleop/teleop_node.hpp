@@ -4,16 +4,16 @@
 #include <map>
 #include <string>
 
-#include "diagnostics.hpp"
-#include "model/heard.hpp"
-#include "robot_state_input.hpp"
-#include "runtime/node.hpp"
-#include "stamp_check.hpp"
-#include "teleop/joy_rhythm.hpp"
-#include "teleop/rest_check.hpp"
-#include "teleop/stick_holder.hpp"
-#include "teleop/teleop.hpp"
-#include "twist_input.hpp"
+#include "tandem/io/diagnostics.hpp"
+#include "tandem/io/robot_state_input.hpp"
+#include "tandem/io/stamp_check.hpp"
+#include "tandem/io/twist_input.hpp"
+#include "tandem/model/stamped.hpp"
+#include "tandem/runtime/node.hpp"
+#include "tandem/teleop/joy_rhythm.hpp"
+#include "tandem/teleop/rest_check.hpp"
+#include "tandem/teleop/stick_holder.hpp"
+#include "tandem/teleop/teleop.hpp"
 
 namespace tandem {
 

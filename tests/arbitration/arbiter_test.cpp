@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/arbiter.hpp"
+#include "tandem/arbitration/arbiter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/handover.hpp"
+#include "tandem/arbitration/handover.hpp"
 
 #include <gtest/gtest.h>
 

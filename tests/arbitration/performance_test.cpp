@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/performance.hpp"
+#include "tandem/arbitration/performance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "arbitration/arbiter.hpp"
+#include "tandem/arbitration/arbiter.hpp"
 
 namespace tandem {
 namespace {

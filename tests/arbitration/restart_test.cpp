@@ -3,9 +3,9 @@
 // on the way is lost.
 #include <gtest/gtest.h>
 
-#include "arbitration/arbiter.hpp"
-#include "teleop/stick_holder.hpp"
-#include "teleop/teleop.hpp"
+#include "tandem/arbitration/arbiter.hpp"
+#include "tandem/teleop/stick_holder.hpp"
+#include "tandem/teleop/teleop.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "arbitration/stop_words.hpp"
+#include "tandem/arbitration/stop_words.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 #include <random>
 #include <thread>
 
-#include "../obstacle_extractor/worlds.hpp"
-#include "map/octomap_file.hpp"
-#include "model/footprint.hpp"
-#include "obstacle_extractor/shapes_ahead.hpp"
+#include "obstacle_extractor/worlds.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/model/footprint.hpp"
+#include "tandem/obstacle_extractor/background_extractor.hpp"
 
 namespace tandem {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "benchmark/latency_stick.hpp"
-#include "bringup/system.hpp"
+#include "bringup/system/system.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 

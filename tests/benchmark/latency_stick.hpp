@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "metrics/metrics.hpp"
 #include "support/spin_until.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/metrics/metrics.hpp"
 
 namespace tandem {
 

@@ -10,10 +10,10 @@
 #include <optional>
 #include <string>
 
-#include "../obstacle_extractor/worlds.hpp"
-#include "map/overlay.hpp"
-#include "obstacle_extractor/extractor.hpp"
-#include "octomap_builder/local_map.hpp"
+#include "obstacle_extractor/worlds.hpp"
+#include "tandem/map/overlay.hpp"
+#include "tandem/obstacle_extractor/extractor.hpp"
+#include "tandem/octomap_builder/local_map.hpp"
 
 namespace tandem {
 namespace {

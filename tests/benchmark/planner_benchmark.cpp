@@ -14,11 +14,11 @@
 #include <optional>
 #include <string>
 
-#include "local_planner/cycle.hpp"
 #include "local_planner/drive.hpp"
-#include "local_planner/ipopt_solve.hpp"
-#include "local_planner/solver.hpp"
-#include "local_planner/warm_start.hpp"
+#include "tandem/local_planner/cycle.hpp"
+#include "tandem/local_planner/solvers/ipopt_solve.hpp"
+#include "tandem/local_planner/solvers/solver.hpp"
+#include "tandem/local_planner/warm_start.hpp"
 
 namespace tandem::test {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#include "diff_drive_sim/diff_drive_sim.hpp"
-#include "safety_filter/safety_filter.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem {
 namespace {

@@ -7,13 +7,13 @@
 #include <numbers>
 #include <vector>
 
-#include "bringup/system.hpp"
-#include "convert.hpp"
-#include "metrics/metrics.hpp"
+#include "bringup/system/system.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
-#include "topics.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/metrics/metrics.hpp"
 
 namespace tandem {
 namespace {

@@ -4,8 +4,8 @@
 #include <benchmark/benchmark.h>
 
 #include "runtime/datagram.hpp"
-#include "runtime/rtps_guard.hpp"
-#include "runtime/rtps_watch.hpp"
+#include "tandem/runtime/detail/rtps_guard.hpp"
+#include "tandem/runtime/detail/rtps_watch.hpp"
 
 namespace tandem {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <spdlog/fmt/ranges.h>
 
-#include "bringup/lockstep.hpp"
+#include "bringup/drive/lockstep.hpp"
 #include "support/paths.hpp"
 
 namespace tandem {

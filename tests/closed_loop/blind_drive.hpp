@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "bringup/drive_world.hpp"
-#include "model/footprint.hpp"
-#include "safety_filter/safety_filter.hpp"
+#include "bringup/drive/drive_world.hpp"
+#include "tandem/model/footprint.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem::test {
 

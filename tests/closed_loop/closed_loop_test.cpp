@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "bringup/lockstep.hpp"
-#include "map/fixtures.hpp"
-#include "map/static_map.hpp"
+#include "bringup/drive/lockstep.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/map/virtual_fixtures.hpp"
 
 namespace tandem {
 namespace {

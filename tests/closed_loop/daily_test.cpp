@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bringup/lockstep.hpp"
-#include "bringup/study.hpp"
+#include "bringup/drive/lockstep.hpp"
+#include "bringup/study/study.hpp"
 #include "support/paths.hpp"
 
 namespace tandem {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // sensing_faults [DRIVES [FIRST_SEED]]: drives with failing sensors on all cores, 2000 unless told.
 // Exit status 1 on a contact, or if a fault was not named.
-#include "sensing_faults.hpp"
+#include "closed_loop/sensing_faults.hpp"
 
 #include <atomic>
 #include <cstdio>

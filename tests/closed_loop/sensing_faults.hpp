@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "bringup/drive_world.hpp"
-#include "safety_filter/safety_filter.hpp"
+#include "bringup/drive/drive_world.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem::test {
 

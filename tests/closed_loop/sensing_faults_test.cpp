@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each fault in a few drives; `sensing_faults` does the same for as many as wanted.
-#include "sensing_faults.hpp"
+#include "closed_loop/sensing_faults.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Text from outside: YAML that would take all memory or the stack, at every place where YAML is
 // read, and control characters.
-#include "config/printable.hpp"
-#include "config/yaml_document.hpp"
+#include "tandem/config/printable.hpp"
+#include "tandem/config/yaml_document.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,15 +12,15 @@
 #include <functional>
 #include <stdexcept>
 
-#include "bringup/bag_qos.hpp"
-#include "bringup/scenario.hpp"
-#include "bringup/study.hpp"
-#include "bringup/system.hpp"
-#include "map/fixtures.hpp"
-#include "map/map_file.hpp"
-#include "runtime/parameter_fields.hpp"
-#include "runtime/parameter_files.hpp"
+#include "bringup/bag/bag_qos.hpp"
+#include "bringup/scenario/scenario.hpp"
+#include "bringup/study/study.hpp"
+#include "bringup/system/system.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/map_file.hpp"
+#include "tandem/map/virtual_fixtures.hpp"
+#include "tandem/runtime/parameter_fields.hpp"
+#include "tandem/runtime/parameter_files.hpp"
 
 namespace tandem {
 namespace {

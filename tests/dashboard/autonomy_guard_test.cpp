@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dashboard/autonomy_guard.hpp"
+#include "tandem/dashboard/autonomy_guard.hpp"
 
 #include <gtest/gtest.h>
 
 #include "support/captured_log.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
 
 namespace tandem {
 namespace {

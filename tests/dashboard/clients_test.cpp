@@ -10,12 +10,12 @@
 #include <thread>
 #include <vector>
 
-#include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/instrumented.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
-#include "topics.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem::test {
 namespace {

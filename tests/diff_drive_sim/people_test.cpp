@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "diff_drive_sim/people.hpp"
+#include "tandem/diff_drive_sim/people.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/driver.hpp"
+#include "tandem/driver/driver.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/hand.hpp"
+#include "tandem/driver/hand.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "driver/navigator.hpp"
+#include "tandem/driver/navigator.hpp"
 
 #include <gtest/gtest.h>
 

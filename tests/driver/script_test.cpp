@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scripts as text, and the person who goes through their phases.
-#include "driver/script.hpp"
+#include "tandem/driver/script.hpp"
 
 #include <gtest/gtest.h>
 

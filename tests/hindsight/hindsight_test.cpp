@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hindsight/hindsight.hpp"
+#include "tandem/hindsight/hindsight.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
 
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "message_fields.hpp"
+#include "idl/message_fields.hpp"
+#include "idl/wire.hpp"
 #include "support/paths.hpp"
 #include "type_hashes.hpp"
-#include "wire.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <cstdlib>
 
-#include "runtime/component.hpp"
 #include "support/child_process.hpp"
 #include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

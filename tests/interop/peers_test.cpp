@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "bringup/bag.hpp"
+#include "bringup/bag/bag.hpp"
 #include "support/child_process.hpp"
 #include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // When a person who goes on pushing has their own way near an obstacle.
-#include "local_planner/close_approach.hpp"
+#include "tandem/local_planner/close_approach.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "local_planner/requests.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem::test {
 namespace {

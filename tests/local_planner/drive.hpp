@@ -11,10 +11,10 @@
 #include <random>
 #include <vector>
 
-#include "local_planner/motion_check.hpp"
-#include "local_planner/nmpc.hpp"
-#include "model/diff_drive.hpp"
-#include "model/footprint.hpp"
+#include "tandem/local_planner/motion_check.hpp"
+#include "tandem/local_planner/nmpc.hpp"
+#include "tandem/model/diff_drive.hpp"
+#include "tandem/model/footprint.hpp"
 
 namespace tandem::test {
 

@@ -9,9 +9,9 @@
 #include <numbers>
 #include <random>
 
-#include "local_planner/reference.hpp"
 #include "local_planner/requests.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/local_planner/reference.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem::test {
 namespace {

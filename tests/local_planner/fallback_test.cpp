@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the planner does where no fresh plan may be driven.
-#include "local_planner/fallback.hpp"
+#include "tandem/local_planner/fallback.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <set>
 #include <string>
 
-#include "local_planner/motion_check.hpp"
-#include "local_planner/nmpc.hpp"
 #include "local_planner/requests.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/local_planner/motion_check.hpp"
+#include "tandem/local_planner/nmpc.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem::test {
 namespace {

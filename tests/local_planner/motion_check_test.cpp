@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/motion_check.hpp"
+#include "tandem/local_planner/motion_check.hpp"
 
 #include <gtest/gtest.h>
 
-#include "local_planner/fallback.hpp"
-#include "model/robot.hpp"
+#include "tandem/local_planner/fallback.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem {
 namespace {

@@ -8,9 +8,9 @@
 #include <random>
 #include <thread>
 
-#include "local_planner/nmpc.hpp"
 #include "local_planner/requests.hpp"
 #include "support/instrumented.hpp"
+#include "tandem/local_planner/nmpc.hpp"
 
 namespace tandem::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/nmpc.hpp"
+#include "tandem/local_planner/nmpc.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <random>
 #include <string>
 
-#include "local_planner/motion_check.hpp"
-#include "local_planner/reference.hpp"
 #include "local_planner/requests.hpp"
-#include "model/diff_drive.hpp"
+#include "tandem/local_planner/motion_check.hpp"
+#include "tandem/local_planner/reference.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "local_planner/ocp.hpp"
-#include "local_planner/solve.hpp"
+#include "tandem/local_planner/ocp/ocp.hpp"
+#include "tandem/local_planner/solvers/solver_types.hpp"
 
 namespace tandem::test {
 

@@ -9,10 +9,10 @@
 #include <random>
 #include <vector>
 
-#include "local_planner/cycle.hpp"
-#include "local_planner/ellipse_distance.hpp"
-#include "local_planner/trail.hpp"
-#include "local_planner/warm_start.hpp"
+#include "tandem/local_planner/cycle.hpp"
+#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/trail.hpp"
+#include "tandem/local_planner/warm_start.hpp"
 
 namespace tandem::test {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "local_planner/reference.hpp"
+#include "tandem/local_planner/reference.hpp"
 
 #include <gtest/gtest.h>
 
-#include "model/diff_drive.hpp"
+#include "tandem/model/diff_drive.hpp"
 
 namespace tandem::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "local_planner/nmpc.hpp"
+#include "tandem/local_planner/nmpc.hpp"
 
 namespace tandem::test {
 

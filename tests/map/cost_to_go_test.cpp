@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/cost_to_go.hpp"
+#include "tandem/map/cost_to_go.hpp"
 
 #include <gtest/gtest.h>
 

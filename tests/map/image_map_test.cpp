@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/image_map.hpp"
+#include "tandem/map/image_map.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -11,11 +11,11 @@
 #include <numbers>
 #include <random>
 
-#include "map/extrude.hpp"
-#include "map/gray_image.hpp"
-#include "map/map_file.hpp"
-#include "map/slice.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/extrude.hpp"
+#include "tandem/map/gray_image.hpp"
+#include "tandem/map/map_file.hpp"
+#include "tandem/map/slice.hpp"
 
 namespace tandem {
 namespace {

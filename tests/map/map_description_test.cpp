@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/map_description.hpp"
+#include "tandem/map/map_description.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <iterator>
 #include <numbers>
 
-#include "map/octomap_file.hpp"
-#include "map/slice.hpp"
-#include "map/static_map.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/map/static_map.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/octomap_file.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 #include <gtest/gtest.h>
 #include <octomap/ColorOcTree.h>
@@ -13,8 +13,8 @@
 #include <random>
 #include <sstream>
 
-#include "map/octomap_bytes.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/octomap_bytes.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/overlay.hpp"
+#include "tandem/map/overlay.hpp"
 
 #include <gtest/gtest.h>
 

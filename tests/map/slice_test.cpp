@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/slice.hpp"
+#include "tandem/map/slice.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <random>
 
-#include "map/octomap_file.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "map/static_map.hpp"
+#include "tandem/map/static_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,13 +5,13 @@
 
 #include <fstream>
 
-#include "map/barn_world.hpp"
-#include "map/clutter_world.hpp"
-#include "map/octomap_file.hpp"
-#include "map/slice.hpp"
-#include "map/static_map.hpp"
 #include "support/instrumented.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/barn_world.hpp"
+#include "tandem/map/clutter_world.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/map/static_map.hpp"
 
 namespace tandem {
 namespace {

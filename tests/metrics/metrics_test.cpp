@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The measures of drives that can be worked out by hand.
-#include "metrics/metrics.hpp"
+#include "tandem/metrics/metrics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "model/footprint.hpp"
+#include "tandem/model/footprint.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/localization.hpp"
+#include "tandem/model/localization.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/robot.hpp"
+#include "tandem/model/robot.hpp"
 
 #include <gtest/gtest.h>
 
-#include "model/diff_drive.hpp"
-#include "model/localization.hpp"
+#include "tandem/model/diff_drive.hpp"
+#include "tandem/model/localization.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/se2.hpp"
+#include "tandem/model/se2.hpp"
 
 #include <gtest/gtest.h>
 

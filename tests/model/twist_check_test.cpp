@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/twist_check.hpp"
+#include "tandem/model/twist_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <map>
 #include <random>
 
-#include "map/overlay.hpp"
-#include "obstacle_extractor/extractor.hpp"
+#include "obstacle_extractor/worlds.hpp"
 #include "support/instrumented.hpp"
-#include "worlds.hpp"
+#include "tandem/map/overlay.hpp"
+#include "tandem/obstacle_extractor/extractor.hpp"
 
 namespace tandem {
 namespace {

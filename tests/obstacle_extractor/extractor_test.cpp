@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "obstacle_extractor/extractor.hpp"
+#include "tandem/obstacle_extractor/extractor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <random>
 #include <set>
 
-#include "loss_worlds.hpp"
+#include "obstacle_extractor/loss_worlds.hpp"
+#include "obstacle_extractor/worlds.hpp"
 #include "support/instrumented.hpp"
-#include "worlds.hpp"
 
 namespace tandem {
 namespace {

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "lost_poses.hpp"
-#include "map/barn_world.hpp"
-#include "worlds.hpp"
+#include "obstacle_extractor/lost_poses.hpp"
+#include "obstacle_extractor/worlds.hpp"
+#include "tandem/map/barn_world.hpp"
 
 namespace tandem::test {
 

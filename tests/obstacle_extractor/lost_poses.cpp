@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lost_poses.hpp"
+#include "obstacle_extractor/lost_poses.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "local_planner/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/ellipse_distance.hpp"
 
 namespace tandem::test {
 namespace {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <vector>
 
-#include "map/static_map.hpp"
-#include "model/footprint.hpp"
-#include "obstacle_extractor/extractor.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/footprint.hpp"
+#include "tandem/obstacle_extractor/extractor.hpp"
 
 namespace tandem::test {
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "local_planner/nmpc_params.hpp"
-#include "loss_worlds.hpp"
+#include "obstacle_extractor/loss_worlds.hpp"
+#include "tandem/local_planner/nmpc_params.hpp"
 
 namespace tandem::test {
 namespace {

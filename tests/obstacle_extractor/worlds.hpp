@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "map/barn_world.hpp"
-#include "map/octomap_file.hpp"
-#include "map/slice.hpp"
-#include "map/static_map.hpp"
-#include "model/obstacle.hpp"
 #include "support/paths.hpp"
+#include "tandem/map/barn_world.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/obstacle.hpp"
 
 namespace tandem::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/local_map.hpp"
+#include "tandem/octomap_builder/local_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "map/slice.hpp"
-#include "map/static_map.hpp"
-#include "octomap_builder/pose_history.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/octomap_builder/pose_history.hpp"
 
 namespace tandem {
 namespace {

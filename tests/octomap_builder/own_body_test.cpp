@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/own_body.hpp"
+#include "tandem/octomap_builder/own_body.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "octomap_builder/local_map.hpp"
+#include "tandem/octomap_builder/local_map.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/sensor_watch.hpp"
+#include "tandem/octomap_builder/sensor_watch.hpp"
 
 #include <gtest/gtest.h>
 

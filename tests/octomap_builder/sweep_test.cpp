@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "octomap_builder/sweep.hpp"
+#include "tandem/octomap_builder/sweep.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "map/static_map.hpp"
-#include "octomap_builder/mounting.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/octomap_builder/mounting.hpp"
 
 namespace tandem {
 namespace {

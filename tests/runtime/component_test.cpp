@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/component.hpp"
+#include "tandem/runtime/component.hpp"
 
 #include <gtest/gtest.h>
 

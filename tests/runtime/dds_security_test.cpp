@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // From environment and files to the properties that DDS is given, as rcl and SROS2 have them.
-#include "runtime/dds_security.hpp"
+#include "tandem/runtime/dds_security.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <fstream>
 
-#include "runtime/arguments.hpp"
 #include "support/temporary_folder.hpp"
+#include "tandem/runtime/arguments.hpp"
 
 namespace tandem::runtime {
 namespace {

@@ -2,15 +2,15 @@
 // Datagrams with the GUID of a writer that a reader of another process is matched with.
 #include <gtest/gtest.h>
 
-#include "runtime/codec.hpp"
 #include "runtime/datagram.hpp"
-#include "runtime/endpoint.hpp"
-#include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/memory_of.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "support/udp_sender.hpp"
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

@@ -4,15 +4,15 @@
 
 #include <cstring>
 
-#include "runtime/cdr_structure.hpp"
-#include "runtime/codec.hpp"
-#include "runtime/endpoint.hpp"
-#include "runtime/node.hpp"
 #include "support/child_process.hpp"
 #include "support/memory_of.hpp"
 #include "support/private_domain.hpp"
 #include "support/secured_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/detail/cdr_structure.hpp"
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

@@ -8,12 +8,12 @@
 #include <limits>
 #include <random>
 
-#include "runtime/codec.hpp"
-#include "runtime/endpoint.hpp"
-#include "runtime/names.hpp"
-#include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/names.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <optional>
 
-#include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/parameter_table.hpp"
+#include "tandem/runtime/parameter_table.hpp"
 
 #include <gtest/gtest.h>
 

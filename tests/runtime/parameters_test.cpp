@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/parameters.hpp"
+#include "tandem/runtime/parameters.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
 
-#include "runtime/arguments.hpp"
-#include "runtime/names.hpp"
-#include "runtime/node.hpp"
-#include "runtime/parameter_files.hpp"
 #include "support/private_domain.hpp"
+#include "tandem/runtime/arguments.hpp"
+#include "tandem/runtime/names.hpp"
+#include "tandem/runtime/node.hpp"
+#include "tandem/runtime/parameter_files.hpp"
 
 namespace tandem {
 namespace {

@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "runtime/node.hpp"
-#include "runtime/shutdown.hpp"
+#include "tandem/runtime/node.hpp"
+#include "tandem/runtime/shutdown.hpp"
 
 namespace {
 

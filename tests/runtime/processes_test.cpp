@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "runtime/datagram.hpp"
-#include "runtime/dds_settings.hpp"
-#include "runtime/node.hpp"
-#include "runtime/thread_limit.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "support/udp_sender.hpp"
+#include "tandem/runtime/detail/dds_settings.hpp"
+#include "tandem/runtime/detail/thread_limit.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

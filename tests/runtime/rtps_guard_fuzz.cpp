@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "runtime/rtps_guard.hpp"
-#include "runtime/rtps_watch.hpp"
+#include "tandem/runtime/detail/rtps_guard.hpp"
+#include "tandem/runtime/detail/rtps_watch.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tandem::runtime;

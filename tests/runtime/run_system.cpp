@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bringup/system.hpp"
+#include "bringup/system/system.hpp"
 
 int main(int argc, char** argv) try {
   const std::vector<std::string> words(argv + 2, argv + argc);

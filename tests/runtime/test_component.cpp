@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // libtandem_test_component.so: doubles what it hears on `in` and sends it on `out`.
-#include "runtime/component.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {

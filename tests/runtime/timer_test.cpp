@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "runtime/node.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "scenes.hpp"
+#include "safety_filter/scenes.hpp"
 
 namespace tandem::test {
 

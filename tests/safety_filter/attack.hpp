@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "oracle.hpp"
+#include "safety_filter/oracle.hpp"
 
 namespace tandem::test {
 

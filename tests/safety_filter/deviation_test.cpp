@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/deviation.hpp"
+#include "tandem/safety_filter/deviation.hpp"
 
 #include <gtest/gtest.h>
 
-#include "scenes.hpp"
+#include "safety_filter/scenes.hpp"
 
 namespace tandem::test {
 namespace {

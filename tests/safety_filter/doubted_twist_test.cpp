@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "scenes.hpp"
+#include "safety_filter/scenes.hpp"
 #include "support/instrumented.hpp"
 
 namespace tandem::test {

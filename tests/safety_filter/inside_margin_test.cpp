@@ -13,7 +13,7 @@
 #include <set>
 #include <vector>
 
-#include "adversary.hpp"
+#include "safety_filter/adversary.hpp"
 #include "support/instrumented.hpp"
 
 namespace tandem::test {

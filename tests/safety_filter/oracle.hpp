@@ -13,7 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "scenes.hpp"
+#include "safety_filter/scenes.hpp"
 
 namespace tandem::test {
 

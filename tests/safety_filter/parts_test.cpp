@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "adversary.hpp"
+#include "safety_filter/adversary.hpp"
 #include "support/instrumented.hpp"
 
 namespace tandem::test {

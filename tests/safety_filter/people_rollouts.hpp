@@ -3,8 +3,8 @@
 // it too. One definition for the test and for the long run by hand.
 #pragma once
 
-#include "adversary.hpp"
-#include "rollouts.hpp"
+#include "safety_filter/adversary.hpp"
+#include "safety_filter/rollouts.hpp"
 
 namespace tandem::test {
 

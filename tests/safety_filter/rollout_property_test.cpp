@@ -2,7 +2,7 @@
 // The filter's claim, by at least 40,000 control steps of closed-loop rollouts to standstill: no
 // contact, whatever is commanded and however bad the base is within its bounds.
 // `safety_filter_rollouts` does the same for as long as wanted.
-#include "people_rollouts.hpp"
+#include "safety_filter/people_rollouts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // safety_filter_rollouts [STEPS [FIRST_SEED]]: the property test for as long as wanted, on all
 // cores; 1e8 steps unless told, and a tenth of that among people. Then what happens beyond the
 // bounds. Exit status 1 on a contact within them.
-#include "people_rollouts.hpp"
+#include "safety_filter/people_rollouts.hpp"
 
 #include <atomic>
 #include <cstdio>

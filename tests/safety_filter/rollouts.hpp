@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "attack.hpp"
+#include "safety_filter/attack.hpp"
 
 namespace tandem::test {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/safety_filter.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "adversary.hpp"
+#include "safety_filter/adversary.hpp"
 
 namespace tandem::test {
 namespace {

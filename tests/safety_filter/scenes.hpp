@@ -8,10 +8,10 @@
 #include <numbers>
 #include <random>
 
-#include "diff_drive_sim/diff_drive_sim.hpp"
-#include "map/static_map.hpp"
-#include "model/robot.hpp"
-#include "safety_filter/safety_filter.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/map/static_map.hpp"
+#include "tandem/model/robot.hpp"
+#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem::test {
 

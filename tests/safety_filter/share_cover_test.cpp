@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/share_cover.hpp"
+#include "tandem/safety_filter/share_cover.hpp"
 
 #include <gtest/gtest.h>
 

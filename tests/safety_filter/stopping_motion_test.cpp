@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "safety_filter/stopping_motion.hpp"
+#include "tandem/safety_filter/stopping_motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "scenes.hpp"
+#include "safety_filter/scenes.hpp"
 
 namespace tandem::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shared_dwa/shared_dwa.hpp"
+#include "tandem/shared_dwa/shared_dwa.hpp"
 
 #include <gtest/gtest.h>
 

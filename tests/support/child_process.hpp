@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/time.hpp"
+#include "tandem/runtime/time.hpp"
 
 namespace tandem::test {
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "bringup/keystore.hpp"
-#include "runtime/dds_security.hpp"
+#include "bringup/system/keystore.hpp"
 #include "support/private_domain.hpp"
 #include "support/temporary_folder.hpp"
+#include "tandem/runtime/dds_security.hpp"
 
 namespace tandem::test {
 

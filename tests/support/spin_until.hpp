@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "runtime/node.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem::test {
 

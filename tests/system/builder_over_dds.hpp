@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
 #include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 

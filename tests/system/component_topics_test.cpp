@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What `tandem describe` prints and permissions are made of is what the components open.
-#include "bringup/component_topics.hpp"
+#include "bringup/system/component_topics.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <iterator>
 
-#include "bringup/permissions.hpp"
-#include "runtime/domain_view.hpp"
+#include "bringup/system/permissions.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/domain_view.hpp"
 
 namespace tandem::test {
 namespace {

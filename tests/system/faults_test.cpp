@@ -7,10 +7,10 @@
 #include <optional>
 #include <random>
 
-#include "map/octomap_file.hpp"
 #include "support/paths.hpp"
 #include "system/faulty_system.hpp"
 #include "system/not_finite.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 namespace {

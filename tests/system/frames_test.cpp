@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
 #include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
 #include "system/wall_map.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 namespace {

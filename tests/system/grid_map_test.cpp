@@ -2,9 +2,9 @@
 // The map of Nav2's map_server as the static map, over DDS.
 #include <numbers>
 
-#include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
 #include "system/one_component.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 namespace {

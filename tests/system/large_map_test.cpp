@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "map/octomap_file.hpp"
 #include "support/paths.hpp"
 #include "system/system_under_test.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 namespace {

@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "map/octomap_file.hpp"
-#include "map/slice.hpp"
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
 #include "support/paths.hpp"
 #include "system/one_component.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/slice.hpp"
 
 namespace tandem::test {
 namespace {

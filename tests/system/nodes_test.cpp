@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "map/octomap_file.hpp"
 #include "support/paths.hpp"
 #include "system/not_finite.hpp"
 #include "system/one_component.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 namespace {

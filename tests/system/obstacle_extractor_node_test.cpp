@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <sstream>
 
-#include "map/octomap_file.hpp"
 #include "support/captured_log.hpp"
 #include "support/paths.hpp"
 #include "system/one_component.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 namespace {

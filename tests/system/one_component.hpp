@@ -9,13 +9,13 @@
 #include <map>
 #include <string>
 
-#include "convert.hpp"
-#include "runtime/component.hpp"
-#include "runtime/time.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
-#include "topics.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/runtime/component.hpp"
+#include "tandem/runtime/time.hpp"
 
 namespace tandem::test {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "map/octomap_file.hpp"
-#include "reasons.hpp"
 #include "support/captured_log.hpp"
 #include "system/one_component.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/model/reasons.hpp"
 
 namespace tandem::test {
 namespace {

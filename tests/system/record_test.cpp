@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <map>
 
-#include "bringup/bag.hpp"
+#include "bringup/bag/bag.hpp"
 #include "support/child_process.hpp"
 #include "system/one_component.hpp"
 

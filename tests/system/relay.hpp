@@ -7,8 +7,8 @@
 #include <random>
 #include <string>
 
-#include "runtime/node.hpp"
 #include "support/slow_motion.hpp"
+#include "tandem/runtime/node.hpp"
 
 namespace tandem::test {
 

@@ -8,13 +8,13 @@
 #include <iterator>
 
 #include "runtime/datagram.hpp"
-#include "runtime/domain_view.hpp"
 #include "support/captured_log.hpp"
 #include "support/memory_of.hpp"
 #include "support/nothing_dropped.hpp"
 #include "support/secured_domain.hpp"
 #include "support/udp_sender.hpp"
 #include "system/system_under_test.hpp"
+#include "tandem/runtime/domain_view.hpp"
 
 namespace tandem::test {
 namespace {

@@ -9,13 +9,13 @@
 #include <memory>
 #include <string>
 
-#include "convert.hpp"
 #include "support/child_process.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/slow_motion.hpp"
 #include "support/spin_until.hpp"
-#include "topics.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/topics.hpp"
 
 namespace tandem::test {
 

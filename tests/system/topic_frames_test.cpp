@@ -134,7 +134,7 @@ const std::set<std::string> kWithoutHeader{"Twist", "Bool", "Clock", "JoyFeedbac
 
 // A new topic has to be put into one of the lists, and its reader has to do what the list says.
 TEST(Topics, EachWithAHeaderIsPlacedByItsFrameOrIsKnownNotToDependOnOne) {
-  std::ifstream file{source_path("components/topics.hpp")};
+  std::ifstream file{source_path("components/io/topics.hpp")};
   const std::string text{std::istreambuf_iterator<char>{file}, {}};
   const std::regex topic{R"(constexpr Topic<\w+::msg::(\w+)> (\w+)\{)"};
   int found = 0;

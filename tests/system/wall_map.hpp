@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "convert.hpp"
-#include "map/octomap_file.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/map/octomap_file.hpp"
 
 namespace tandem::test {
 

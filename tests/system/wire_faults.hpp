@@ -15,16 +15,16 @@
 #include <string>
 #include <vector>
 
-#include "convert.hpp"
-#include "diff_drive_sim/diff_drive_sim.hpp"
-#include "map/octomap_file.hpp"
-#include "map/slice.hpp"
-#include "runtime/component.hpp"
 #include "support/captured_log.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
-#include "topics.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/slice.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem::test {
 

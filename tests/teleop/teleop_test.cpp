@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/teleop.hpp"
-#include "teleop/joy_rhythm.hpp"
-#include "teleop/rest_check.hpp"
-#include "teleop/stick_holder.hpp"
+#include "tandem/teleop/teleop.hpp"
+#include "tandem/teleop/joy_rhythm.hpp"
+#include "tandem/teleop/rest_check.hpp"
+#include "tandem/teleop/stick_holder.hpp"
 
 #include <gtest/gtest.h>
 

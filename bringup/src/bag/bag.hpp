@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: bytes of topics. Out: rosbag2's own recordings (a folder with one SQLite file and
+// metadata.yaml), and back. As ROS 2 Humble writes them, which every later one reads.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bringup/bag/bag_database.hpp"
+#include "tandem/runtime/qos.hpp"
+
+namespace tandem {
+
+/// A recorded topic.
+struct BagTopic {
+  std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
+  rt::QoS qos{};           ///< what its publishers offered
+};
+
+/// One recorded message: when it came [ns since 1970] and its plain CDR, encapsulation included.
+/// Where the clock was set during the recording, by more than a day, the later ones count on from
+/// the earlier ones.
+struct BagMessage {
+  std::size_t topic = 0;  ///< index into BagReader::topics()
+  std::int64_t time = 0;
+  std::vector<std::uint8_t> bytes;
+};
+
+/// Writes a recording. What was committed survives the death of the process.
+class BagWriter {
+ public:
+  /// Throws std::runtime_error if `folder` exists already or cannot be made.
+  explicit BagWriter(const std::string& folder);
+  /// Commits.
+  ~BagWriter();
+  BagWriter(const BagWriter&) = delete;
+  BagWriter& operator=(const BagWriter&) = delete;
+
+  /// The id under which to write. Throws std::runtime_error if the disk takes no more.
+  int add_topic(const BagTopic& topic);
+  /// Throws std::runtime_error if the disk takes no more.
+  void write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes);
+  /// Puts on the disk what was written so far, and metadata.yaml with it.
+  void commit();
+  [[nodiscard]] std::int64_t messages() const { return messages_; }
+
+ private:
+  struct Count {
+    BagTopic topic;
+    std::int64_t messages = 0;
+  };
+
+  void write_metadata() const;
+
+  std::string folder_, file_;
+  BagDatabase database_;
+  BagStatement insert_;
+  std::map<int, Count> topics_;
+  std::int64_t messages_ = 0, first_ = 0, last_ = 0;
+};
+
+/// Whether it is a folder or has the name of a recording's file.
+[[nodiscard]] bool is_recording(const std::string& path);
+
+/// Reads a recording in order of time, also one that was split into several files or compressed by
+/// zstd, by message or by file; a compressed file needs room in the folder for temporary files.
+class BagReader {
+ public:
+  /// `path`: the folder, or one .db3 or .db3.zstd. Throws std::runtime_error if it is no recording,
+  /// or one of another storage, compression or serialization format.
+  explicit BagReader(const std::string& path);
+
+  [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
+  /// False after the last one. A recording that goes on is read with the topics that it had when it
+  /// was opened. Throws std::runtime_error if the file is damaged.
+  bool next(BagMessage& message);
+  /// By how much the clock was set during what was read [ns].
+  [[nodiscard]] std::int64_t skipped() const { return skipped_; }
+
+ private:
+  struct File {
+    BagDatabase database;
+    std::int64_t first = 0;                     // time of its first message
+    std::map<std::int64_t, std::size_t> index;  // into topics_, by the file's ids
+  };
+
+  void add(const std::string& file);
+  [[nodiscard]] std::vector<std::uint8_t> plain_bytes(const File& file) const;
+  [[nodiscard]] std::int64_t without_gap(std::int64_t stamp);
+
+  std::vector<BagTopic> topics_;
+  std::vector<File> files_;  // the last is the next to be read
+  BagStatement select_;
+  std::optional<std::int64_t> last_stamp_;
+  std::int64_t skipped_ = 0;
+};
+
+}  // namespace tandem

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/bag/zstd.hpp"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace tandem {
+namespace {
+
+constexpr std::size_t kLargestMessage = std::size_t{1} << 30U;  // [bytes]
+constexpr std::array<std::uint8_t, 4> kMagic{0x28, 0xb5, 0x2f, 0xfd};
+
+using Stream = std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)>;
+
+// The bytes left to come of the frame, or a hint; 0 at its end.
+std::size_t step(const Stream& stream, ZSTD_outBuffer& out, ZSTD_inBuffer& in) {
+  const std::size_t left = ZSTD_decompressStream(stream.get(), &out, &in);
+  if (ZSTD_isError(left)) throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(left));
+  return left;
+}
+
+// Hands all that `read` gives, decompressed, to `write`. `read` fills a buffer and returns how much
+// of it; 0 at the end.
+template <class Read, class Write>
+void decompress_all(const Read& read, const Write& write) {
+  const Stream stream{ZSTD_createDStream(), ZSTD_freeDStream};
+  std::vector<char> in(ZSTD_DStreamInSize()), out(ZSTD_DStreamOutSize());
+  std::size_t left = 1;
+  while (const std::size_t size = read(in)) {
+    ZSTD_inBuffer input{in.data(), size, 0};
+    bool is_full = false;  // more may wait inside although all input is taken
+    while (input.pos < input.size || (is_full && left != 0)) {
+      ZSTD_outBuffer output{out.data(), out.size(), 0};
+      left = step(stream, output, input);
+      write(std::span{out}.first(output.pos));
+      is_full = output.pos == output.size;
+    }
+  }
+  if (left != 0) throw std::runtime_error("zstd: cut off");
+}
+
+}  // namespace
+
+bool is_zstd(std::span<const std::uint8_t> bytes) {
+  return bytes.size() >= kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), bytes.begin());
+}
+
+std::vector<std::uint8_t> decompress(std::span<const std::uint8_t> bytes) {
+  std::vector<std::uint8_t> plain;
+  decompress_all(
+      [&](std::vector<char>& buffer) {
+        const auto part = bytes.first(std::min(bytes.size(), buffer.size()));
+        std::copy(part.begin(), part.end(), buffer.begin());
+        bytes = bytes.subspan(part.size());
+        return part.size();
+      },
+      [&](std::span<const char> part) {
+        if (part.size() > kLargestMessage - plain.size())
+          throw std::runtime_error("zstd: a message of more than 1 GiB");
+        plain.insert(plain.end(), part.begin(), part.end());
+      });
+  return plain;
+}
+
+void decompress_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::ifstream compressed{from, std::ios::binary};
+  std::ofstream plain{to, std::ios::binary};
+  if (!compressed) throw std::runtime_error("cannot be read; check its permissions");
+  decompress_all(
+      [&](std::vector<char>& buffer) {
+        compressed.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+        return static_cast<std::size_t>(compressed.gcount());
+      },
+      [&](std::span<const char> part) {
+        if (!plain.write(part.data(), static_cast<std::streamsize>(part.size())).flush())
+          throw std::runtime_error("decompressed it does not fit into " +
+                                   to.parent_path().string() + "; name another folder by TMPDIR");
+      });
+}
+
+}  // namespace tandem

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `tandem`.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <system_error>
+
+#include "bringup/cli/describe_command.hpp"
+#include "bringup/cli/map_command.hpp"
+#include "bringup/cli/metrics_command.hpp"
+#include "bringup/cli/play_command.hpp"
+#include "bringup/cli/record_command.hpp"
+#include "bringup/cli/run_command.hpp"
+#include "bringup/cli/scenario_command.hpp"
+#include "bringup/cli/security_command.hpp"
+#include "bringup/cli/study_command.hpp"
+#include "bringup/cli/teleop_command.hpp"
+#include "bringup/cli/tune_command.hpp"
+#include "bringup/system/container.hpp"
+#include "bringup/system/doctor.hpp"
+
+namespace {
+
+// The word that stands where a command should; empty if none does.
+std::string unknown_command(const CLI::App& app) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+  const auto words = at->remaining();
+  return at->get_require_subcommand_min() == 0 || words.empty() ? "" : words.front();
+}
+
+// What the system says of a thread or process too many does not say what to do.
+std::string explained(const std::exception& error) {
+  const std::string what = error.what();
+  const auto no_more = std::make_error_code(std::errc::resource_unavailable_try_again).message();
+  return what.find(no_more) == std::string::npos
+             ? what
+             : what + ": no more threads or processes for this user; raise `ulimit -u`";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Tandem: shared control for differential-drive robots"};
+  app.require_subcommand(1);
+  int status = 0;
+  tandem::add_run_command(app, status);
+  tandem::add_container_command(app);
+  tandem::add_teleop_command(app);
+  tandem::add_scenario_command(app, status);
+  tandem::add_study_command(app);
+  tandem::add_record_command(app);
+  tandem::add_play_command(app);
+  tandem::add_metrics_command(app);
+  tandem::add_doctor_command(app, status);
+  tandem::add_describe_command(app);
+  tandem::add_map_command(app);
+  tandem::add_tune_command(app);
+  tandem::add_security_command(app);
+  for (const char* command : {"run", "container", "teleop", "scenario", "record", "play", "doctor"})
+    tandem::add_enclave_option(*app.get_subcommand(command));
+  try {
+    for (int i = 1; i < argc; ++i)  // else it would count as not given
+      if (*argv[i] == '\0')
+        throw std::invalid_argument("argument " + std::to_string(i) +
+                                    " is empty; is a variable of the shell unset?");
+    app.parse(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw std::runtime_error("standard output takes no more");
+    return status;
+  } catch (const CLI::RequiredError& error) {
+    const std::string unknown = unknown_command(app);
+    if (unknown.empty()) return app.exit(error), 1;
+    std::fprintf(stderr, "tandem: no command '%s'; --help lists them\n", unknown.c_str());
+    return 1;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;  // 0: --help
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "tandem: %s\n", explained(error).c_str());
+    return 1;
+  }
+}

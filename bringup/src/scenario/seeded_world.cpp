@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/scenario/seeded_world.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "bringup/scenario/checksum.hpp"
+#include "tandem/map/barn_world.hpp"
+#include "tandem/map/clutter_world.hpp"
+#include "tandem/map/map_file.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/path_search.hpp"
+#include "tandem/map/slice.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStep = 0.02;  // [m] between the radii that are tried for the widest way
+
+const char* const kClutter = "clutter";
+
+struct World {
+  std::string name;
+  MapDescription description;
+};
+
+// Counted round, worlds would be driven twice and called others.
+int number_of(const std::string& family, unsigned seed) {
+  const auto numbers = barn_world_numbers(family);
+  if (seed >= 1 && seed <= numbers.size()) return numbers[seed - 1];
+  throw std::invalid_argument(fmt::format(
+      "{}: seed {} is none of its worlds; name seeds from 1 to {}", family, seed, numbers.size()));
+}
+
+World world_of(const std::string& family, unsigned seed) {
+  if (family == kClutter) return {fmt::format("clutter_{}", seed), clutter_world(seed, {})};
+  const int number = number_of(family, seed);
+  return {fmt::format("{}_{}", fs::path(family).stem().string(), number),
+          load_barn_world(family, number)};
+}
+
+// Under its name at once, as other processes may be reading it. The content is in the name: two
+// families may be called alike, and whoever keeps worlds knows them by their files.
+fs::path save(const octomap::OcTree& tree, const std::string& world) {
+  const auto sum = static_cast<std::uint32_t>(checksum(bt_file_bytes(tree)));
+  const std::string name = fmt::format("{}_{:08x}", world, sum);
+  const fs::path folder = fs::temp_directory_path() / fmt::format("tandem_worlds_{}", geteuid());
+  fs::create_directories(folder);
+  const fs::path part = folder / fmt::format("{}.{}.part", name, getpid());
+  const fs::path file = folder / (name + ".bt");
+  save_octomap(tree, part);
+  fs::rename(part, file);
+  return file;
+}
+
+std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
+  const auto place = place_of(goal);
+  if (!place) throw std::invalid_argument("a world by seed needs a goal with a place");
+  std::vector<Eigen::Vector2d> way;
+  for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kStep)
+    way = find_way(map, start.position(), *place, radius);
+  if (way.empty()) throw std::runtime_error("no way from start to goal");
+  std::string text;
+  for (const auto& p : way)
+    text += fmt::format("{}{:.3f}, {:.3f}", text.empty() ? "[" : ", ", p.x(), p.y());
+  return text + "]";
+}
+
+// Unless the scenario gives a route.
+void tell_the_way(Scenario& scenario, const StaticMap& map) {
+  auto& driver = scenario.parameters["driver"];
+  if (!driver.contains("route"))
+    driver["route"] = {route(map, scenario.start, scenario.goal), scenario.path};
+}
+
+}  // namespace
+
+bool is_family(const std::string& map) {
+  return map == kClutter || fs::path(map).extension() == ".json";
+}
+
+void check_seed(const std::string& map, unsigned seed) {
+  if (is_family(map) && map != kClutter) (void)number_of(map, seed);
+}
+
+Scenario in_its_world(Scenario scenario) {
+  const World world = world_of(scenario.map, scenario.seed);
+  const auto tree = build_octomap(world.description);
+  scenario.map = save(*tree, world.name).string();
+  tell_the_way(scenario, StaticMap{slice(*tree, {})});
+  return scenario;
+}
+
+Scenario with_its_goal(Scenario scenario) {
+  const std::size_t turn = (scenario.seed + scenario.goals.size() - 1) % scenario.goals.size();
+  std::get<PoseGoal>(scenario.goal).X_MG = scenario.goals[turn];
+  SliceParams params;
+  rt::ParameterStore store{"/slice", {.values = scenario.slice}};
+  params.visit(store);
+  tell_the_way(scenario, StaticMap{slice(*load_map(scenario.map), params)});
+  return scenario;
+}
+
+}  // namespace tandem

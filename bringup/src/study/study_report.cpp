@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/study/study_report.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The first Python that has matplotlib: Debian's package belongs to /usr/bin/python3.
+std::optional<std::string> python() {
+  for (const std::string program : {"python3", "/usr/bin/python3"})
+    if (std::system((program + " -c 'import matplotlib' >/dev/null 2>&1").c_str()) == 0)
+      return program;
+  return std::nullopt;
+}
+
+std::string shell_quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace
+
+void draw_report(const std::string& folder) {
+  const fs::path script = TANDEM_REPORT;
+  const auto interpreter = python();
+  if (!interpreter || !fs::exists(script)) {
+    std::fprintf(stderr, "no report: %s\n",
+                 interpreter ? (script.string() + " is not there").c_str()
+                             : "it needs matplotlib; apt-get install python3-matplotlib, and run "
+                               "this command again");
+    return;
+  }
+  const std::string command =
+      *interpreter + " " + shell_quoted(script.string()) + " " + shell_quoted(folder);
+  if (std::system(command.c_str()) != 0)
+    throw std::runtime_error("the report failed; the results are in " + folder);
+}
+
+}  // namespace tandem

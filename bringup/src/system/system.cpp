@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/system/system.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+
+#include <yaml-cpp/yaml.h>
+
+#include "bringup/system/parameter_names.hpp"
+#include "bringup/system/processes.hpp"
+#include "tandem/config/yaml_document.hpp"
+#include "tandem/runtime/arguments.hpp"
+#include "tandem/runtime/dds_security.hpp"
+#include "tandem/runtime/names.hpp"
+#include "tandem/runtime/parameter_files.hpp"
+#include "tandem/runtime/shutdown.hpp"
+
+namespace tandem {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Reads one system file; every complaint names file and line.
+class SystemReader {
+ public:
+  explicit SystemReader(const std::string& path) : path_{path} {}
+
+  System read() {
+    const YAML::Node root = load_document(path_);
+    require_keys(root, {"use_sim_time", "parameter_files", "components"});
+    if (const auto value = root["use_sim_time"]) use_sim_time_ = as<bool>(value, "true or false");
+    for (const auto& file : list(root, "parameter_files"))
+      files_.push_back(beside(as<std::string>(file, "a path")));
+    System system{path_, {}};
+    for (const auto& node : list(root, "components")) system.nodes.push_back(read_node(node));
+    if (system.nodes.empty()) fail(root, "no components");
+    return system;
+  }
+
+ private:
+  [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
+    throw std::invalid_argument(place(node) + ": " + what);
+  }
+
+  [[nodiscard]] std::string place(const YAML::Node& node) const {
+    return path_ + ":" + std::to_string(node.Mark().line + 1);
+  }
+
+  template <class T>
+  T as(const YAML::Node& node, const char* kind) const {
+    try {
+      return node.as<T>();
+    } catch (const YAML::Exception&) {
+      fail(node, std::string{"expected "} + kind);
+    }
+  }
+
+  // The second of two alike would be dropped, or win, without a word.
+  void require_each_once(const YAML::Node& map) const {
+    if (!map.IsMap()) fail(map, "expected a map");
+    std::set<std::string> seen;
+    for (const auto& entry : map)
+      if (const auto key = as<std::string>(entry.first, "a key"); !seen.insert(key).second)
+        fail(entry.first, "`" + key + "` is given twice; bring both together");
+  }
+
+  void require_keys(const YAML::Node& map, const std::vector<std::string>& known) const {
+    require_each_once(map);
+    for (const auto& entry : map) {
+      const auto key = as<std::string>(entry.first, "a key");
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        fail(entry.first, "unknown key '" + key + "'");
+    }
+  }
+
+  [[nodiscard]] YAML::Node list(const YAML::Node& map, const char* key) const {
+    const YAML::Node value = map[key];
+    if (!value || value.IsNull()) return YAML::Node{YAML::NodeType::Sequence};
+    if (!value.IsSequence()) fail(value, std::string{key} + " must be a list");
+    return value;
+  }
+
+  [[nodiscard]] std::string beside(const std::string& file) const {
+    return (fs::path{path_}.parent_path() / file).lexically_normal();
+  }
+
+  SystemNode read_node(const YAML::Node& map) const {
+    require_keys(map, {"component", "name", "namespace", "parameters", "parameter_files",
+                       "remappings", "respawn"});
+    if (!map["component"]) fail(map, "a component needs `component:`");
+    SystemNode node{as<std::string>(map["component"], "a component's name"), {}};
+    auto& options = node.options;
+    options.name = map["name"] ? as<std::string>(map["name"], "a node's name") : node.component;
+    if (map["namespace"]) options.ns = as<std::string>(map["namespace"], "a namespace");
+    if (map["respawn"]) node.respawn = as<bool>(map["respawn"], "true or false");
+    options.use_sim_time = use_sim_time_;
+    options.parameters.files = files_;
+    for (const auto& file : list(map, "parameter_files"))
+      options.parameters.files.push_back(beside(as<std::string>(file, "a path")));
+    read_parameters(map["parameters"], options);
+    read_remappings(map["remappings"], options);
+    return node;
+  }
+
+  void read_parameters(const YAML::Node& map, rt::NodeOptions& options) const {
+    if (!map || map.IsNull()) return;
+    if (!map.IsMap()) fail(map, "parameters must be a map");
+    require_each_once(map);
+    for (const auto& entry : map)
+      options.parameters.values[as<std::string>(entry.first, "a key")] = {
+          expand(yaml_text(entry.second)), place(entry.first)};
+  }
+
+  // `$(dirname)` is the system file's folder, as in ROS 2's launch files.
+  [[nodiscard]] std::string expand(std::string text) const {
+    static const std::string kDirname = "$(dirname)";
+    const std::string folder = fs::absolute(path_).parent_path().string();
+    for (auto at = text.find(kDirname); at != std::string::npos;
+         at = text.find(kDirname, at + folder.size()))
+      text.replace(at, kDirname.size(), folder);
+    return text;
+  }
+
+  void read_remappings(const YAML::Node& map, rt::NodeOptions& options) const {
+    if (!map || map.IsNull()) return;
+    if (!map.IsMap()) fail(map, "remappings must be a map");
+    require_each_once(map);
+    for (const auto& entry : map)
+      options.remappings[as<std::string>(entry.first, "a name")] =
+          as<std::string>(entry.second, "a name");
+  }
+
+  const std::string& path_;
+  bool use_sim_time_ = false;
+  std::vector<std::string> files_;
+};
+
+bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
+  return only.empty() || std::find(only.begin(), only.end(), node.options.name) != only.end();
+}
+
+int run_here(const System& system, const std::vector<std::string>& only) {
+  RunningSystem running{system, only};
+  if (only.empty())  // a process of its own cannot know what the others use
+    for (const auto& key : rt::unused_wildcard_keys())
+      rt::Logger{"tandem"}.warn("{} is no parameter of any component of {}", key, system.path);
+  rt::wait_for_shutdown();
+  running.stop();
+  running.wait();
+  return 0;
+}
+
+// A plain `-p` is for every node that has the parameter. Of processes of their own none knows what
+// the others use; a user's component may have parameters that are not known here.
+void warn_of_unknown(const rt::RosArguments& arguments) {
+  const auto all = arguments.parameters.find("");
+  if (all == arguments.parameters.end()) return;
+  for (const auto& [key, value] : all->second) {
+    if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
+    const std::string meant = nearest_parameter(key);
+    rt::Logger{"tandem"}.warn("-p {}:={}: {} is no parameter of any component of ours{}", key,
+                              value, key, meant.empty() ? "" : "; is `" + meant + "` meant?");
+  }
+}
+
+void warn_of_strangers(const System& system, const rt::RosArguments& arguments) {
+  std::vector<rt::NodeOptions> nodes;
+  for (const auto& node : system.nodes) nodes.push_back(node.options);
+  std::set<std::string> files{arguments.parameter_files.begin(), arguments.parameter_files.end()};
+  std::vector<std::string> names;
+  for (const auto& node : nodes) {
+    const auto options = rt::with_arguments(node, arguments);
+    names.push_back(rt::make_node_name(options.ns, options.name).full());
+    files.insert(options.parameters.files.begin(), options.parameters.files.end());
+  }
+  for (const auto& file : files)
+    for (const auto& section : rt::sections_for_nobody(file, names))
+      rt::Logger{"tandem"}.warn("{}: {} has no node '{}': what the file says of it is of no effect",
+                                section.origin, system.path, section.name);
+  for (const auto& name : rt::strangers_in(arguments, nodes))
+    rt::Logger{"tandem"}.warn("--ros-args: {} has no node '{}': its rules are of no effect",
+                              system.path, name);
+}
+
+// Once, before each of the processes finds it.
+void refuse_retired_names(const System& system, const std::vector<std::string>& only,
+                          const rt::RosArguments& arguments) {
+  for (const auto& node : system.nodes) {
+    if (!wanted(node, only) || !is_our_component(node.component)) continue;
+    const auto options = rt::with_arguments(node.options, arguments);
+    const auto name = rt::make_node_name(options.ns, options.name).full();
+    rt::ParameterStore{name, options.parameters}.check_retired();
+  }
+}
+
+// Constructs a component; whatever it complains of names the system file and the component.
+rt::RunningComponent construct(const System& system, const SystemNode& node) {
+  try {
+    return rt::RunningComponent{node.component, node.options};
+  } catch (const std::exception& error) {
+    const std::string what = error.what();
+    if (what.find(": node /") != std::string::npos) throw;  // as a parameter's complaint does
+    throw std::invalid_argument(system.path + ": " + node.options.name + ": " + what);
+  }
+}
+
+// What arbitration is told when it starts again: it has forgotten whether the emergency stop was
+// pressed, so it must take it for pressed.
+std::vector<std::string> respawn_arguments(const SystemNode& node) {
+  if (node.component != "arbitration") return {};
+  return {"--ros-args", "-p", node.options.name + ":start_stopped:=true"};
+}
+
+// What a process of its own is told of its enclave.
+std::vector<std::string> enclave_arguments(const rt::NodeOptions& options) {
+  if (rt::enclave() != "/") return {"--ros-args", "--enclave", rt::enclave()};
+  if (!rt::read_security_request().enabled) return {};
+  return {"--ros-args", "--enclave", rt::make_node_name(options.ns, options.name).full()};
+}
+
+std::vector<std::string> command_for(const std::string& path, const SystemNode& node,
+                                     const std::vector<std::string>& ros_args) {
+  std::vector<std::string> command{"run", path, "--only", node.options.name};
+  command.insert(command.end(), ros_args.begin(), ros_args.end());
+  const auto of_enclave =
+      enclave_arguments(rt::with_arguments(node.options, rt::parse_ros_arguments(ros_args)));
+  command.insert(command.end(), of_enclave.begin(), of_enclave.end());
+  return command;
+}
+
+}  // namespace
+
+void require_names(const System& system, const std::vector<std::string>& only) {
+  for (const auto& name : only) {
+    const auto found =
+        std::find_if(system.nodes.begin(), system.nodes.end(),
+                     [&](const SystemNode& node) { return node.options.name == name; });
+    if (found == system.nodes.end())
+      throw std::invalid_argument(system.path + ": no component is named '" + name + "'");
+  }
+}
+
+System load_system(const std::string& path) { return SystemReader{path}.read(); }
+
+RunningSystem::RunningSystem(const System& system, const std::vector<std::string>& only) {
+  require_names(system, only);
+  for (const auto& node : system.nodes)
+    if (wanted(node, only)) components_.push_back(construct(system, node));
+  for (auto& component : components_) component.start();
+}
+
+void RunningSystem::stop() {
+  for (auto& component : components_) component.stop();
+}
+
+void RunningSystem::wait() {
+  for (auto& component : components_) component.join();
+}
+
+int run_system(const std::string& path, const std::vector<std::string>& only,
+               bool separate_processes, const std::vector<std::string>& ros_args) {
+  System system = load_system(path);
+  require_names(system, only);
+  const auto arguments = rt::parse_ros_arguments(ros_args);
+  if (!arguments.rest.empty())
+    throw std::invalid_argument("unknown argument '" + arguments.rest.front() + "'");
+  if (only.empty()) warn_of_strangers(system, arguments);  // not once more by each process
+  rt::install_signal_handlers();
+  if (separate_processes) {
+    warn_of_unknown(arguments);
+    refuse_retired_names(system, only, arguments);
+    Processes processes;
+    for (const auto& node : system.nodes)
+      if (wanted(node, only))
+        processes.start({node.options.name, command_for(path, node, ros_args), node.respawn,
+                         respawn_arguments(node)});
+    return processes.run();
+  }
+  for (auto& node : system.nodes) node.options = rt::with_arguments(node.options, arguments);
+  return run_here(system, only);
+}
+
+}  // namespace tandem

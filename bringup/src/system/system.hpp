@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a system file. Out: its components, running in this process or one process each.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tandem/runtime/component.hpp"
+
+namespace tandem {
+
+/// One component of a system, as the system file says.
+struct SystemNode {
+  std::string component;
+  rt::NodeOptions options;
+  bool respawn = false;  ///< as a process of its own it starts again after it ended by itself
+};
+
+/// Which components run, under which names, with which parameters and remappings.
+struct System {
+  std::string path;
+  std::vector<SystemNode> nodes;
+};
+
+/// Throws std::invalid_argument naming file and line for whatever is not of a system file's form.
+[[nodiscard]] System load_system(const std::string& path);
+
+/// Throws std::invalid_argument for a name of `only` that no node of the system has.
+void require_names(const System& system, const std::vector<std::string>& only);
+
+/// The components of a system, each on its own thread. Destruction stops them.
+class RunningSystem {
+ public:
+  /// Runs the nodes named in `only` (all if empty). Throws std::invalid_argument for a name that
+  /// the system does not have, and what a component's constructor throws; then nothing runs.
+  explicit RunningSystem(const System& system, const std::vector<std::string>& only = {});
+
+  void stop();  ///< returns at once
+  void wait();  ///< until every component has stopped
+
+ private:
+  std::vector<rt::RunningComponent> components_;
+};
+
+/// Runs a system until SIGINT or SIGTERM; the result is the program's exit status.
+/// `separate_processes`: one process per component, started as `<this program> run FILE --only
+/// NAME`. With security enabled each is in the enclave of its node's full name, unless an enclave
+/// is set for all.
+int run_system(const std::string& path, const std::vector<std::string>& only,
+               bool separate_processes, const std::vector<std::string>& ros_args);
+
+}  // namespace tandem

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: messages that web clients publish. Out: the same on the domain, if they are sound and may be.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tandem/dashboard/web/foxglove_protocol.hpp"
+#include "tandem/dashboard/web/web_server.hpp"
+#include "tandem/runtime/node.hpp"
+
+namespace tandem {
+
+/// The few topics that a web client may publish. None of them goes round the safety filter.
+class PublishRelay {
+ public:
+  static constexpr std::size_t kMaxChannels = 100;  // of one client
+
+  /// What became of a message.
+  enum class Outcome { kPublished, kNoChannel, kOtherDrives, kMalformed, kOld };
+  [[nodiscard]] static const char* text(Outcome outcome);
+
+  /// A stamped stick older than `max_age` [s] is not passed on; 0: any age.
+  PublishRelay(rt::Node& node, double max_age);
+
+  /// At most one complaint about each frame, a sentence for the client; empty: all is well.
+  [[nodiscard]] std::string advertise(ClientId client, const foxglove::Advertise& request);
+  void unadvertise(ClientId client, const foxglove::Unadvertise& request);
+  void forget(ClientId client) { channels_.erase(client); }
+  /// Beginnings of the frames with which the client presses the emergency stop.
+  [[nodiscard]] std::vector<std::string> urgent_prefixes(ClientId client) const;
+
+  /// `may_drive` is asked only for topics that move the robot.
+  [[nodiscard]] Outcome publish(ClientId client, const foxglove::Message& message,
+                                const std::function<bool()>& may_drive);
+  /// A channel in JSON that ends here: `take` says what became of a message.
+  void open_own(const std::string& topic, const std::string& type,
+                std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> take);
+  /// Lets go of the stick in the name of a driver who is gone.
+  void release_stick();
+
+ private:
+  struct Inlet {
+    std::string type;
+    bool drives;
+    std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> publish;
+    std::string encoding = "cdr";
+    bool urgent = false;
+  };
+
+  template <class M>
+  void open(const rt::Topic<M>& topic, bool drives);
+  [[nodiscard]] std::string advertise(std::map<std::uint32_t, const Inlet*>& channels,
+                                      const foxglove::Advertise::One& wanted);
+  [[nodiscard]] Outcome publish_joy(const std::vector<std::uint8_t>& bytes);
+  [[nodiscard]] Outcome publish_stop(const std::vector<std::uint8_t>& bytes);
+
+  rt::Node& node_;
+  double max_age_;
+  std::string namespace_;  // "" or "/a"
+  std::map<std::string, Inlet> inlets_;
+  std::map<ClientId, std::map<std::uint32_t, const Inlet*>> channels_;
+  rt::Publisher<sensor_msgs::msg::Joy> joy_;
+  std::optional<rt::Publisher<std_msgs::msg::Bool>> stop_;
+  bool stop_pressed_ = false;
+};
+
+}  // namespace tandem

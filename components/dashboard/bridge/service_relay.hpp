@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: web clients' service calls. Out: calls on the domain, and their answers back.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tandem/dashboard/web/foxglove_protocol.hpp"
+#include "tandem/dashboard/web/web_server.hpp"
+#include "tandem/runtime/node.hpp"
+
+namespace tandem {
+
+/// Offers each service whose type the IDL knows, but for those that load code into a process.
+class ServiceRelay {
+ public:
+  static constexpr double kTimeout = 5.0;  // [s]
+  static constexpr int kMaxCalls = 10;     // of one client that wait for their answers
+
+  /// `own`: a Trigger that is no service of the domain; `on_own` says what became of it.
+  ServiceRelay(rt::Node& node, WebServer& web, const std::string& own,
+               std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own);
+
+  void look(const std::set<ClientId>& clients);
+  void greet(ClientId client);
+  void forget(ClientId client) { waiting_.erase(client); }
+
+  /// Whether a service of that number only tells, or is the own one: open to those who do not
+  /// drive.
+  [[nodiscard]] bool only_reads(std::uint32_t service) const;
+  /// Of a service of the domain; empty: there is none of that number.
+  [[nodiscard]] std::string name(std::uint32_t service) const;
+  void call(ClientId client, const foxglove::ServiceCall& call);
+
+ private:
+  struct Relayed {
+    foxglove::Service service;
+    rt::GenericClient client;
+    bool opened = false;
+  };
+
+  [[nodiscard]] Relayed* find(std::uint32_t service);
+  [[nodiscard]] const Relayed* find(std::uint32_t service) const;
+  void ask(ClientId client, const foxglove::ServiceCall& call, Relayed& relayed);
+  void answer(ClientId client, const foxglove::ServiceCall& call,
+              const std::vector<std::uint8_t>& bytes);
+  void fail(ClientId client, const foxglove::ServiceCall& call, const std::string& why);
+
+  rt::Node& node_;
+  WebServer& web_;
+  std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own_;
+  std::map<std::string, Relayed> relayed_;  // by name
+  std::map<ClientId, int> waiting_;
+  std::shared_ptr<const std::vector<std::uint8_t>> greeting_;  // until a service comes or goes
+  std::uint32_t last_id_ = 1;
+};
+
+}  // namespace tandem

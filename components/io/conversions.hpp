@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: messages. Out: model types, and back. The only place where message fields are touched; what
+// is not finite stops here.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <msgs.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tandem/map/grid.hpp"
+#include "tandem/map/occupancy_plane.hpp"
+#include "tandem/map/range_returns.hpp"
+#include "tandem/map/virtual_fixtures.hpp"
+#include "tandem/model/obstacle.hpp"
+#include "tandem/model/se2.hpp"
+
+namespace tandem {
+
+using Stamp = builtin_interfaces::msg::Time;
+
+/// Frame names on the wire, shared by all components of a robot.
+struct Frames {
+  std::string map = "map", odom = "odom", base = "base_link";
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("map_frame", map, "name of the frame that obstacles live in");
+    field("odom_frame", odom, "name of the frame that odometry counts in");
+    field("base_frame", base, "name of the robot's own frame");
+  }
+};
+
+/// Odometry or ground truth: pose of the child frame in the header's frame, body twist.
+struct Odometry {
+  Pose2 X;
+  Twist2 twist;
+};
+
+[[nodiscard]] std_msgs::msg::Header header(const Stamp& stamp, const std::string& frame);
+
+/// Forward speed and yaw rate; the other four components are not read (REP-103, field custom).
+/// Nothing if one of the two is not finite.
+[[nodiscard]] std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg);
+[[nodiscard]] geometry_msgs::msg::Twist to_msg(const Twist2& twist);
+
+/// The twist of B on a robot whose frame C moves so, with B fixed at X_CB in C. What it would be to
+/// the side in B is not read.
+[[nodiscard]] Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C);
+
+/// What is wrong with a pose that from_msg refuses: "is not finite", or that its quaternion is
+/// zero.
+[[nodiscard]] const char* fault_of(const geometry_msgs::msg::Quaternion& orientation);
+
+/// Heading from the quaternion's yaw. Nothing if a number is not finite or the quaternion is zero.
+[[nodiscard]] std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg);
+[[nodiscard]] geometry_msgs::msg::Pose to_msg(const Pose2& X);
+[[nodiscard]] geometry_msgs::msg::PoseStamped to_msg(const Pose2& X,
+                                                     const std_msgs::msg::Header& header);
+
+[[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg);
+/// Ground truth. It is not transformed: nothing if its frame is neither `map` nor empty.
+[[nodiscard]] std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg,
+                                                 const std::string& map);
+[[nodiscard]] nav_msgs::msg::Odometry to_msg(const Odometry& odometry,
+                                             const std_msgs::msg::Header& header,
+                                             const std::string& child);
+
+/// The transform parent → child of the message, if it is there and finite.
+[[nodiscard]] std::optional<Pose2> find_transform(const tf2_msgs::msg::TFMessage& msg,
+                                                  const std::string& parent,
+                                                  const std::string& child);
+[[nodiscard]] geometry_msgs::msg::TransformStamped to_transform(const Pose2& X,
+                                                                const std_msgs::msg::Header& header,
+                                                                const std::string& child);
+
+/// The whole transform. Nothing if a number is not finite or the quaternion is zero.
+[[nodiscard]] std::optional<Eigen::Isometry3d> from_msg(const geometry_msgs::msg::Transform& msg);
+[[nodiscard]] geometry_msgs::msg::TransformStamped to_transform(const Eigen::Isometry3d& X,
+                                                                const std_msgs::msg::Header& header,
+                                                                const std::string& child);
+
+/// Obstacles that are finite with a ≥ b > 0; others are counted in `refused`.
+struct Obstacles {
+  std::vector<Obstacle> all;
+  int refused = 0;
+};
+[[nodiscard]] Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg);
+[[nodiscard]] tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
+                                                     const std_msgs::msg::Header& header);
+
+/// The scan, which looks into the message. Intensities are not read.
+[[nodiscard]] RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg);
+/// What a sensor measured; malformed messages give an error in it.
+[[nodiscard]] Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg);
+
+[[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
+                                          const std_msgs::msg::Header& header);
+/// The plane of the message, whatever it says; error_of tells what is wrong with it. An origin that
+/// is not finite or has a zero quaternion becomes one that is not finite.
+[[nodiscard]] OccupancyPlane from_msg(const nav_msgs::msg::OccupancyGrid& msg);
+/// 100 occupied, 0 free, −1 unknown, as RViz and Nav2 read it.
+[[nodiscard]] nav_msgs::msg::OccupancyGrid to_msg(const Grid& grid,
+                                                  const std_msgs::msg::Header& header);
+
+/// Flat cylinders, `namespace` "obstacles", preceded by a marker that deletes the old ones.
+[[nodiscard]] visualization_msgs::msg::MarkerArray to_markers(std::span<const Obstacle> obstacles,
+                                                              const std_msgs::msg::Header& header);
+/// Outlines of forbidden regions and guidance lines, in namespaces of their own.
+[[nodiscard]] std::vector<visualization_msgs::msg::Marker> to_markers(
+    const Fixtures& fixtures, const std_msgs::msg::Header& header);
+/// An arrow for the leader and a line for its leash.
+[[nodiscard]] visualization_msgs::msg::MarkerArray leader_markers(
+    const Pose2& X_ML, const Pose2& X_MB, const std_msgs::msg::Header& header);
+/// An arrow at each goal, as solid as it is likely, and its likelihood in percent.
+[[nodiscard]] visualization_msgs::msg::MarkerArray goal_markers(
+    std::span<const Pose2> X_MG, std::span<const double> belief,
+    const std_msgs::msg::Header& header);
+
+}  // namespace tandem

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Subscribes /tf and /tf_static for a node, and places what other messages say of their frames.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tandem/io/conversions.hpp"
+#include "tandem/model/frame_tree.hpp"
+#include "tandem/model/localization.hpp"
+#include "tandem/runtime/domain_view.hpp"
+#include "tandem/runtime/node.hpp"
+
+namespace tandem {
+
+/// Where a frame is in another one, or why nobody knows.
+struct Placing {
+  std::optional<Eigen::Isometry3d> X_AB = {};
+  bool is_static = true;     ///< X_AB does not change
+  bool moves = false;        ///< it has changed lately
+  std::string refusal = {};  ///< empty if X_AB is there
+};
+
+/// The one frame tree of a node. Every input whose numbers depend on a frame asks it, so that all
+/// of them take a frame that /tf knows, and refuse another one with the same reason.
+///
+/// A frame is as old as the oldest dynamic link of its chain, and too old after
+/// `transform_timeout`. With `map_is_odom` map and odom are one frame. A child with two parents is
+/// logged with both publishers.
+class FramesInput {
+ public:
+  using Changed = std::function<void()>;
+  static constexpr double kMostTilt = 0.1;   ///< [rad] of a frame whose numbers lie in the plane
+  static constexpr double kMoves = 0.02;     ///< [m/s] of a link, a turn as of a point 1 m off
+  static constexpr double kMostDrift = 0.1;  ///< [m] a frame may move between its link and a stamp
+
+  /// `changed` is called after each message of either topic.
+  FramesInput(rt::Node& node, const Frames& names, const LocalizationParams& params,
+              Changed changed = {});
+  FramesInput(const FramesInput&) = delete;
+  FramesInput& operator=(const FramesInput&) = delete;
+
+  [[nodiscard]] const Frames& names() const { return names_; }
+  [[nodiscard]] const FrameTree& tree() const { return tree_; }
+  /// Messages so far: while it stays, so do the answers, unless a frame grows old.
+  [[nodiscard]] std::uint64_t heard() const { return heard_; }
+
+  /// X_AB of frame B in frame A, at the stamp or, if that is zero, as they are now.
+  [[nodiscard]] Placing place(std::string_view a, std::string_view b,
+                              const Stamp& stamp = {}) const;
+  /// X_MF of a message's frame in the map. An empty name is the map's.
+  [[nodiscard]] Placing in_map(std::string_view frame, const Stamp& stamp = {}) const;
+  /// The same in the plane, for a message of `topic`; logs why it has to be dropped.
+  [[nodiscard]] std::optional<Pose2> in_map(const std_msgs::msg::Header& header,
+                                            const char* topic) const;
+  /// The same for what a person points at: `/tf` alone counts, for their tool knows nothing of
+  /// `map_is_odom`, and takes map and odom for two frames.
+  [[nodiscard]] std::optional<Pose2> in_map_by_tf(const std_msgs::msg::Header& header,
+                                                  const char* topic) const;
+  /// Whether it is the map's own frame, or odom with `map_is_odom`. An empty name is the map's.
+  [[nodiscard]] bool is_map(std::string_view frame) const;
+  /// Whether the robot moves in that frame: map, odom, or another one above base on /tf.
+  [[nodiscard]] bool is_world(std::string_view frame) const;
+  /// Why map → odom is not known, with the frames that are there; empty if it is.
+  [[nodiscard]] std::string why_not_localised() const;
+
+  /// The sender's GUID, hexadecimal, as rt::DomainEndpoint::id.
+  [[nodiscard]] static std::string id_of(const FrameSender& sender);
+  /// The publisher as "/ns/name"; its GUID as long as nobody claims it.
+  [[nodiscard]] std::string name_of(const FrameSender& sender) const;
+  /// Each child that was given two parents in the last kRecently [s], in words; may be empty.
+  [[nodiscard]] std::string two_parents() const;
+
+ private:
+  void hear(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from, bool is_static);
+  void hear(const geometry_msgs::msg::TransformStamped& msg, const FrameSender& sender,
+            bool is_static);
+  [[nodiscard]] std::optional<Pose2> unless_refused(Placing placing,
+                                                    const std_msgs::msg::Header& header,
+                                                    const char* topic) const;
+  void react(LinkFate fate, const std::string& child, const std::string& parent);
+  [[nodiscard]] bool is_one(std::string_view a, std::string_view b) const;
+  [[nodiscard]] bool is_map_or_odom(std::string_view frame) const;
+  [[nodiscard]] bool is_fresh(const FramePose& found) const;
+  [[nodiscard]] std::optional<FramePose> find(std::string_view a, std::string_view b,
+                                              std::optional<double> stamp) const;
+
+  static constexpr double kRecently = 10.0;  // [s]
+
+  rt::Node& node_;
+  Frames names_;
+  double timeout_;  // [s]
+  bool map_is_odom_;
+  Changed changed_;
+  FrameTree tree_;
+  std::uint64_t heard_ = 0;
+  double last_time_ = 0.0;                // node's clock [s]
+  std::unique_ptr<rt::DomainView> view_;  // once publishers have to be named
+  rt::Timer report_;                      // likewise
+  rt::Subscription tf_, tf_static_;
+};
+
+}  // namespace tandem

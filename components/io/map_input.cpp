@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/io/map_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/topics.hpp"
+#include "tandem/map/octomap_file.hpp"
+#include "tandem/map/overlay.hpp"
+#include "tandem/map/placed_grid.hpp"
+#include "tandem/model/reasons.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kStill = 1e-6;  // [m] a frame that moves by less has not moved
+
+}  // namespace
+
+Fixtures fixtures_of(const MapInputParams& params) {
+  return params.fixtures.empty() ? Fixtures{} : load_fixtures(params.fixtures);
+}
+
+std::shared_ptr<const StaticMap> static_map(const octomap::OcTree& tree,
+                                            const MapInputParams& params,
+                                            const Fixtures& fixtures) {
+  return std::make_shared<const StaticMap>(with_forbidden(slice(tree, params.slice), fixtures),
+                                           params.unknown_is_obstacle);
+}
+
+std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& local,
+                                                const Eigen::Vector2d& p_MB,
+                                                const MapInputParams& params) {
+  return std::make_shared<const StaticMap>(overlay(base, local, p_MB, params.local_reach),
+                                           params.unknown_is_obstacle);
+}
+
+std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known, const Grid& local,
+                                                    const Eigen::Vector2d& p_MB,
+                                                    const MapInputParams& params) {
+  return std::make_shared<const StaticMap>(
+      unknown_cells(overlay(known, local, p_MB, params.local_reach)), true);
+}
+
+MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,
+                   UnseenGround unseen)
+    : node_{node},
+      params_{params},
+      heeds_unseen_{unseen},
+      fixtures_{fixtures_of(params)},
+      frames_{frames},
+      static_{params.static_map == "grid" ? topics::map.name : topics::octomap_binary.name} {
+  if (params_.map_source == "local") base_ = with_forbidden(Grid{}, fixtures_);
+  if (params_.map_source != "local")
+    with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
+  if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
+  worker_ = std::thread{[this] { run(); }};  // last: whoever throws before has no thread to end
+}
+
+MapInput::~MapInput() {
+  static_.subscription = {};
+  local_.subscription = {};
+  {
+    const std::lock_guard lock{mutex_};
+    stop_ = true;
+  }
+  arrived_.notify_one();
+  worker_.join();
+}
+
+template <class Use>
+void MapInput::with_static_topic(const Use& use) const {
+  if (params_.static_map == "grid")
+    use(topics::map);
+  else
+    use(topics::octomap_binary);
+}
+
+template <class M>
+void MapInput::subscribe(const rt::Topic<M>& topic, Inbox& inbox) {
+  inbox.refused = false;
+  inbox.sender.reset();
+  inbox.subscription = node_.create_subscription(topic, [this, topic, &inbox](const auto& msg) {
+    inbox.refused = is_foreign(topic.name, inbox);
+    if (inbox.refused) return;
+    inbox.sender = inbox.subscription.sender();
+    hand_over(inbox, HeardMap{msg, node_.now()});
+  });
+}
+
+void MapInput::hand_over(Inbox& inbox, HeardMap map) {
+  const std::string frame =
+      std::visit([](const auto& msg) -> std::string { return msg.header().frame_id(); }, map.value);
+  const auto place = place_of(frame, inbox.refusal);
+  if (place) {
+    inbox.unplaced.reset();
+    return hand_over(inbox, Job{std::move(map), *place});
+  }
+  inbox.refusal = fmt::format("{} is given in frame `{}`, not `{}`: not used: {}", inbox.topic,
+                              frame, frames_.names().map, inbox.refusal);
+  node_.log().missing_every(5.0, "{}", inbox.refusal);
+  inbox.tried = frames_.heard();
+  inbox.unplaced = std::move(map);
+}
+
+void MapInput::hand_over(Inbox& inbox, Job job) {
+  inbox.place = job.place;
+  {
+    const std::lock_guard lock{mutex_};
+    inbox.waiting = std::move(job);
+  }
+  arrived_.notify_one();
+}
+
+// Nothing, and why, if the frame is not known.
+std::optional<MapInput::Place> MapInput::place_of(const std::string& frame,
+                                                  std::string& refusal) const {
+  const Placing placing = frames_.in_map(frame);
+  refusal = placing.refusal;
+  if (!placing.X_AB) return std::nullopt;
+  if (placing.X_AB->linear()(2, 2) < std::cos(kMostTilt)) {
+    refusal = "it does not lie level";
+    return std::nullopt;
+  }
+  return Place{.frame = frame,
+               .X_MF = in_plane(*placing.X_AB),
+               .height = placing.X_AB->translation().z(),
+               .spread = placing.is_static ? 0.0 : kSpread,
+               .follows = !frames_.is_map(frame)};
+}
+
+// How far something near the robot moves if the frame does [m].
+double MapInput::shift(const Place& from, const Place& to) const {
+  const Eigen::Vector2d p_MQ = p_MB_.value_or(from.X_MF.position());
+  const Eigen::Vector2d p_FQ = transform(inverse(from.X_MF), p_MQ);
+  return (transform(to.X_MF, p_FQ) - p_MQ).norm() +
+         kNear * std::abs(wrap_angle(to.X_MF.theta - from.X_MF.theta));
+}
+
+// Hands over a map whose frame has become known, or has moved; says if the one in force is
+// misplaced by now. What is seen now comes again by itself.
+void MapInput::follow_frame(Inbox& inbox) {
+  if (inbox.unplaced && inbox.tried != frames_.heard())
+    hand_over(inbox, *std::exchange(inbox.unplaced, std::nullopt));
+  inbox.trouble.clear();
+  std::unique_lock lock{mutex_};
+  const auto in_force = inbox.in_force;
+  lock.unlock();
+  if (!in_force || !in_force->follows) return;
+  const auto now_at = place_of(in_force->frame, inbox.trouble);
+  if (!now_at) {
+    inbox.trouble = fmt::format("{} cannot be placed: {}", inbox.topic, inbox.trouble);
+    return;
+  }
+  if (&inbox == &static_ && inbox.place->frame == in_force->frame &&
+      shift(*inbox.place, *now_at) > 0.5 * std::max(inbox.place->spread, kStill))
+    hand_over(inbox, Job{.place = *now_at});
+  if (shift(*in_force, *now_at) > std::max(in_force->spread, kStill))
+    inbox.trouble = fmt::format("{} is being placed anew: its frame `{}` has moved", inbox.topic,
+                                in_force->frame);
+}
+
+// Where two publish, nobody knows whose map is this robot's: the one in force stays. A second one's
+// map may come before DDS has counted it, so who sent it counts too.
+bool MapInput::is_foreign(const char* topic, const Inbox& inbox) const {
+  const int publishers = inbox.subscription.matched();
+  if (publishers <= 1) return inbox.sender && *inbox.sender != inbox.subscription.sender();
+  node_.log().write_every(
+      1.0, rt::LogLevel::kError, topic,
+      std::string{topic} + " refused: " + std::to_string(publishers) +
+          " nodes publish it; give another robot its own namespace or ROS_DOMAIN_ID, or stop one");
+  return true;
+}
+
+// Who is left sends its latched map to whoever subscribes anew: to one that was refused for another
+// robot's sake, or for that of a map_server that died without a word.
+template <class M>
+void MapInput::ask_again(const rt::Topic<M>& topic, Inbox& inbox) {
+  if (inbox.refused && inbox.subscription.matched() <= 1) subscribe(topic, inbox);
+}
+
+std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& robot) {
+  with_static_topic([this](const auto& topic) { ask_again(topic, static_); });
+  ask_again(topics::octomap_local, local_);
+  follow_frame(static_);
+  follow_frame(local_);
+  const std::lock_guard lock{mutex_};
+  if (robot) p_MB_ = robot->X_MB.position();
+  if (!static_.trouble.empty() || !local_.trouble.empty()) return nullptr;
+  if (params_.map_source == "static") return map_.value;
+  map_.forget_later_than(node_.now());
+  return map_.fresh(node_.now(), params_.local_timeout) ? map_.value : nullptr;
+}
+
+std::shared_ptr<const StaticMap> MapInput::unseen() const {
+  const std::lock_guard lock{mutex_};
+  return unseen_;
+}
+
+std::string MapInput::missing() const {
+  for (const Inbox* inbox : {&static_, &local_})
+    if (!inbox->trouble.empty()) return inbox->trouble;
+  for (const Inbox* inbox : {&static_, &local_})
+    if (inbox->unplaced) return inbox->refusal;
+  const std::lock_guard lock{mutex_};
+  return text_of(map_.value ? Reason::kLocalMapSilent : Reason::kNoMapYet);
+}
+
+const char* MapInput::missing_topic() const {
+  for (const Inbox* inbox : {&static_, &local_})
+    if (!inbox->trouble.empty() || inbox->unplaced) return "";
+  if (params_.map_source == "static") return static_.topic;
+  return params_.map_source == "both" && !static_.place ? static_.topic : local_.topic;
+}
+
+void MapInput::run() {
+  std::unique_lock lock{mutex_};
+  while (true) {
+    arrived_.wait(lock, [this] { return stop_ || static_.waiting || local_.waiting; });
+    if (stop_) return;
+    const auto fixed = std::exchange(static_.waiting, std::nullopt);
+    const auto local = std::exchange(local_.waiting, std::nullopt);
+    const auto p_MB = p_MB_;
+    lock.unlock();
+    const auto map =
+        fixed ? unless_refused(static_.topic, [&] { return take_static(*fixed); }) : nullptr;
+    const auto [seen, unseen] =
+        local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : Live{};
+    lock.lock();
+    if (map) map_.value = map;
+    if (map || seen) static_.in_force = base_place_;
+    if (!seen) continue;
+    map_ = {seen, local->map->t};
+    unseen_ = unseen;
+    local_.in_force = local->place;
+  }
+}
+
+// What `take` makes of a message; null, and the reason logged, if it throws.
+template <class Take>
+auto MapInput::unless_refused(const char* topic, const Take& take) -> decltype(take()) {
+  try {
+    return take();
+  } catch (const std::exception& error) {
+    node_.log().write_every(1.0, rt::LogLevel::kError, topic,
+                            std::string{topic} + " refused: " + error.what());
+    return {};
+  }
+}
+
+// The static map alone, if that is all that is asked for.
+std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
+  if (!job.map && (!unmoved_base_ || base_place_->frame != job.place.frame)) return nullptr;
+  Grid unmoved =
+      job.map ? decode(job.map->value, job.place.height, false) : *std::move(unmoved_base_);
+  unmoved_base_.reset();
+  if (job.place.follows) unmoved_base_ = unmoved;
+  Grid map = placed(std::move(unmoved), job.place.X_MF, job.place.spread);
+  if (params_.map_source == "both" && heeds_unseen_ == UnseenGround::kHeeded)
+    known_ = with_known_ground(map);
+  Grid grid = with_forbidden(std::move(map), fixtures_);
+  base_place_ = job.place;
+  if (job.map)
+    node_.log().info("map: {} x {} cells of {:.3f} m", grid.width, grid.height, grid.resolution);
+  if (params_.map_source == "static")
+    return std::make_shared<const StaticMap>(std::move(grid), params_.unknown_is_obstacle);
+  base_ = std::move(grid);
+  return nullptr;
+}
+
+MapInput::Live MapInput::take_local(const Job& job,
+                                    const std::optional<Eigen::Vector2d>& p_MB) const {
+  const Grid local =
+      placed(decode(job.map->value, job.place.height, true), job.place.X_MF, job.place.spread);
+  if (!base_) return {};
+  const Eigen::Vector2d middle =
+      local.origin + 0.5 * local.resolution * Eigen::Vector2d(local.width, local.height);
+  const Eigen::Vector2d p_MC = p_MB.value_or(middle);
+  return {local_map_over(*base_, local, p_MC, params_),
+          heeds_unseen_ == UnseenGround::kHeeded ? unseen_ground_over(known_, local, p_MC, params_)
+                                                 : nullptr};
+}
+
+// Where nothing is seen nothing may stand: only a map that stays must hold something.
+Grid MapInput::decode(const MapMessage& msg, double height, bool may_be_empty) const {
+  return std::visit([&](const auto& map) { return grid_of(map, height, may_be_empty); }, msg);
+}
+
+Grid MapInput::grid_of(const octomap_msgs::msg::Octomap& msg, double height,
+                       bool may_be_empty) const {
+  const auto decoded =
+      decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
+  if (!decoded.tree) throw std::runtime_error(decoded.error);
+  SliceParams in_its_frame = params_.slice;
+  in_its_frame.floor -= height;
+  return slice(*decoded.tree, in_its_frame);
+}
+
+Grid MapInput::grid_of(const nav_msgs::msg::OccupancyGrid& msg, double, bool) const {
+  return to_grid(from_msg(msg));
+}
+
+}  // namespace tandem

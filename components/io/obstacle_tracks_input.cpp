@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/io/obstacle_tracks_input.hpp"
+
+#include <utility>
+
+#include "tandem/io/topics.hpp"
+
+namespace tandem {
+namespace {
+
+// As the topic, with a queue: the next list must not overwrite that of a second sender, or the two
+// would look like one.
+constexpr rt::Topic<tandem_msgs::msg::ObstacleArray> kPeople{
+    topics::people.name, {.depth = 10}, topics::people.hears};
+
+}  // namespace
+
+PeopleInput::PeopleInput(rt::Node& node, const FramesInput& frames, Heard heard)
+    : node_{node}, frames_{frames}, heard_{std::move(heard)} {
+  people_ = node.create_subscription(kPeople, [this](const auto& msg) { take(msg); });
+}
+
+void PeopleInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
+  if (two_speak())
+    return node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,
+                                   "people refused: 2 nodes publish it; give another robot its own "
+                                   "namespace or ROS_DOMAIN_ID, or stop one");
+  if (msg.header().frame_id().empty())
+    return node_.log().warn_every(1.0, "people are given in no frame, not `{}`: dropped",
+                                  frames_.names().map);
+  const auto X_MF = frames_.in_map(msg.header(), topics::people.name);
+  if (!X_MF) return;
+  Obstacles people = from_msg(msg);
+  if (people.refused > 0)
+    return node_.log().warn_every(1.0, "{} people are not finite ellipses: the list is dropped",
+                                  people.refused);
+  for (Obstacle& person : people.all) person = transform(*X_MF, person);
+  heard_(std::move(people.all));
+}
+
+// By who spoke, not by whom DDS knows: a tracker that died is known for a while yet.
+bool PeopleInput::two_speak() {
+  const double now = node_.steady_now();
+  const auto sender = people_.sender();
+  if (sender_ && *sender_ != sender && now - sent_ < kTwoSpeak) two_until_ = now + kTwoSpeak;
+  sender_ = sender;
+  sent_ = now;
+  return now < two_until_;
+}
+
+}  // namespace tandem

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/io/sensing_input.hpp"
+
+#include "tandem/io/topics.hpp"
+
+namespace tandem {
+
+SensingInput::SensingInput(rt::Node& node, const MapInputParams& params)
+    : node_{node}, timeout_{params.local_timeout} {
+  if (params.map_source == "static") return;
+  subscription_ = node.create_subscription(topics::sensing_status, [this](const auto& msg) {
+    reason_ = {msg.reason(), node_.now()};
+  });
+}
+
+std::string SensingInput::trouble() {
+  const double now = node_.now();
+  reason_.forget_later_than(now);
+  if (reason_.fresh(now, timeout_)) return reason_.value;
+  if (subscription_.matched() == 0) return {};
+  return "sensing_status is silent: does octomap_builder still run?";
+}
+
+}  // namespace tandem

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every topic and service: name, type, QoS, in the order in which data flows. Names are relative,
+// so that a namespace moves a whole robot; all can be remapped.
+#pragma once
+
+#include <msgs.hpp>
+
+#include "tandem/runtime/pubsub.hpp"
+#include "tandem/runtime/service.hpp"
+
+namespace tandem::topics {
+
+using runtime::Hears;
+using runtime::kDefault;
+using runtime::kLatched;
+using runtime::kSensorData;
+using runtime::Topic;
+
+/// Velocity commands: the newest only, and none that the network has held back for longer.
+inline constexpr runtime::QoS kCommand{.depth = 1, .lifespan = 0.2};
+
+// the person
+inline constexpr Topic<sensor_msgs::msg::Joy> joy{"joy"};
+inline constexpr Topic<sensor_msgs::msg::JoyFeedback> joy_feedback{"joy/set_feedback"};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_user{"cmd_vel_user", kCommand};
+/// The person's command as `hindsight` would have it, for the planner in the place of cmd_vel_user.
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assisted", kCommand};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
+inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
+/// Why a stick that somebody holds moves nothing; empty once it does. Repeated while it holds.
+inline constexpr Topic<std_msgs::msg::String> teleop_status{"teleop/status"};
+inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
+/// How user input is read: best effort, so that no device goes unheard.
+inline constexpr runtime::QoS kUserInput{
+    .reliability = runtime::Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
+/// The same for joy, with a queue: the next sample must not overwrite one at rest, which teleop has
+/// to see.
+inline constexpr runtime::QoS kStickInput{
+    .reliability = runtime::Reliability::kBestEffort, .depth = 10, .lifespan = 0.2};
+
+// the map
+inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched,
+                                                                  Hears::kEvery};
+inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
+    "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
+/// Whether the sensors behind octomap_local see; from the node that publishes that.
+inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
+    "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
+/// Whoever walks about, with velocity; everybody near, in each message.
+inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
+    "people", {.depth = 1}, Hears::kEvery};
+inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"obstacles/markers"};
+
+// the planner
+inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose", kDefault,
+                                                                  Hears::kEvery};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_shared{"cmd_vel_shared", kCommand};
+inline constexpr Topic<nav_msgs::msg::Path> plan{"plan"};
+inline constexpr Topic<nav_msgs::msg::Path> user_path{"user_path"};
+inline constexpr Topic<tandem_msgs::msg::PlannerStatus> planner_status{"planner/status"};
+
+// arbitration and the last word
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_nav{"cmd_vel_nav", kCommand};
+inline constexpr Topic<std_msgs::msg::Bool> e_stop{"e_stop", kLatched};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_arbitrated{"cmd_vel_arbitrated",
+                                                                     kCommand};
+inline constexpr Topic<tandem_msgs::msg::ArbitrationStatus> arbitration_status{
+    "arbitration/status"};
+inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel{"cmd_vel", kCommand};
+inline constexpr Topic<geometry_msgs::msg::TwistStamped> cmd_vel_stamped{"cmd_vel", kCommand};
+inline constexpr Topic<tandem_msgs::msg::FilterStatus> filter_status{"safety_filter/status"};
+inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> diagnostics{"/diagnostics"};
+
+// the robot
+inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
+inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
+    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Hears::kEvery};
+/// What is fixed to what: said once, kept for those who come later; each who says it keeps their
+/// own.
+inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
+    "/tf_static",
+    {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100},
+    Hears::kEvery};
+inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
+inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
+inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};
+inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
+inline constexpr Topic<rosgraph_msgs::msg::Clock> clock{"/clock", runtime::kClock};
+inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
+    "initialpose", kDefault, Hears::kEvery};
+
+}  // namespace tandem::topics
+
+namespace tandem::services {
+
+using runtime::ServiceName;
+
+inline constexpr ServiceName<tandem_msgs::srv::SetPolicy> set_policy{"~/set_policy"};
+inline constexpr ServiceName<std_srvs::srv::Trigger> release_emergency_stop{
+    "~/release_emergency_stop"};
+inline constexpr ServiceName<std_srvs::srv::Trigger> reset{"~/reset"};
+
+}  // namespace tandem::services

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/io/twist_input.hpp"
+
+#include "tandem/model/frame_tree.hpp"
+
+namespace tandem {
+
+TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,
+                       const rt::QoS& qos, const StampParams& params, Command command)
+    : node_{node},
+      stamped_topic_{topic.name, topic.qos},
+      check_{node, topic.name, params},
+      command_{std::move(command)},
+      plain_{node.create_subscription(topic, qos, [this](const auto& msg) { hear(msg, plain_); })},
+      stamped_wanted_{
+          node.when_published(stamped_topic_, [this, qos] { subscribe_stamped(qos); })} {}
+
+void TwistInput::subscribe_stamped(const rt::QoS& qos) {
+  node_.log().info("{} comes as TwistStamped too", stamped_topic_.name);
+  stamped_ = node_.create_subscription(stamped_topic_, qos, [this](const auto& msg) {
+    if (is_of_robot(msg.header().frame_id()) && check_.in_time(msg.header().stamp()))
+      hear(msg.twist(), stamped_);
+  });
+}
+
+bool TwistInput::is_of_robot(const std::string& frame) const {
+  const auto name = bare_frame(frame);
+  if (name != bare_frame(frames_.map) && name != bare_frame(frames_.odom)) return true;
+  node_.log().write_every(
+      1.0, rt::LogLevel::kWarn, stamped_topic_.name,
+      fmt::format("{} is given in frame `{}`, in which the robot moves: dropped; commands are of "
+                  "the robot's own frame (`{}`, or none)",
+                  stamped_topic_.name, frame, frames_.base));
+  return false;
+}
+
+void TwistInput::hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from) {
+  sender_ = from.sender();
+  is_stamped_ = &from == &stamped_;
+  if (const auto twist = from_msg(msg)) return command_(*twist);
+  if (passes_not_finite_) return command_({msg.linear().x(), msg.angular().z()});
+  node_.log().write_every(1.0, rt::LogLevel::kWarn, stamped_topic_.name,
+                          std::string{stamped_topic_.name} + " is not finite: dropped");
+}
+
+}  // namespace tandem

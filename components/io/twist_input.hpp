@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: Twist and TwistStamped under one topic name. Out: the commands of both, none that is old.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "tandem/io/conversions.hpp"
+#include "tandem/io/stamp_check.hpp"
+#include "tandem/runtime/node.hpp"
+
+namespace tandem {
+
+/// Subscribes a velocity topic for a node. Plain Twist at once, TwistStamped from when somebody
+/// publishes that type. A command that is not finite is logged and dropped; so is one that is given
+/// in the map's frame or odom's: v and w are of the robot, whatever its own frame is called.
+class TwistInput {
+ public:
+  using Command = std::function<void(const Twist2&)>;
+
+  TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic, const rt::QoS& qos,
+             const StampParams& params, Command command);
+  TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,
+             const StampParams& params, Command command)
+      : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
+  /// Stamps are of this time [s], for a node that makes it; else of the node's own.
+  void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
+  /// What map and odom are called here, if not by their usual names.
+  void set_frames(Frames frames) { frames_ = std::move(frames); }
+  /// Commands that are not finite go on too, to a node that stops for them.
+  void pass_not_finite() { passes_not_finite_ = true; }
+  /// The publisher of the last command; valid within its callback.
+  [[nodiscard]] rt::PublisherId sender() const { return sender_; }
+  /// Whether that command came as TwistStamped; valid there too.
+  [[nodiscard]] bool is_stamped() const { return is_stamped_; }
+  TwistInput(const TwistInput&) = delete;
+  TwistInput& operator=(const TwistInput&) = delete;
+
+ private:
+  void subscribe_stamped(const rt::QoS& qos);
+  [[nodiscard]] bool is_of_robot(const std::string& frame) const;
+  void hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from);
+
+  rt::Node& node_;
+  rt::Topic<geometry_msgs::msg::TwistStamped> stamped_topic_;
+  StampCheck check_;
+  Command command_;
+  Frames frames_;
+  bool passes_not_finite_ = false;
+  rt::PublisherId sender_{};
+  bool is_stamped_ = false;
+  rt::Subscription plain_, stamped_;
+  std::shared_ptr<void> stamped_wanted_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: variables of an Ocp. Out: everything that an iteration needs of them, each stage seen once.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "tandem/local_planner/ocp/stage_terms.hpp"
+#include "tandem/local_planner/solvers/line_search_filter.hpp"
+#include "tandem/local_planner/solvers/pair_batch.hpp"
+
+namespace tandem {
+
+/// Bounds of the variables, all of them: where there is none, kFar stands for it, so far away that
+/// its barrier has no effect. Fixed variables get a little room.
+struct Box {
+  static constexpr double kFar = 1e10;
+  std::vector<double> lower, upper;
+
+  /// False if a bound is not a number or lies on the wrong side.
+  [[nodiscard]] bool set(const Ocp& ocp);
+};
+
+/// Σ log of many factors, by few logarithms.
+class LogOfProduct {
+ public:
+  void operator*=(double factor) {
+    product_ *= factor;
+    if (product_ > 1e-100 && product_ < 1e100) return;
+    sum_ += std::log(product_);
+    product_ = 1.0;
+  }
+  [[nodiscard]] double value() const { return sum_ + std::log(product_); }
+
+ private:
+  double product_ = 1.0, sum_ = 0.0;
+};
+
+/// A stage at a point. n: states that it hands on, 3, or 5 where the motors lag.
+template <int n>
+struct StageTerms {
+  CostTerms cost;
+  Displacement motion;
+  Eigen::Vector2d change;           ///< residuals of rows (2)
+  Eigen::Matrix<double, n, 1> gap;  ///< f(X, u) − X⁺: rows (3) and (8), with the other sign
+  Eigen::Vector2d growth;           ///< gradient of growth() with respect to u
+};
+
+/// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0; and what follows.
+template <int n>
+struct ChainPoint {
+  static constexpr std::size_t kBlock = block_of(n);
+  std::vector<double> z, t;
+  std::vector<StageTerms<n>> stages;
+  std::vector<PairTerms> pairs;   ///< in the order of rows (4)
+  std::vector<double> residuals;  ///< of rows (4)
+  double cost = 0.0;
+  double infeasibility = 0.0;  ///< Σ |residuals|
+  double violation = 0.0;      ///< max |residuals|
+  double logs = 0.0;           ///< Σ log(distance) over all bounds and t
+
+  [[nodiscard]] Merit merit(double mu) const { return {infeasibility, cost - mu * logs}; }
+  void resize(std::size_t stage_count, std::size_t pair_count);
+  /// To be called when the problem has changed.
+  void set_problem(const Ocp& ocp);
+  /// Fills the rest from z and t.
+  void evaluate(const Ocp& ocp, const Box& box);
+  /// t = φ − gap − growth + s, but at least `least`.
+  void set_slacks(const Ocp& ocp, double least);
+
+ private:
+  void evaluate_pairs();
+  // Of stage k, whose first row (4) is `first`; returns the next stage's.
+  std::size_t sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
+                           LogOfProduct& distances);
+
+  std::vector<Heading> targets_;  // of the stages' costs
+  std::vector<Placed> ends_;      // of the stages
+  std::vector<PairLanes> lanes_;  // rows (4)
+};
+
+}  // namespace tandem

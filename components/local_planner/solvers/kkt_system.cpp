@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rows (4) of a stage share Δs, and the gradient of their growth γ. With Σᵢ = yᵢ / tᵢ, rᵢ the
+// residual, pᵢ the gradient of the clearance, the pair adds to the model
+//
+//   ½ Σᵢ (pᵢ·ΔX⁺ − γ·Δu + Δs + rᵢ)² − μ/tᵢ (pᵢ·ΔX⁺ − γ·Δu + Δs)                              (3)
+//
+// and minimising over Δs subtracts v vᵀ / (Σ_s + S), where S = Σ Σᵢ and v = (Σ Σᵢ pᵢ, −S γ).
+#include "tandem/local_planner/solvers/kkt_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Matrix32 = Eigen::Matrix<double, 3, 2>;
+
+constexpr double kLeast = 1e-10, kMost = 1e10;  // of a multiplier, times μ / distance
+constexpr double kTau = 0.99;                   // of a distance that a step may use up
+constexpr int kAttempts = 40;                   // at a convex system
+constexpr double kDropsCurvature = 10.0;
+
+// Two variables at once: what a loop over them sums up stays in registers.
+using Two = Eigen::Array2d;
+Eigen::Map<Two> two(std::vector<double>& values, std::size_t i) {
+  return Eigen::Map<Two>{&values[i]};
+}
+Eigen::Map<const Two> two(const std::vector<double>& values, std::size_t i) {
+  return Eigen::Map<const Two>{&values[i]};
+}
+
+Two clamp(const Two& multipliers, const Two& centred) {
+  return multipliers.max(kLeast * centred).min(kMost * centred);
+}
+
+// Derivative of the pose after a stage by the mean twist.
+Matrix32 by_mean(const Ocp& ocp, const Displacement& motion) {
+  Matrix32 B;
+  B << motion.d_v.x(), motion.d_w.x(), motion.d_v.y(), motion.d_w.y(), 0.0, ocp.dt;
+  return B;
+}
+
+// What a stage knows of the mean twist, share · a + (1 − share) · u, told of a and u.
+void share_out(const LagStep& lag, ChainStage<5>& out) {
+  const Vector2d of_a{lag.share_v, lag.share_w}, of_u = Vector2d::Ones() - of_a;
+  const Matrix2d C = out.C_uu;
+  const Vector2d t = out.t_u;
+  const Matrix32 B = out.B.topRows<3>();
+  out.lag.E << lag.decay_v, lag.decay_w;
+  out.lag.M = B * of_a.asDiagonal();
+  out.lag.t_a = of_a.cwiseProduct(t);
+  out.lag.C_aa = of_a.asDiagonal() * C * of_a.asDiagonal();
+  out.lag.C_au = of_a.asDiagonal() * C * of_u.asDiagonal();
+  out.C_uu = of_u.asDiagonal() * C * of_u.asDiagonal();
+  out.t_u = of_u.cwiseProduct(t);
+  out.B << B * of_u.asDiagonal(), Matrix2d{(Vector2d::Ones() - out.lag.E).asDiagonal()};
+}
+
+// Largest fraction of a step that a ratio −Δ / distance allows.
+double allowed(double worst, double tau) { return worst > tau ? tau / worst : 1.0; }
+
+}  // namespace
+
+template <int n>
+void Multipliers<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+  lower.resize(block_of(n) * stage_count);
+  upper.resize(block_of(n) * stage_count);
+  y.resize(pair_count);
+  pi.resize(stage_count);
+  lambda.resize(stage_count);
+}
+
+template <int n>
+void Step<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+  for (auto* values : {&z, &lower, &upper}) values->resize(block_of(n) * stage_count);
+  for (auto* values : {&t, &y}) values->resize(pair_count);
+  chain.resize(stage_count);
+}
+
+template <int n>
+void ChainSystem<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+  stages_.resize(stage_count);
+  gains_.resize(stage_count);
+  slacks_.resize(stage_count);
+  for (auto* values : {&per_lower_, &per_upper_, &sigma_, &barrier_})
+    values->resize(kBlock * stage_count);
+  per_t_.resize(pair_count);
+}
+
+template <int n>
+void ChainSystem<n>::condense(const Ocp& ocp, const Box& box, const ChainPoint<n>& point, double mu,
+                              Multipliers<n>& multipliers) {
+  dual_ = multipliers_ = largest_product_ = 0.0;
+  least_product_ = Box::kFar;
+  violation_ = point.violation;
+  condense_bounds(box, point, mu, multipliers);
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    const std::size_t end = row + ocp.stages[k].pairs.size();
+    const PairSums pairs = condense_pairs({row, end}, point, mu, multipliers);
+    condense_stage(ocp, k, point.stages[k], pairs, multipliers.pi[k]);
+    look_at_dual(ocp, k, point, pairs, multipliers);
+    row = end;
+  }
+}
+
+template <int n>
+void ChainSystem<n>::condense_bounds(const Box& box, const ChainPoint<n>& point, double mu,
+                                     Multipliers<n>& multipliers) {
+  Two least = Two::Constant(Box::kFar), largest = Two::Zero(), sum = Two::Zero();
+  for (std::size_t i = 0; i < point.z.size(); i += 2) {
+    const Two z = two(point.z, i);
+    const Two below = z - two(box.lower, i), above = two(box.upper, i) - z;
+    const Two per_both = (below * above).inverse();
+    const Two per_below = per_both * above, per_above = per_both * below;
+    const Two lower = clamp(two(multipliers.lower, i), mu * per_below);
+    const Two upper = clamp(two(multipliers.upper, i), mu * per_above);
+    const Two product_below = lower * below, product_above = upper * above;
+    two(multipliers.lower, i) = lower;
+    two(multipliers.upper, i) = upper;
+    two(per_lower_, i) = per_below;
+    two(per_upper_, i) = per_above;
+    two(sigma_, i) = lower * per_below + upper * per_above;
+    two(barrier_, i) = mu * (per_above - per_below);
+    least = least.min(product_below).min(product_above);
+    largest = largest.max(product_below).max(product_above);
+    sum += lower + upper;
+  }
+  least_product_ = std::min(least_product_, least.minCoeff());
+  largest_product_ = std::max(largest_product_, largest.maxCoeff());
+  multipliers_ += sum.sum();
+}
+
+template <int n>
+typename ChainSystem<n>::PairSums ChainSystem<n>::condense_pairs(Rows rows,
+                                                                 const ChainPoint<n>& point,
+                                                                 double mu,
+                                                                 Multipliers<n>& multipliers) {
+  // Sums of this function, not of an object that the stores below could change: in registers.
+  double sigma_sum = 0.0, y_sum = 0.0, gradient_sum = 0.0;
+  double least = least_product_, largest = largest_product_;
+  Vector3d sigma_n = Vector3d::Zero(), y_n = Vector3d::Zero(), gradient_n = Vector3d::Zero();
+  OuterSum H, C;
+  for (std::size_t i = rows.first; i < rows.end; ++i) {
+    const PairTerms& pair = point.pairs[i];
+    const double t = point.t[i], per = 1.0 / t, centred = mu * per;
+    const double y = std::clamp(multipliers.y[i], kLeast * centred, kMost * centred);
+    multipliers.y[i] = y;
+    per_t_[i] = per;
+    least = std::min(least, y * t);
+    largest = std::max(largest, y * t);
+
+    const double sigma = y * per, gradient = centred - sigma * point.residuals[i];
+    const Vector3d p = pair.gradient();
+    sigma_sum += sigma;
+    y_sum += y;
+    gradient_sum += gradient;
+    sigma_n += sigma * p;
+    y_n += y * p;
+    gradient_n += gradient * p;
+    H.add(sigma, p);
+    C.add(-y * pair.curvature, pair.along());
+    C.tt += y * pair.lean;
+  }
+  least_product_ = least;
+  largest_product_ = largest;
+  return {sigma_sum, y_sum, gradient_sum, sigma_n, y_n, gradient_n, H, C};
+}
+
+template <int n>
+void ChainSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
+                                    const PairSums& pairs, const ChainState<n>& pi) {
+  const double *sigma = &sigma_[kBlock * k], *barrier = &barrier_[kBlock * k];
+  const double per = 1.0 / (sigma[kSlack] + pairs.sigma);
+  const double gradient = ocp.slack_weight + barrier[kSlack] - pairs.gradient;
+  const double stiffness = sigma[kSlack] * per;  // of the rows, their slack being free: a share
+  slacks_[k] = {per, gradient, pairs.sigma, pairs.sigma_n};
+
+  ChainStage<n>& out = stages_[k];
+  Eigen::Matrix3d H_pose = pairs.H.matrix() - per * pairs.sigma_n * pairs.sigma_n.transpose();
+  H_pose.diagonal() += stage.cost.X2 + Vector3d{sigma[kX], sigma[kY], sigma[kTheta]};
+  H_pose(0, 1) += stage.cost.xy;
+  H_pose(1, 0) += stage.cost.xy;
+  const Vector3d h_pose = stage.cost.X + Vector3d{barrier[kX], barrier[kY], barrier[kTheta]} -
+                          pairs.gradient_n - per * gradient * pairs.sigma_n;
+  if constexpr (n == 5) {
+    out.H_xx.setZero();
+    out.H_xx.diagonal().template tail<2>() << sigma[kMotionV], sigma[kMotionW];
+    out.h_x.template tail<2>() << barrier[kMotionV], barrier[kMotionW];
+  }
+  out.H_xx.template topLeftCorner<3, 3>() = H_pose;
+  out.h_x.template head<3>() = h_pose;
+  out.H_xu = -stiffness * pairs.sigma_n * stage.growth.transpose();
+  out.H_uu = stiffness * pairs.sigma * stage.growth * stage.growth.transpose();
+  out.H_uu(0, 0) += stage.cost.vv + sigma[kV] + 2.0 * ocp.gap_v * pairs.y;
+  out.H_uu(1, 1) += stage.cost.ww + sigma[kW] + 2.0 * ocp.gap_w * pairs.y;
+  out.H_uu(0, 1) += stage.cost.vw;
+  out.H_uu(1, 0) += stage.cost.vw;
+  out.h_u = stage.cost.u + Vector2d{barrier[kV], barrier[kW]} +
+            (pairs.gradient + per * gradient * pairs.sigma) * stage.growth;
+
+  out.C_xx = pairs.C.matrix();
+  out.D = stage.cost.change2 + Vector2d{sigma[kDv], sigma[kDw]};
+  out.g = stage.cost.change + Vector2d{barrier[kDv], barrier[kDw]};
+  out.e = stage.change;
+  condense_motion(ocp, stage, pi, out);
+}
+
+template <int n>
+void ChainSystem<n>::condense_motion(const Ocp& ocp, const StageTerms<n>& stage,
+                                     const ChainState<n>& pi, ChainStage<n>& out) {
+  const Displacement& motion = stage.motion;
+  const Vector2d l = pi.template head<2>();
+  const double vw = l.dot(motion.d_v_w);
+  out.C_uu << 0.0, vw, vw, l.dot(motion.d_w_w);
+  out.t = l.dot(motion.d_theta_theta);
+  out.t_u = {l.dot(motion.d_theta_v), l.dot(motion.d_theta_w)};
+  out.a = motion.d_theta;
+  out.B.template topRows<3>() = by_mean(ocp, motion);
+  out.c = stage.gap;
+  if constexpr (n == 5) share_out(ocp.lag, out);
+}
+
+template <int n>
+void ChainSystem<n>::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint<n>& point,
+                                  const PairSums& pairs, const Multipliers<n>& multipliers) {
+  const StageTerms<n>& stage = point.stages[k];
+  const ChainState<n>& pi = multipliers.pi[k];
+  const Vector2d& lambda = multipliers.lambda[k];
+  const auto bound = [&](int place) {
+    const std::size_t i = kBlock * k + static_cast<std::size_t>(place);
+    return multipliers.upper[i] - multipliers.lower[i];
+  };
+  Vector2d u = stage.cost.u + Vector2d{bound(kV), bound(kW)} + lambda + pairs.y * stage.growth +
+               stages_[k].B.transpose() * pi;
+  ChainState<n> X = -pi;
+  X.template head<3>() += stage.cost.X + Vector3d{bound(kX), bound(kY), bound(kTheta)} - pairs.y_n;
+  if constexpr (n == 5) X.template tail<2>() += Vector2d{bound(kMotionV), bound(kMotionW)};
+  if (k + 1 < point.stages.size()) {
+    const ChainState<n>& pi_after = multipliers.pi[k + 1];
+    const Displacement& motion_after = point.stages[k + 1].motion;
+    u -= multipliers.lambda[k + 1];
+    X.template head<3>() += pi_after.template head<3>();
+    X.z() += motion_after.d_theta.dot(pi_after.template head<2>());
+    if constexpr (n == 5) {
+      const LagStep& lag = ocp.lag;
+      const Vector2d by = by_mean(ocp, motion_after).transpose() * pi_after.template head<3>();
+      X[3] += lag.share_v * by.x() + lag.decay_v * pi_after[3];
+      X[4] += lag.share_w * by.y() + lag.decay_w * pi_after[4];
+    }
+  }
+  const Vector2d d = stage.cost.change + Vector2d{bound(kDv), bound(kDw)} - lambda;
+  const double s = ocp.slack_weight + bound(kSlack) - pairs.y;
+  dual_ = std::max({dual_, u.lpNorm<Eigen::Infinity>(), X.template lpNorm<Eigen::Infinity>(),
+                    d.lpNorm<Eigen::Infinity>(), std::abs(s)});
+  multipliers_ += 2.0 * pairs.y + pi.template lpNorm<1>() + lambda.lpNorm<1>();
+}
+
+template <int n>
+double ChainSystem<n>::complementarity(double mu) const {
+  return std::max(largest_product_ - mu, mu - least_product_);
+}
+
+template <int n>
+double ChainSystem<n>::error(double mu) const {
+  constexpr double kOrdinary = 100.0;  // mean multiplier above which the error is scaled
+  const auto count =
+      static_cast<double>((2 * kBlock + equalities_of(n)) * stages_.size() + 2 * per_t_.size());
+  const double scale = std::max(kOrdinary, multipliers_ / count) / kOrdinary;
+  return std::max({dual_ / scale, violation_, complementarity(mu) / scale});
+}
+
+// Adds more and more to the diagonal until the pivots are positive. Where much is needed, the
+// curvature of pairs and motion is dropped instead: what is left is convex, or nearly.
+template <int n>
+bool ChainSystem<n>::factorize_convex() {
+  const double before = last_delta_;
+  Convexity convexity;
+  for (int i = 0; !factorize<n>(stages_, convexity, gains_); ++i) {
+    if (i == kAttempts) return false;
+    double& delta = convexity.delta;
+    if (delta == 0.0)
+      delta = before == 0.0 ? 1e-2 : std::max(1e-4, before / 3.0);
+    else
+      delta *= before == 0.0 ? 20.0 : 8.0;
+    if (delta > kDropsCurvature && convexity.curvature > 0.0) convexity = {0.0, 0.0};
+    if (delta > 0.0) last_delta_ = delta;
+  }
+  return true;
+}
+
+template <int n>
+bool ChainSystem<n>::solve(const Ocp& ocp, const ChainPoint<n>& point, double mu,
+                           const Multipliers<n>& multipliers, Step<n>& step) {
+  if (!factorize_convex()) return false;
+  roll_out<n>(stages_, gains_, step.chain);
+  step.slope = step.worst_primal = step.worst_dual = 0.0;
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < stages_.size(); ++k) {
+    const StageTerms<n>& stage = point.stages[k];
+    const ChainStep<n>& chain = step.chain[k];
+    const SlackTerms& slack = slacks_[k];
+    const double grown = stage.growth.dot(chain.u);
+    const double ds = -slack.per * (slack.gradient + slack.weights.dot(chain.X.template head<3>()) -
+                                    slack.sum * grown);
+    double* z = &step.z[kBlock * k];
+    const double all[kSlack + 1] = {chain.u.x(), chain.u.y(), chain.d.x(), chain.d.y(),
+                                    chain.X.x(), chain.X.y(), chain.X.z(), ds};
+    std::copy(std::begin(all), std::end(all), z);
+    if constexpr (n == 5) z[kMotionV] = chain.X[3], z[kMotionW] = chain.X[4];
+    const Vector3d pose = chain.X.template head<3>();
+    step.slope += stage.cost.u.dot(chain.u) + stage.cost.X.dot(pose) +
+                  stage.cost.change.dot(chain.d) + ocp.slack_weight * ds;
+    const std::size_t end = row + ocp.stages[k].pairs.size();
+    expand_pairs({row, end}, point, mu, multipliers, {pose, ds - grown}, step);
+    row = end;
+  }
+  expand_bounds(mu, multipliers, step);
+  const double tau = std::max(kTau, 1.0 - mu);
+  step.alpha_primal = allowed(step.worst_primal, tau);
+  step.alpha_dual = allowed(step.worst_dual, tau);
+  return std::isfinite(step.slope);
+}
+
+template <int n>
+void ChainSystem<n>::expand_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+                                  const Multipliers<n>& multipliers, const PairStep& by,
+                                  Step<n>& step) const {
+  double logs = 0.0, primal = step.worst_primal, dual = step.worst_dual;
+  for (std::size_t i = rows.first; i < rows.end; ++i) {
+    const double y = multipliers.y[i];
+    const double dt = point.pairs[i].gradient().dot(by.X) + by.offset + point.residuals[i];
+    const double relative = dt * per_t_[i];
+    const double dy = mu * per_t_[i] - y - y * relative;
+    step.t[i] = dt;
+    step.y[i] = dy;
+    logs += relative;
+    primal = std::max(primal, -relative);
+    if (-dy > dual * y) dual = -dy / y;
+  }
+  step.slope -= mu * logs;
+  step.worst_primal = primal;
+  step.worst_dual = dual;
+}
+
+template <int n>
+void ChainSystem<n>::expand_bounds(double mu, const Multipliers<n>& multipliers,
+                                   Step<n>& step) const {
+  Two slope = Two::Zero(), primal = Two::Zero(), dual = Two::Zero();
+  for (std::size_t i = 0; i < step.z.size(); i += 2) {
+    const Two z = two(step.z, i), lower = two(multipliers.lower, i),
+              upper = two(multipliers.upper, i), per_lower = two(per_lower_, i),
+              per_upper = two(per_upper_, i);
+    const Two below = z * per_lower, above = z * per_upper;
+    const Two d_lower = mu * per_lower - lower - lower * below;
+    const Two d_upper = mu * per_upper - upper + upper * above;
+    two(step.lower, i) = d_lower;
+    two(step.upper, i) = d_upper;
+    slope += two(barrier_, i) * z;
+    primal = primal.max(above).max(-below);
+    dual = dual.max(-d_lower / lower).max(-d_upper / upper);
+  }
+  step.slope += slope.sum();
+  step.worst_primal = std::max(step.worst_primal, primal.maxCoeff());
+  step.worst_dual = std::max(step.worst_dual, dual.maxCoeff());
+}
+
+template struct Multipliers<3>;
+template struct Multipliers<5>;
+template struct Step<3>;
+template struct Step<5>;
+template class ChainSystem<3>;
+template class ChainSystem<5>;
+
+}  // namespace tandem

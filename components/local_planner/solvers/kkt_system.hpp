@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a point with multipliers. Out: its optimality error, and Newton's step for the barrier.
+#pragma once
+
+#include <vector>
+
+#include "tandem/local_planner/solvers/ip_iterate.hpp"
+#include "tandem/local_planner/solvers/riccati.hpp"
+
+namespace tandem {
+
+/// Multipliers: of the bounds, of rows (4) (y = −λ ≥ 0), of rows (3), (8) (π = −λ) and of rows (2).
+template <int n>
+struct Multipliers {
+  std::vector<double> lower, upper;
+  std::vector<double> y;
+  std::vector<ChainState<n>> pi;
+  std::vector<Eigen::Vector2d> lambda;
+
+  void resize(std::size_t stage_count, std::size_t pair_count);
+};
+
+/// Newton's step and how much of it stays inside: (1 − τ) of each distance is left.
+template <int n>
+struct Step {
+  std::vector<double> z, t, lower, upper, y;
+  std::vector<ChainStep<n>> chain;  ///< its pi and lambda: the new multipliers
+  double alpha_primal = 1.0, alpha_dual = 1.0;
+  double worst_primal = 0.0, worst_dual = 0.0;  ///< largest −Δ / distance
+  double slope = 0.0;                           ///< derivative of the barrier objective along it
+
+  void resize(std::size_t stage_count, std::size_t pair_count);
+};
+
+/// The primal-dual system of min cost − μ Σ log(distances) subject to (2), (3), (4), condensed:
+/// t, y and the bounds' multipliers are eliminated by themselves, then s of each stage, then d;
+/// what is left is the chain of (1) of riccati.hpp. Owns its memory: no allocation once it is
+/// large enough. n: states that a stage hands on, 3, or 5 where the motors lag.
+template <int n>
+class ChainSystem {
+ public:
+  void resize(std::size_t stage_count, std::size_t pair_count);
+
+  /// Sets the system up. Multipliers more than 1e10 off μ / distance are brought back first.
+  void condense(const Ocp& ocp, const Box& box, const ChainPoint<n>& point, double mu,
+                Multipliers<n>& multipliers);
+
+  /// Largest residual of the optimality conditions at barrier `mu` as Ipopt scales it.
+  [[nodiscard]] double error(double mu) const;
+  /// Largest |distance · multiplier − μ|, not scaled.
+  [[nodiscard]] double complementarity(double mu) const;
+
+  /// Solves for the step. False if no regularisation makes the system convex.
+  [[nodiscard]] bool solve(const Ocp& ocp, const ChainPoint<n>& point, double mu,
+                           const Multipliers<n>& multipliers, Step<n>& step);
+
+  /// Forgets how much regularisation was needed.
+  void reset() { last_delta_ = 0.0; }
+
+ private:
+  static constexpr std::size_t kBlock = block_of(n);
+
+  // s of a stage: Δs = −per (gradient + weights · ΔX − sum growth · Δu).
+  struct SlackTerms {
+    double per, gradient, sum;
+    Eigen::Vector3d weights;
+  };
+  // Rows (4) of a stage.
+  struct Rows {
+    std::size_t first, end;
+  };
+  // How far a stage moves as its rows (4) see it: ΔX⁺, and Δs less the growth's step.
+  struct PairStep {
+    Eigen::Vector3d X;
+    double offset;
+  };
+  // Σ weight v vᵀ
+  struct OuterSum {
+    double xx = 0.0, xy = 0.0, yy = 0.0, xt = 0.0, yt = 0.0, tt = 0.0;
+
+    void add(double weight, const Eigen::Vector3d& v) {
+      const double x = weight * v.x(), y = weight * v.y();
+      xx += x * v.x();
+      xy += x * v.y();
+      yy += y * v.y();
+      xt += x * v.z();
+      yt += y * v.z();
+      tt += weight * v.z() * v.z();
+    }
+    [[nodiscard]] Eigen::Matrix3d matrix() const {
+      Eigen::Matrix3d all;
+      all << xx, xy, xt, xy, yy, yt, xt, yt, tt;
+      return all;
+    }
+  };
+  // Sums over the pairs of a stage.
+  struct PairSums {
+    double sigma = 0.0, y = 0.0, gradient = 0.0;
+    Eigen::Vector3d sigma_n = Eigen::Vector3d::Zero(), y_n = Eigen::Vector3d::Zero();
+    Eigen::Vector3d gradient_n = Eigen::Vector3d::Zero();
+    OuterSum H, C;
+  };
+
+  void condense_bounds(const Box& box, const ChainPoint<n>& point, double mu,
+                       Multipliers<n>& multipliers);
+  PairSums condense_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+                          Multipliers<n>& multipliers);
+  void condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
+                      const PairSums& pairs, const ChainState<n>& pi);
+  static void condense_motion(const Ocp& ocp, const StageTerms<n>& stage, const ChainState<n>& pi,
+                              ChainStage<n>& out);
+  void look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint<n>& point,
+                    const PairSums& pairs, const Multipliers<n>& multipliers);
+  [[nodiscard]] bool factorize_convex();
+  void expand_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+                    const Multipliers<n>& multipliers, const PairStep& by, Step<n>& step) const;
+  void expand_bounds(double mu, const Multipliers<n>& multipliers, Step<n>& step) const;
+
+  std::vector<ChainStage<n>> stages_;
+  std::vector<ChainGain<n>> gains_;
+  std::vector<SlackTerms> slacks_;
+  std::vector<double> per_lower_, per_upper_;  // 1 / distance
+  std::vector<double> sigma_, barrier_;        // of the bounds: Hessian, gradient
+  std::vector<double> per_t_;                  // 1 / t
+  double last_delta_ = 0.0;
+
+  double dual_ = 0.0, violation_ = 0.0;  // largest residuals
+  double least_product_ = 0.0, largest_product_ = 0.0;
+  double multipliers_ = 0.0;  // ‖all of them‖₁
+};
+
+}  // namespace tandem

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to local_planner: the pairs of a problem, laid out to be looked at many times.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "tandem/local_planner/ocp/ellipse_batch.hpp"
+#include "tandem/local_planner/ocp/stage_terms.hpp"
+
+namespace tandem {
+
+/// Up to eight successive pairs, which are rows (4) of an Ocp; they may belong to several stages.
+class PairLanes {
+ public:
+  static constexpr std::size_t kLanes = 8;
+
+  /// True while there is room.
+  [[nodiscard]] bool has_room() const { return count_ < kLanes; }
+  void add(const Pair& pair, std::size_t stage);
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+  /// pair_terms() of each, in their order; X: where the stages end.
+  void terms(std::span<const Placed> X, std::span<PairTerms> out) const;
+
+ private:
+  using All = Lanes<int{kLanes}>;
+
+  [[nodiscard]] OutlineDistance<int{kLanes}> distance(const All& q_x, const All& q_y) const;
+
+  // Those lanes that are not used compute something harmless.
+  All a_ = All::Ones(), b_ = All::Ones(), axis_c_ = All::Ones(), axis_s_ = All::Zero();
+  All p_x_ = All::Zero(), p_y_ = All::Zero();      // of the ellipses' centres in M [m]
+  All arm_x_ = All::Zero(), arm_y_ = All::Zero();  // of the discs' centres in B [m]
+  All gap_ = All::Zero();
+  bool round_ = true;  // all ellipses are circles
+  std::array<std::size_t, kLanes> stage_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace tandem

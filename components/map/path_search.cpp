@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/map/path_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <utility>
+
+namespace tandem {
+namespace {
+
+constexpr double kSpacing = 0.25;  // [m] between the points of a way
+
+// Dijkstra's search over the cells whose centres the disc can stand on.
+class Search {
+ public:
+  Search(const StaticMap& map, double radius, double narrow_cost)
+      : map_{map},
+        grid_{map.grid()},
+        radius_{radius},
+        narrow_cost_{narrow_cost},
+        cost_(grid_.cells.size(), kInfinity) {
+    from_.resize(grid_.cells.size(), kNone);
+  }
+
+  [[nodiscard]] std::vector<Eigen::Vector2d> way(const Eigen::Vector2d& p_MA,
+                                                 const Eigen::Vector2d& p_MZ) {
+    const std::size_t start = cell_at(p_MA), goal = cell_at(p_MZ);
+    if (start == kNone || goal == kNone) return {};
+    reach(start, 0.0, kNone);
+    while (!open_.empty() && open_.top().second != goal) {
+      const auto [cost, cell] = open_.top();
+      open_.pop();
+      if (cost <= cost_[cell]) expand(cell);
+    }
+    if (cost_[goal] == kInfinity) return {};
+    std::vector<Eigen::Vector2d> points{p_MZ};
+    for (std::size_t cell = goal; cell != start; cell = from_[cell])
+      if ((center(cell) - points.back()).norm() >= kSpacing) points.push_back(center(cell));
+    points.push_back(p_MA);
+    std::reverse(points.begin(), points.end());
+    return points;
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+  [[nodiscard]] std::size_t cell_at(const Eigen::Vector2d& p) const {
+    const Eigen::Vector2d q = (p - grid_.origin) / grid_.resolution;
+    const int ix = static_cast<int>(std::floor(q.x())), iy = static_cast<int>(std::floor(q.y()));
+    return grid_.contains(ix, iy) ? index(ix, iy) : kNone;
+  }
+  [[nodiscard]] std::size_t index(int ix, int iy) const {
+    return static_cast<std::size_t>(iy) * static_cast<std::size_t>(grid_.width) +
+           static_cast<std::size_t>(ix);
+  }
+  [[nodiscard]] Eigen::Vector2d center(std::size_t cell) const {
+    const auto width = static_cast<std::size_t>(grid_.width);
+    return grid_.origin +
+           grid_.resolution * Eigen::Vector2d{static_cast<double>(cell % width) + 0.5,
+                                              static_cast<double>(cell / width) + 0.5};
+  }
+
+  void reach(std::size_t cell, double cost, std::size_t from) {
+    if (cost >= cost_[cell]) return;
+    cost_[cell] = cost;
+    from_[cell] = from;
+    open_.push({cost, cell});
+  }
+
+  void expand(std::size_t cell) {
+    const int x = static_cast<int>(cell % static_cast<std::size_t>(grid_.width));
+    const int y = static_cast<int>(cell / static_cast<std::size_t>(grid_.width));
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        if ((dx == 0 && dy == 0) || !grid_.contains(x + dx, y + dy)) continue;
+        const std::size_t next = index(x + dx, y + dy);
+        const double length = grid_.resolution * std::hypot(dx, dy);
+        const double each = cost_of_a_metre(map_, center(next), radius_, narrow_cost_);
+        reach(next, cost_[cell] + length * each, cell);
+      }
+  }
+
+  const StaticMap& map_;
+  const Grid& grid_;
+  double radius_, narrow_cost_;
+  std::vector<double> cost_;
+  std::vector<std::size_t> from_;
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
+};
+
+}  // namespace
+
+double cost_of_a_metre(const StaticMap& map, const Eigen::Vector2d& p_MC, double radius,
+                       double narrow_cost) {
+  const double room = map.distance(p_MC) - radius;
+  if (room < 0.0) return std::numeric_limits<double>::infinity();
+  const double narrow = std::max(0.0, 1.0 - room / kWide);
+  return 1.0 + narrow_cost * narrow * narrow;
+}
+
+std::vector<Eigen::Vector2d> find_way(const StaticMap& map, const Eigen::Vector2d& p_MA,
+                                      const Eigen::Vector2d& p_MZ, double radius,
+                                      double narrow_cost) {
+  return Search{map, radius, narrow_cost}.way(p_MA, p_MZ);
+}
+
+}  // namespace tandem

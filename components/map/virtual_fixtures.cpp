@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/map/virtual_fixtures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "tandem/config/yaml_reader.hpp"
+
+namespace tandem {
+namespace {
+
+using Eigen::Vector2d;
+
+struct Box {
+  Vector2d low, high;
+};
+
+Box box_of(const ForbiddenRegion& region) {
+  Box box{region.p_MV.front(), region.p_MV.front()};
+  for (const Vector2d& p : region.p_MV) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
+double distance_to_edge(const Vector2d& p, const Vector2d& from, const Vector2d& to) {
+  const Vector2d edge = to - from;
+  const double length2 = edge.squaredNorm();
+  const double s = length2 > 0.0 ? std::clamp((p - from).dot(edge) / length2, 0.0, 1.0) : 0.0;
+  return (p - from - s * edge).norm();
+}
+
+// Inside by the crossings of a ray along x, or at most `slack` from an edge.
+bool reaches(const ForbiddenRegion& region, const Vector2d& p, double slack) {
+  bool inside = false;
+  for (std::size_t i = 0; i < region.p_MV.size(); ++i) {
+    const Vector2d& a = region.p_MV[i];
+    const Vector2d& b = region.p_MV[(i + 1) % region.p_MV.size()];
+    if (distance_to_edge(p, a, b) <= slack) return true;
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+  }
+  return inside;
+}
+
+// The same cells in a grid that also holds the box.
+Grid grown(const Grid& grid, const Box& box) {
+  const double r = grid.resolution;
+  const Vector2d below = ((grid.origin - box.low) / r).array().ceil().max(0.0);
+  const Vector2d size{grid.width, grid.height};
+  const Vector2d above = (((box.high - grid.origin) / r) - size).array().ceil().max(0.0);
+  if (below.isZero() && above.isZero()) return grid;
+  const Vector2d total = below + size + above;
+  if (!(total.prod() <= static_cast<double>(kMostCells)))
+    throw std::runtime_error(
+        "a forbidden region is so far off the map that the grid grows beyond "
+        "10⁸ cells");
+  const Eigen::Vector2i shift = below.cast<int>();
+  Grid out{
+      r, grid.origin - r * below, static_cast<int>(total.x()), static_cast<int>(total.y()), {}};
+  out.cells.assign(static_cast<std::size_t>(total.prod()), Cell::kUnknown);
+  for (int iy = 0; iy < grid.height; ++iy)
+    for (int ix = 0; ix < grid.width; ++ix)
+      out.cells[out.index(ix + shift.x(), iy + shift.y())] = grid.at(ix, iy);
+  return out;
+}
+
+void occupy(Grid& grid, const ForbiddenRegion& region) {
+  const double r = grid.resolution, slack = std::sqrt(0.5) * r;
+  const Box box = box_of(region);
+  const Vector2d low = (box.low - grid.origin) / r, high = (box.high - grid.origin) / r;
+  const int x1 = std::min(grid.width - 1, static_cast<int>(high.x()) + 1);
+  const int y1 = std::min(grid.height - 1, static_cast<int>(high.y()) + 1);
+  for (int iy = std::max(0, static_cast<int>(low.y()) - 1); iy <= y1; ++iy)
+    for (int ix = std::max(0, static_cast<int>(low.x()) - 1); ix <= x1; ++ix)
+      if (reaches(region, grid.center(ix, iy), slack))
+        grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
+}
+
+std::vector<Vector2d> read_points(const YamlReader& reader, const YAML::Node& node,
+                                  std::size_t least) {
+  if (!node.IsSequence() || node.size() < least)
+    reader.fail(node, "expected " + std::string{least == 2 ? "two" : "three"} +
+                          " points or more, [[x, y], …]");
+  std::vector<Vector2d> points;
+  for (const auto& point : node) points.push_back(reader.vector<2>(point));
+  return points;
+}
+
+std::string read_name(const YAML::Node& node) {
+  return node["name"] ? node["name"].Scalar() : std::string{};
+}
+
+ForbiddenRegion read_region(const YamlReader& reader, const YAML::Node& node) {
+  reader.allow(node, {"name", "polygon"});
+  return {read_name(node), read_points(reader, reader.required(node, "polygon"), 3)};
+}
+
+GuidanceLine read_line(const YamlReader& reader, const YAML::Node& node) {
+  reader.allow(node, {"name", "line", "reach", "strength"});
+  GuidanceLine line{read_name(node), read_points(reader, reader.required(node, "line"), 2)};
+  if (node["reach"]) line.reach = reader.number(node["reach"], 0.05, 10.0);
+  if (node["strength"]) line.strength = reader.number(node["strength"], 0.0, 1.0);
+  return line;
+}
+
+// The list under `key`; none if it is absent.
+template <class Read>
+auto read_list(const YamlReader& reader, const YAML::Node& root, const char* key, Read read) {
+  std::vector<decltype(read(reader, root))> all;
+  const YAML::Node list = root[key];
+  if (!list) return all;
+  if (!list.IsSequence()) reader.fail(list, "expected a list");
+  for (const auto& node : list) all.push_back(read(reader, node));
+  return all;
+}
+
+}  // namespace
+
+Fixtures load_fixtures(const std::filesystem::path& file) {
+  const YamlReader reader{file.string()};
+  const YAML::Node root = reader.load();
+  reader.allow(root, {"forbidden", "guidance"});
+  return {read_list(reader, root, "forbidden", read_region),
+          read_list(reader, root, "guidance", read_line)};
+}
+
+Grid with_forbidden(Grid grid, const Fixtures& fixtures) {
+  for (const ForbiddenRegion& region : fixtures.forbidden) {
+    grid = grown(grid, box_of(region));
+    occupy(grid, region);
+  }
+  return grid;
+}
+
+}  // namespace tandem

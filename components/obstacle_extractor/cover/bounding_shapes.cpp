@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/obstacle_extractor/cover/bounding_shapes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace tandem {
+namespace {
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+bool is_inside(const Circle& circle, const Eigen::Vector2d& p) {
+  return (p - circle.p_MC).norm() <= (1.0 + 1e-9) * circle.radius;
+}
+
+Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+  return {0.5 * (p + q), 0.5 * (p - q).norm()};
+}
+
+// Through three points; around the two farthest apart if they are in line.
+Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
+  const Eigen::Vector2d u = q - p, v = r - p;
+  const double twice_area = 2.0 * cross(u, v);
+  if (std::abs(twice_area) < 1e-12) {
+    const std::array pairs{around(p, q), around(p, r), around(q, r)};
+    return *std::max_element(pairs.begin(), pairs.end(),
+                             [](const auto& a, const auto& b) { return a.radius < b.radius; });
+  }
+  const Eigen::Vector2d d{(v.y() * u.squaredNorm() - u.y() * v.squaredNorm()) / twice_area,
+                          (u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) / twice_area};
+  return {p + d, d.norm()};
+}
+
+}  // namespace
+
+Points convex_hull(Points points) {
+  std::sort(points.begin(), points.end(), [](const auto& p, const auto& q) {
+    return p.y() != q.y() ? p.y() < q.y() : p.x() < q.x();
+  });
+  Points hull;  // Andrew's monotone chain: the right side going up, then the left coming down
+  const auto add = [&hull](const Eigen::Vector2d& p, std::size_t fixed) {
+    while (hull.size() >= fixed + 2 &&
+           cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
+      hull.pop_back();
+    hull.push_back(p);
+  };
+  for (const auto& p : points) add(p, 0);
+  const std::size_t top = hull.size() - 1;
+  for (auto p = points.rbegin() + 1; p != points.rend(); ++p) add(*p, top);
+  if (hull.size() > 1) hull.pop_back();
+  return hull;
+}
+
+TurnedBox box_along(const Points& hull, double angle) {
+  const Eigen::Vector2d along{std::cos(angle), std::sin(angle)}, across{-along.y(), along.x()};
+  Eigen::Vector2d low{along.dot(hull[0]), across.dot(hull[0])}, high = low;
+  for (const auto& p : hull) {
+    const Eigen::Vector2d q{along.dot(p), across.dot(p)};
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
+  }
+  const Eigen::Vector2d middle = 0.5 * (low + high);
+  return {angle, middle.x() * along + middle.y() * across, 0.5 * (high - low)};
+}
+
+TurnedBox smallest_box(const Points& hull) {
+  TurnedBox best;
+  best.half.setConstant(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Eigen::Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
+    const TurnedBox box = box_along(hull, std::atan2(edge.y(), edge.x()));
+    if (box.area() < best.area() * (1.0 - 1e-9)) best = box;
+  }
+  if (best.half.x() < best.half.y()) {
+    best.angle += 0.5 * std::numbers::pi;
+    std::swap(best.half.x(), best.half.y());
+  }
+  best.angle = std::remainder(best.angle, std::numbers::pi);  // an ellipse looks both ways
+  return best;
+}
+
+Circle smallest_circle(const Points& hull) {
+  Circle circle{hull[0], 0.0};
+  for (std::size_t i = 1; i < hull.size(); ++i) {
+    if (is_inside(circle, hull[i])) continue;
+    circle = {hull[i], 0.0};
+    for (std::size_t j = 0; j < i; ++j) {
+      if (is_inside(circle, hull[j])) continue;
+      circle = around(hull[i], hull[j]);
+      for (std::size_t k = 0; k < j; ++k)
+        if (!is_inside(circle, hull[k])) circle = around(hull[i], hull[j], hull[k]);
+    }
+  }
+  return circle;
+}
+
+}  // namespace tandem

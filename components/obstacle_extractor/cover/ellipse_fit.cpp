@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/obstacle_extractor/cover/ellipse_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+namespace tandem {
+namespace {
+
+constexpr double kRoom = 1.0 + 1e-9;  // so that rounding leaves no point outside
+
+Obstacle circle_around(const Points& hull) {
+  const Circle circle = smallest_circle(hull);
+  Obstacle shape;
+  shape.p_MO = circle.p_MC;
+  for (const auto& p : hull) shape.a = std::max(shape.a, kRoom * (p - circle.p_MC).norm());
+  shape.b = shape.a;
+  return shape;
+}
+
+// (1) along the box's length.
+struct Form {
+  TurnedBox box;
+  double b, shift;  // [m]
+};
+
+struct Candidate {
+  Obstacle shape;
+  double price;
+  std::optional<Form> form;  // none: the circle
+};
+
+// (1), or a circle of radius b if the ellipse would be shorter than wide.
+Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, double shift) {
+  const Eigen::Vector2d along{std::cos(box.angle), std::sin(box.angle)},
+      across{-along.y(), along.x()};
+  Obstacle ellipse;
+  ellipse.p_MO = box.p_MC + shift * across;
+  ellipse.angle = box.angle;
+  double most = 0.0;  // of x² / (1 − ((y − s) / b)²)
+  for (const auto& p : hull) {
+    const Eigen::Vector2d d = p - ellipse.p_MO;
+    const double x = along.dot(d), y = across.dot(d) / b;
+    most = std::max(most, x * x / (1.0 - y * y));
+  }
+  ellipse.a = kRoom * std::max(std::sqrt(most), b);
+  ellipse.b = kRoom * b;
+  return ellipse;
+}
+
+// Whether every point along an ellipse with the shape's centre and heading is allowed.
+bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const FreeSpace& space,
+                     const Excess& most) {
+  constexpr double kSpacing = 0.04;  // [m]
+  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
+  const int points = std::max(16, static_cast<int>(4.0 * half.sum() / kSpacing));
+  const double step = 2.0 * std::numbers::pi / points;
+  const double cos_step = std::cos(step), sin_step = std::sin(step);
+  double x = 1.0, y = 0.0;
+  for (int i = 0; i < points; ++i) {
+    const Eigen::Vector2d q{half.x() * x, half.y() * y};
+    const Eigen::Vector2d turned_q{c * q.x() - s * q.y(), s * q.x() + c * q.y()};
+    if (!space.allows(shape.p_MO + turned_q, most)) return false;
+    const double turned = cos_step * x - sin_step * y;
+    y = sin_step * x + cos_step * y;
+    x = turned;
+  }
+  return true;
+}
+
+// Whether the shape reaches no deeper into free space than `most`: its outline, smaller copies
+// inside, and its long axis, where those are far apart. False if it leaves the known window.
+bool is_within(const Obstacle& shape, const FreeSpace& space, const Excess& most) {
+  constexpr double kRing = 0.07;  // [m] between two copies, across
+  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
+  const Eigen::Vector2d reach{std::hypot(c * shape.a, s * shape.b),
+                              std::hypot(s * shape.a, c * shape.b)};
+  if (!space.knows(shape.p_MO - reach, shape.p_MO + reach)) return false;
+  const Eigen::Vector2d half{shape.a, shape.b};
+  const int rings = std::max(1, static_cast<int>(std::ceil(shape.b / kRing)));
+  for (int ring = rings; ring > 0; --ring)
+    if (!is_within_along(shape, half * ring / rings, space, most)) return false;
+  return is_within_along(shape, {shape.a, 0.0}, space, most);
+}
+
+// The ellipses around one hull, and the best so far.
+class Search {
+ public:
+  Search(const Points& hull, const FreeSpace& space, const FitLimits& limits)
+      : hull_{hull}, space_{space}, limits_{limits} {}
+
+  // Exact up to `most`.
+  [[nodiscard]] double price(const Obstacle& shape, double most) const {
+    return space_.taken_by(shape, most + bonus(shape)) - bonus(shape);
+  }
+  [[nodiscard]] double bonus(const Obstacle& shape) const {
+    return shape.a == shape.b ? limits_.circle_bonus : 0.0;
+  }
+  [[nodiscard]] bool is_allowed(const Obstacle& shape) const {
+    return is_within(shape, space_, limits_.excess);
+  }
+  [[nodiscard]] Obstacle ellipse(const Form& form) const {
+    return ellipse_of_width(hull_, form.box, form.b, form.shift);
+  }
+
+  // The cheapest of a few forms and of the circle; nothing if none is allowed.
+  [[nodiscard]] std::optional<Candidate> coarse(const TurnedBox& box,
+                                                const Obstacle& circle) const {
+    std::vector<Candidate> candidates;
+    const auto add = [&](const Obstacle& shape, const std::optional<Form>& form) {
+      if (const double paid = price(shape, limits_.price); paid <= limits_.price)
+        candidates.push_back({shape, paid, form});
+    };
+    add(circle, std::nullopt);
+    for (const double shift : {0.0, 1.0, -1.0, 3.0, -3.0})
+      for (const double bulge : {0.01, 0.025, 0.05, 0.1, 0.2}) {
+        const Form form{box, box.half.y() + std::abs(shift * bulge) + bulge, shift * bulge};
+        add(ellipse(form), form);
+      }
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto& a, const auto& b) { return a.price < b.price; });
+    for (const Candidate& candidate : candidates)
+      if (is_allowed(candidate.shape)) return candidate;
+    return std::nullopt;
+  }
+
+  // Steps in heading, width and shift, smaller ones where none is better.
+  [[nodiscard]] Candidate improved(Candidate best) const {
+    double turn = kTurn, step = kStep;
+    for (int round = 0; round < kRounds && best.price > kCheap; ++round) {
+      bool is_better = false;
+      for (const Change& change : kChanges) {
+        Form form = *best.form;
+        if (change.turn != 0.0) form.box = box_along(hull_, form.box.angle + change.turn * turn);
+        form.b += change.b * step;
+        form.shift += change.shift * step;
+        if (form.b < form.box.half.y() + std::abs(form.shift) + kLeastBulge) continue;
+        const Obstacle shape = ellipse(form);
+        const double paid = price(shape, best.price - kLeastGain);
+        if (paid > best.price - kLeastGain || !is_allowed(shape)) continue;
+        best = {shape, paid, form};
+        is_better = true;
+      }
+      if (is_better) continue;
+      turn *= 0.5;
+      step *= 0.5;
+    }
+    return best;
+  }
+
+ private:
+  struct Change {
+    double turn, b, shift;
+  };
+  static constexpr std::array<Change, 8> kChanges{
+      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, {0, 1, 1}, {0, 1, -1}}};
+  static constexpr double kTurn = 0.08;  // [rad] first step
+  static constexpr double kStep = 0.03;  // [m]
+  static constexpr int kRounds = 8;
+  static constexpr double kCheap = 1e-3;        // [m²] no need to pay less
+  static constexpr double kLeastGain = 1e-4;    // [m²]
+  static constexpr double kLeastBulge = 0.004;  // [m] less, and (1) is out of all proportion
+
+  const Points& hull_;
+  const FreeSpace& space_;
+  const FitLimits& limits_;
+};
+
+}  // namespace
+
+EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimits& limits) {
+  const Search search(hull, space, limits);
+  const TurnedBox box = smallest_box(hull);
+  const Obstacle circle = circle_around(hull);
+  const auto found = search.coarse(box, circle);
+  if (!found) return {circle, space.taken_by(circle), false, box.angle};
+  const Candidate best = found->form ? search.improved(*found) : *found;
+  return {best.shape, best.price + search.bonus(best.shape), true, box.angle};
+}
+
+}  // namespace tandem

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// In: a map. Out: where a disc as narrow as the robot can be, and between which places it can go.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "tandem/map/static_map.hpp"
+
+namespace tandem {
+
+/// Index of a cell in its grid.
+struct CellIndex {
+  int ix = 0, iy = 0;
+
+  bool operator==(const CellIndex&) const = default;
+};
+
+/// Cells [x0, x1) × [y0, y1) of a grid; may reach beyond it.
+struct CellRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  [[nodiscard]] int width() const { return x1 - x0; }
+  [[nodiscard]] int height() const { return y1 - y0; }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+  }
+  [[nodiscard]] bool contains(int ix, int iy) const {
+    return ix >= x0 && iy >= y0 && ix < x1 && iy < y1;
+  }
+  /// Place of a contained cell in row-major order.
+  [[nodiscard]] std::size_t index(int ix, int iy) const {
+    return static_cast<std::size_t>(iy - y0) * static_cast<std::size_t>(width()) +
+           static_cast<std::size_t>(ix - x0);
+  }
+};
+
+/// Cells where the centre of a disc of diameter `smallest_gap` can be without contact, in regions
+/// that are connected by such cells. Where a map has free cells, only these are free; else all that
+/// is no obstacle. Pockets too small to drive in are no places.
+class Places {
+ public:
+  /// Throws std::invalid_argument if the gap is negative or not finite.
+  Places(const StaticMap& map, double smallest_gap);
+
+  /// Number of the cell's region, from 1; 0: no place.
+  [[nodiscard]] int region(int ix, int iy) const {
+    return area_.contains(ix, iy) ? regions_[area_.index(ix, iy)] : 0;
+  }
+  /// Distance from the cell's centre to what is not free, in cells; 0 beyond what is known.
+  [[nodiscard]] float gap(int ix, int iy) const {
+    return area_.contains(ix, iy) ? gaps_[area_.index(ix, iy)] : 0.0F;
+  }
+  /// Whether there is a place of the region within kBeside of the point.
+  [[nodiscard]] bool is_beside(const Eigen::Vector2d& p_MQ, int region) const;
+  /// Region of the place nearest to the point; 0 if none is within kBeside.
+  [[nodiscard]] int region_at(const Eigen::Vector2d& p_MQ) const;
+  /// Radius of the disc, in cells.
+  [[nodiscard]] double radius() const { return radius_; }
+
+  static constexpr double kBeside = 0.5;  ///< [m]
+
+ private:
+  void label_regions();
+  [[nodiscard]] std::vector<std::size_t> spread(std::size_t start, int region);
+  template <class Visit>
+  void for_cells_beside(const Eigen::Vector2d& p_MQ, const Visit& visit) const;
+
+  Eigen::Vector2d origin_;
+  double resolution_;
+  double radius_;
+  CellRect area_;
+  std::vector<float> gaps_;
+  std::vector<std::int32_t> regions_;
+};
+
+}  // namespace tandem

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/obstacle_extractor/cover/free_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/map/distance_transform.hpp"
+
+namespace tandem {
+namespace {
+
+using Mask = std::vector<std::uint8_t>;
+
+constexpr double kFine = 0.027;    // [m] between two points at most
+constexpr int kRows = 40;          // of points that a long shape is judged by
+constexpr double kPassage = 0.30;  // [m] a way that leaves the disc less room sideways is narrow
+
+// Cells farther than `radius` (in cells) from all of the mask's.
+Mask far_from(const Mask& mask, const CellRect& window, double radius) {
+  const auto gap = distance_transform(mask, window.width(), window.height());
+  Mask far(mask.size());
+  for (std::size_t i = 0; i < gap.size(); ++i) far[i] = gap[i] >= radius ? 1 : 0;
+  return far;
+}
+
+// What the places make of a cell is decided within the disc's width.
+CellRect with_border(CellRect window, double radius) {
+  const int border = static_cast<int>(std::ceil(2.0 * radius)) + 2;
+  return {window.x0 - border, window.y0 - border, window.x1 + border, window.y1 + border};
+}
+
+}  // namespace
+
+FreeSpace::FreeSpace(const StaticMap& map, const Places& places, const CellRect& window, int region)
+    : resolution_{map.grid().resolution},
+      radius_{places.radius()},
+      window_{with_border(window, radius_)},
+      first_center_{map.grid().center(window_.x0, window_.y0)},
+      low_{map.grid().center(window.x0, window.y0)},
+      high_{map.grid().center(window.x1 - 1, window.y1 - 1)},
+      fine_{std::max(1, static_cast<int>(std::ceil(resolution_ / kFine - 1e-9)))},
+      first_point_{first_center_.array() - 0.5 * resolution_ + 0.5 * resolution_ / fine_} {
+  Mask all(window_.size()), own(window_.size());
+  for (int iy = window_.y0; iy < window_.y1; ++iy)
+    for (int ix = window_.x0; ix < window_.x1; ++ix) {
+      const int at = places.region(ix, iy);
+      all[window_.index(ix, iy)] = at != 0 ? 1 : 0;
+      own[window_.index(ix, iy)] = at != 0 && (region == 0 || at == region) ? 1 : 0;
+    }
+  // No disc reaches farther: the middles of discs along a straight wall are so far from its foot.
+  const double least = radius_ > 0.5 ? std::ceil(radius_ + 0.5) - 1.5 : 0.0;
+  const Mask useless = far_from(all, window_, least + 1e-6);
+  const double most = window_.width() + window_.height();  // in place of infinity
+  for (const double depth : distance_transform(useless, window_.width(), window_.height()))
+    depth_.push_back(static_cast<float>(resolution_ * std::min(depth, most)));
+  find_useless();
+  find_passages(own);
+  sum_up(places, own);
+}
+
+// A way is narrow where the places are no wider than twice kPassage; there the disc reaches it.
+void FreeSpace::find_passages(const Mask& places) {
+  const double room = kPassage / resolution_;
+  const auto transform = [&](const Mask& mask) {
+    return distance_transform(mask, window_.width(), window_.height());
+  };
+  Mask other(places.size()), narrow(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) other[i] = places[i] == 0 ? 1 : 0;
+  const auto to_wide = transform(far_from(other, window_, room));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    narrow[i] = places[i] != 0 && to_wide[i] > room + 1.0 ? 1 : 0;
+  const auto to_narrow = transform(narrow);
+  room_.resize(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i)
+    room_[i] = to_narrow[i] <= radius_ ? Room::kNarrow : Room::kOpen;
+}
+
+bool FreeSpace::keep(const CellRect& window, const Mask& cells) {
+  bool more = false;
+  for (int iy = std::max(window.y0, window_.y0); iy < std::min(window.y1, window_.y1); ++iy)
+    for (int ix = std::max(window.x0, window_.x0); ix < std::min(window.x1, window_.x1); ++ix) {
+      Room& room = room_[window_.index(ix, iy)];
+      if (cells[window.index(ix, iy)] == 0 || room != Room::kNarrow) continue;
+      room = Room::kKept;
+      more = true;
+    }
+  return more;
+}
+
+void FreeSpace::sum_up(const Places& places, const Mask& own) {
+  Mask beside(own.size());  // a point between two cells' centres may be a place by either
+  for (int iy = window_.y0 + 1; iy < window_.y1 - 1; ++iy)
+    for (int ix = window_.x0 + 1; ix < window_.x1 - 1; ++ix) {
+      if (own[window_.index(ix, iy)] == 0) continue;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) beside[window_.index(ix + dx, iy + dy)] = 1;
+    }
+  const int width = window_.width() * fine_, height = window_.height() * fine_;
+  sums_.reserve(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height));
+  for (int y = 0; y < height; ++y) {
+    sums_.push_back(0.0F);
+    for (int x = 0; x < width; ++x) {
+      const std::size_t cell = window_.index(window_.x0 + x / fine_, window_.y0 + y / fine_);
+      const bool is_place = beside[cell] != 0 && gap_at(places, x, y) >= radius_;
+      sums_.push_back(sums_.back() + (is_place ? 1.0F : 0.0F));
+    }
+  }
+}
+
+// Linear between the cells' centres: exact along a wall.
+double FreeSpace::gap_at(const Places& places, int x, int y) const {
+  const double cx = (x + 0.5) / fine_ - 0.5, cy = (y + 0.5) / fine_ - 0.5;
+  const int ix = static_cast<int>(std::floor(cx)), iy = static_cast<int>(std::floor(cy));
+  const double u = cx - ix, v = cy - iy;
+  const auto gap = [&](int jx, int jy) {
+    return static_cast<double>(places.gap(window_.x0 + jx, window_.y0 + jy));
+  };
+  return (1.0 - v) * ((1.0 - u) * gap(ix, iy) + u * gap(ix + 1, iy)) +
+         v * ((1.0 - u) * gap(ix, iy + 1) + u * gap(ix + 1, iy + 1));
+}
+
+bool FreeSpace::knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
+  return (low.array() >= low_.array()).all() && (high.array() <= high_.array()).all();
+}
+
+// By rows: of an ellipse xᵀQx ≤ 1 a row at height y has the x with
+// Qxx x² + 2 Qxy x y + Qyy y² ≤ 1. The disc about a place touches the shape if the place lies in
+// the shape grown by the radius; the ellipse with longer axes that stands for it lies inside of
+// that (its support function is the smaller), which is near enough for a cost.
+double FreeSpace::taken_by(const Obstacle& shape, double most) const {
+  const double step = resolution_ / fine_, grown = radius_ * resolution_;
+  const double a = (shape.a + grown) / step, b = (shape.b + grown) / step;
+  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
+  const double qxx = c * c / (a * a) + s * s / (b * b), qyy = s * s / (a * a) + c * c / (b * b);
+  const double qxy = c * s * (1.0 / (a * a) - 1.0 / (b * b));
+  const Eigen::Vector2d m = (shape.p_MO - first_point_) / step;
+  const double reach = std::hypot(s * a, c * b);
+  const int width = window_.width() * fine_, height = window_.height() * fine_;
+  const int low = std::max(0, static_cast<int>(std::ceil(m.y() - reach)));
+  const int high = std::min(height - 1, static_cast<int>(std::floor(m.y() + reach)));
+  const double all = width;
+  const auto column = [all](double x) {  // points left of it: a truncation is quicker than a ceil
+    return static_cast<std::size_t>(std::clamp(x + 1.0, 0.0, all));
+  };
+  const double per = 1.0 / qxx;
+  const int stride = 1 + (high - low) / kRows;
+  const double per_point = step * step * stride;
+  double sum = 0.0;
+  for (int iy = low; iy <= high && sum * per_point <= most; iy += stride) {
+    const double y = iy - m.y();
+    const double root = qxy * qxy * y * y - qxx * (qyy * y * y - 1.0);
+    if (root <= 0.0) continue;
+    const double middle = m.x() - qxy * y * per, half = std::sqrt(root) * per;
+    const float* row = &sums_[static_cast<std::size_t>(iy) * static_cast<std::size_t>(width + 1)];
+    sum += static_cast<double>(row[column(middle + half)] - row[column(middle - half)]);
+  }
+  return sum * per_point;
+}
+
+bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, const Excess& most) const {
+  if (is_useless(p_MQ)) return true;
+  const double at = depth(p_MQ);
+  if (at <= std::min({most.open, most.narrow, most.kept}) || at > most.open) return at <= most.open;
+  const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
+  const auto nearest = [](double x, int size) {
+    return static_cast<int>(std::clamp(std::round(x), 0.0, size - 1.0));
+  };
+  const int ix = nearest(c.x(), window_.width()), iy = nearest(c.y(), window_.height());
+  switch (room_[window_.index(window_.x0 + ix, window_.y0 + iy)]) {
+    case Room::kOpen:
+      return true;
+    case Room::kNarrow:
+      return at <= most.narrow;
+    case Room::kKept:
+      break;
+  }
+  return at <= std::min(most.narrow, most.kept);
+}
+
+// Most points asked for: without interpolation.
+bool FreeSpace::is_useless(const Eigen::Vector2d& p_MQ) const {
+  const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
+  if (!(c.x() >= 0.0 && c.y() >= 0.0 && c.x() < window_.width() && c.y() < window_.height()))
+    return false;
+  return useless_[window_.index(window_.x0 + static_cast<int>(c.x()),
+                                window_.y0 + static_cast<int>(c.y()))] != 0;
+}
+
+// A square between four cells' centres is so if all of them are.
+void FreeSpace::find_useless() {
+  useless_.resize(window_.size());
+  const auto at = [&](int ix, int iy) { return depth_[window_.index(ix, iy)] <= 0.0F; };
+  for (int iy = window_.y0; iy + 1 < window_.y1; ++iy)
+    for (int ix = window_.x0; ix + 1 < window_.x1; ++ix)
+      useless_[window_.index(ix, iy)] =
+          at(ix, iy) && at(ix + 1, iy) && at(ix, iy + 1) && at(ix + 1, iy + 1) ? 1 : 0;
+}
+
+double FreeSpace::depth(const Eigen::Vector2d& p_MQ) const {
+  const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
+  const double x = std::clamp(c.x(), 0.0, window_.width() - 1.0);
+  const double y = std::clamp(c.y(), 0.0, window_.height() - 1.0);
+  const int ix = std::max(0, std::min(static_cast<int>(x), window_.width() - 2));
+  const int iy = std::max(0, std::min(static_cast<int>(y), window_.height() - 2));
+  const double u = x - ix, v = y - iy;
+  const auto at = [&](int jx, int jy) {
+    const int kx = std::min(jx, window_.width() - 1), ky = std::min(jy, window_.height() - 1);
+    return static_cast<double>(depth_[static_cast<std::size_t>(ky * window_.width() + kx)]);
+  };
+  return (1.0 - v) * ((1.0 - u) * at(ix, iy) + u * at(ix + 1, iy)) +
+         v * ((1.0 - u) * at(ix, iy + 1) + u * at(ix + 1, iy + 1));
+}
+
+}  // namespace tandem

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/obstacle_extractor/cover/passages.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tandem/map/distance_transform.hpp"
+#include "tandem/obstacle_extractor/cover/flood_fill.hpp"
+
+namespace tandem {
+namespace {
+
+// What the disc has to spare on either side [m]: less after than before, so that a way that is
+// merely narrower is not closed.
+constexpr double kBefore = 0.075, kAfter = 0.045;
+constexpr double kLeastRoom = 0.1;  // [m²]
+
+using Mask = std::vector<std::uint8_t>;
+using Labels = std::vector<int>;
+
+// A part before, and the rooms that are left of it after, the largest first.
+struct Division {
+  int part;
+  std::vector<int> rooms;
+};
+
+// The parts of which more than one room is left.
+std::vector<Division> divisions(const Labels& before, const Labels& after, double least) {
+  std::map<int, std::map<int, int>> cells;  // by part, then by piece of it
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i] != 0 && after[i] != 0) ++cells[before[i]][after[i]];
+  std::vector<Division> all;
+  for (const auto& [part, pieces] : cells) {
+    Division division{part, {}};
+    for (const auto& [piece, count] : pieces)
+      if (count > least) division.rooms.push_back(piece);
+    std::stable_sort(division.rooms.begin(), division.rooms.end(),
+                     [&](int a, int b) { return pieces.at(a) > pieces.at(b); });
+    if (division.rooms.size() > 1) all.push_back(std::move(division));
+  }
+  return all;
+}
+
+// Marks the shortest ways by which the other rooms could be reached from the largest.
+void mark_ways(const Division& division, const Labels& before, const Labels& after,
+               std::size_t width, Mask& way) {
+  constexpr auto kNowhere = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> cells, from(before.size(), kNowhere);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i] == division.part && after[i] == division.rooms[0]) {
+      cells.push_back(i);
+      from[i] = i;
+    }
+  flood(cells, width, before.size(), [&](std::size_t cell, std::size_t last) {
+    if (before[cell] != division.part || from[cell] != kNowhere) return false;
+    from[cell] = last;
+    return true;
+  });
+  for (auto room = division.rooms.begin() + 1; room != division.rooms.end(); ++room) {
+    const auto nearest = std::find_if(cells.begin(), cells.end(),
+                                      [&](std::size_t cell) { return after[cell] == *room; });
+    for (std::size_t cell = *nearest; from[cell] != cell; cell = from[cell]) way[cell] = 1;
+  }
+}
+
+}  // namespace
+
+Ways::Ways(const StaticMap& map, const Places& places, const CellRect& window, int region,
+           double width, const std::vector<std::vector<CellIndex>>& clusters)
+    : grid_{map.grid()},
+      radius_{0.5 * width / grid_.resolution},
+      window_{window},
+      is_place_(window.size()),
+      others_(window.size()) {
+  for (int iy = window.y0; iy < window.y1; ++iy)
+    for (int ix = window.x0; ix < window.x1; ++ix) {
+      others_[window.index(ix, iy)] = places.gap(ix, iy) <= 0.0F ? 1 : 0;
+      const int at = places.region(ix, iy);
+      is_place_[window.index(ix, iy)] = at != 0 && (region == 0 || at == region) ? 1 : 0;
+    }
+  for (const auto& cluster : clusters)
+    for (const CellIndex& cell : cluster)
+      if (window.contains(cell.ix, cell.iy)) others_[window.index(cell.ix, cell.iy)] = 0;
+}
+
+// The cells whose centres lie in a shape.
+Mask Ways::covered(const std::vector<Obstacle>& shapes) const {
+  Mask mask(window_.size());
+  for (const Obstacle& shape : shapes) {
+    const Eigen::Vector2d c = (shape.p_MO - grid_.origin) / grid_.resolution;
+    const int reach = static_cast<int>(shape.a / grid_.resolution) + 1;
+    const int mx = static_cast<int>(std::floor(c.x())), my = static_cast<int>(std::floor(c.y()));
+    for (int iy = std::max(window_.y0, my - reach); iy < std::min(window_.y1, my + reach + 1); ++iy)
+      for (int ix = std::max(window_.x0, mx - reach); ix < std::min(window_.x1, mx + reach + 1);
+           ++ix)
+        if (level(shape, grid_.center(ix, iy)) <= 1.0) mask[window_.index(ix, iy)] = 1;
+  }
+  return mask;
+}
+
+// Where the disc that has so much to spare can be, in connected parts. `to_others`: in cells.
+Labels Ways::parts(const std::vector<Obstacle>& shapes, const std::vector<double>& to_others,
+                   double spare) const {
+  const auto to_shapes = distance_transform(covered(shapes), window_.width(), window_.height());
+  const double least = radius_ + spare / grid_.resolution;
+  constexpr int kOpen = -1;  // without a number yet
+  Labels labels(window_.size());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (is_place_[i] != 0 && std::min(to_shapes[i], to_others[i]) >= least) labels[i] = kOpen;
+  int last = 0;
+  std::vector<std::size_t> cells;
+  for (std::size_t start = 0; start < labels.size(); ++start) {
+    if (labels[start] != kOpen) continue;
+    labels[start] = ++last;
+    cells.assign(1, start);
+    flood(cells, static_cast<std::size_t>(window_.width()), labels.size(),
+          [&](std::size_t cell, std::size_t) {
+            if (labels[cell] != kOpen) return false;
+            labels[cell] = last;
+            return true;
+          });
+  }
+  return labels;
+}
+
+// What the disc passes over on the way, with what it has to spare.
+Mask Ways::swept(const Mask& way) const {
+  const auto to_way = distance_transform(way, window_.width(), window_.height());
+  Mask mask(way.size());
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    mask[i] = to_way[i] <= radius_ + kAfter / grid_.resolution ? 1 : 0;
+  return mask;
+}
+
+Mask Ways::closed(const std::vector<Obstacle>& fine, const std::vector<Obstacle>& coarse) const {
+  const auto to_others = distance_transform(others_, window_.width(), window_.height());
+  const Labels before = parts(fine, to_others, kBefore), after = parts(coarse, to_others, kAfter);
+  const auto divided = divisions(before, after, kLeastRoom / (grid_.resolution * grid_.resolution));
+  if (divided.empty()) return {};
+  Mask way(window_.size());
+  for (const Division& division : divided)
+    mark_ways(division, before, after, static_cast<std::size_t>(window_.width()), way);
+  return swept(way);
+}
+
+}  // namespace tandem

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: messages ↔ bytes, and the one DDS type under which all bytes travel.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/pubsub.hpp"
+
+namespace tandem::runtime {
+
+class CdrStructure;
+
+/// [bytes] of the largest sample that is taken of a type, "sensor_msgs/msg/Joy": what its fields
+/// can be at most, else 64 MiB of types that are made for bulk or not known here, else 1 MiB.
+[[nodiscard]] std::size_t largest_sample_of(std::string_view type);
+
+/// One message type's plain CDR.
+class Codec {
+ public:
+  explicit Codec(const TypeRef& type);
+
+  [[nodiscard]] const std::string& dds_name() const { return dds_name_; }
+
+  /// False if the message cannot be written or is larger than a receiver would take.
+  bool encode(const void* message, Bytes& bytes) const;
+  /// False, never an exception, for bytes that are no message of the type: truncated, too long,
+  /// lengths beyond their end, booleans that are none. Numbers are not judged (NaN passes).
+  bool decode(const Bytes& bytes, void* message) const;
+
+ private:
+  [[nodiscard]] std::size_t size(const void* message) const;
+  bool decode_unchecked(const Bytes& bytes, void* message) const;
+
+  std::shared_ptr<fdds::TopicDataType> type_;
+  std::string dds_name_;
+  std::size_t max_size_;
+  const CdrStructure* structure_;  // null: of a type that no IDL of ours describes
+};
+
+/// What a DDS reader or writer of ours handles: the sample's bytes, encapsulation included. DDS
+/// itself never decodes, so bytes from outside meet only Codec::decode.
+class BytesType final : public fdds::TopicDataType {
+ public:
+  static constexpr std::size_t kMaxSize = std::size_t{64} << 20;  // a larger sample arrives empty
+
+  /// `largest`: [bytes] of a sample that a reader's history takes.
+  BytesType(const std::string& dds_name, std::size_t largest);
+
+#if TANDEM_FASTDDS_3
+  bool serialize(const void* const data, rtps::SerializedPayload_t& payload,
+                 fdds::DataRepresentationId_t) override;
+  bool deserialize(rtps::SerializedPayload_t& payload, void* data) override;
+  uint32_t calculate_serialized_size(const void* const data, fdds::DataRepresentationId_t) override;
+  void* create_data() override { return new Bytes; }
+  void delete_data(void* data) override { delete static_cast<Bytes*>(data); }
+  bool compute_key(rtps::SerializedPayload_t&, rtps::InstanceHandle_t&, bool) override {
+    return false;
+  }
+  bool compute_key(const void* const, rtps::InstanceHandle_t&, bool) override { return false; }
+#else
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override;
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override;
+  std::function<uint32_t()> getSerializedSizeProvider(void* data) override;
+  void* createData() override { return new Bytes; }
+  void deleteData(void* data) override { delete static_cast<Bytes*>(data); }
+  bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
+#endif
+};
+
+}  // namespace tandem::runtime

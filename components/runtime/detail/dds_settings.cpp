@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/dds_settings.hpp"
+
+#include <netdb.h>
+
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+
+#include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/environment.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr const char* kServersVariable = "ROS_DISCOVERY_SERVER";
+constexpr const char* kEnvironmentFileVariable = "FASTDDS_ENVIRONMENT_FILE";
+
+[[noreturn]] void refuse(const char* variable, const std::string& value, const std::string& why) {
+  throw std::runtime_error(std::string{variable} + " = '" + value + "': " + why +
+                           ". Nothing starts, because Fast DDS would go on with its defaults");
+}
+
+bool is_port(const std::string& text) {
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  return error == std::errc{} && end == text.data() + text.size() && port > 0 && port < 65536;
+}
+
+bool resolves(const std::string& host) {
+  addrinfo* raw = nullptr;
+  const int error = getaddrinfo(host.c_str(), nullptr, nullptr, &raw);
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> found{raw, freeaddrinfo};
+  return error == 0;
+}
+
+void check_server(const std::string& servers, const std::string& locator) {
+  // Prefix, host in brackets or without, port.
+  static const std::regex form{
+      R"((?:(?:UDPv4|UDPv6|TCPv4|TCPv6):)?(?:\[([^\]]+)\]|([^:\[\]]+))(?::([^:]*))?)"};
+  std::smatch parts;
+  if (!std::regex_match(locator, parts, form))
+    refuse(kServersVariable, servers,
+           "'" + locator + "' is no locator; write HOST:PORT, and ';' between two");
+  if (parts[3].matched && !is_port(parts[3]))
+    refuse(kServersVariable, servers, "'" + parts[3].str() + "' is no port from 1 to 65535");
+  const std::string host = parts[1].matched ? parts[1] : parts[2];
+  if (!resolves(host))
+    refuse(kServersVariable, servers, "'" + host + "' is no address, and no name that resolves");
+}
+
+void check_profiles(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file))
+    refuse(kProfilesVariable, file, "no such file; correct the path or unset the variable");
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  if (!ok(factory->load_XML_profiles_file(file)))
+    refuse(kProfilesVariable, file,
+           "no file of Fast DDS profiles; the line before says what is wrong in it");
+}
+
+}  // namespace
+
+void check_discovery_servers(const std::string& servers) {
+  bool any = false;
+  std::istringstream stream{servers};
+  for (std::string locator; std::getline(stream, locator, ';');) {
+    if (locator.empty()) continue;
+    check_server(servers, locator);
+    any = true;
+  }
+  if (!any) refuse(kServersVariable, servers, "names no server; unset it to use multicast");
+}
+
+void check_dds_settings() {
+  if (const auto servers = variable(kServersVariable); !servers.empty())
+    check_discovery_servers(servers);
+  if (const auto file = variable(kEnvironmentFileVariable);
+      !file.empty() && !std::filesystem::is_regular_file(file))
+    refuse(kEnvironmentFileVariable, file, "no such file; correct the path or unset the variable");
+  if (const auto file = variable(kProfilesVariable); !file.empty()) check_profiles(file);
+}
+
+}  // namespace tandem::runtime

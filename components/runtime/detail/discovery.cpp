@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/discovery.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "tandem/runtime/time.hpp"
+#if !TANDEM_FASTDDS_3
+#include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
+#include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
+#include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
+#endif
+
+namespace tandem::runtime {
+namespace {
+
+constexpr std::size_t kMaxEndpoints = 100'000;  // of a domain gone mad
+
+double seconds(const DdsDuration& duration) {
+  if (duration == to_duration(1e9)) return std::numeric_limits<double>::infinity();
+  return duration.seconds + 1e-9 * duration.nanosec;
+}
+
+// Fast DDS 2.9 knows a WriterQos and a ReaderQos, 3 the fields of the builtin topics' data.
+template <class Info>
+KnownEndpoint from_builtin(const Info& info, bool writes) {
+  KnownEndpoint endpoint;
+  endpoint.writes = writes;
+#if TANDEM_FASTDDS_3
+  endpoint.guid = info.guid;
+  endpoint.topic = info.topic_name.to_string();
+  endpoint.type = info.type_name.to_string();
+  const auto& reliability = info.reliability;
+  const auto& durability = info.durability;
+  const auto& deadline = info.deadline;
+  const auto& liveliness = info.liveliness;
+  const auto& user_data = info.user_data;
+#else
+  endpoint.guid = info.guid();
+  endpoint.topic = info.topicName().to_string();
+  endpoint.type = info.typeName().to_string();
+  const auto& reliability = info.m_qos.m_reliability;
+  const auto& durability = info.m_qos.m_durability;
+  const auto& deadline = info.m_qos.m_deadline;
+  const auto& liveliness = info.m_qos.m_liveliness;
+  const auto& user_data = info.m_qos.m_userData;
+#endif
+  endpoint.policies = {.reliability = reliability.kind == fdds::RELIABLE_RELIABILITY_QOS ? 1 : 0,
+                       .durability = static_cast<int>(durability.kind),
+                       .deadline = seconds(deadline.period),
+                       .liveliness = static_cast<int>(liveliness.kind)};
+  endpoint.user_data.assign(user_data.begin(), user_data.end());
+  endpoint.since = steady_seconds();
+  return endpoint;
+}
+
+}  // namespace
+
+std::string type_hash_in(const std::string& user_data) {
+  constexpr std::string_view kKey = "typehash=";
+  const auto key = user_data.find(kKey);
+  if (key == std::string::npos) return {};
+  const auto start = key + kKey.size();
+  return user_data.substr(start, user_data.find(';', start) - start);
+}
+
+bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
+  constexpr int kOfProcess = 8;  // vendor, host and process; the last four: the participant
+  constexpr int kOfSubject = 6;  // of a certificate's name, the first bit set; then a hash
+  const bool secured = (a.guidPrefix.value[0] & 0x80) != 0;
+  return std::equal(a.guidPrefix.value, a.guidPrefix.value + (secured ? kOfSubject : kOfProcess),
+                    b.guidPrefix.value);
+}
+
+void Discovery::add(KnownEndpoint endpoint) {
+  const std::lock_guard lock{mutex_};
+  const auto known = endpoints_.find(endpoint.guid);
+  if (known != endpoints_.end()) endpoint.since = known->second.since;
+  if (known == endpoints_.end() && endpoints_.size() >= kMaxEndpoints) return;
+  endpoints_[endpoint.guid] = std::move(endpoint);
+  ++generation_;
+}
+
+void Discovery::remove(const rtps::GUID_t& guid) {
+  const std::lock_guard lock{mutex_};
+  if (endpoints_.erase(guid) > 0) ++generation_;
+}
+
+std::vector<KnownEndpoint> Discovery::endpoints() const {
+  const std::lock_guard lock{mutex_};
+  std::vector<KnownEndpoint> all;
+  all.reserve(endpoints_.size());
+  for (const auto& [guid, endpoint] : endpoints_) all.push_back(endpoint);
+  return all;
+}
+
+std::optional<Policies> Discovery::policies(const rtps::GUID_t& guid) const {
+  const std::lock_guard lock{mutex_};
+  const auto known = endpoints_.find(guid);
+  if (known == endpoints_.end()) return std::nullopt;
+  return known->second.policies;
+}
+
+#if TANDEM_FASTDDS_3
+void Discovery::on_data_writer_discovery(fdds::DomainParticipant*,
+                                         rtps::WriterDiscoveryStatus status,
+                                         const rtps::PublicationBuiltinTopicData& info, bool&) {
+  if (status == rtps::WriterDiscoveryStatus::REMOVED_WRITER)
+    remove(info.guid);
+  else
+    add(from_builtin(info, true));
+}
+void Discovery::on_data_reader_discovery(fdds::DomainParticipant*,
+                                         rtps::ReaderDiscoveryStatus status,
+                                         const rtps::SubscriptionBuiltinTopicData& info, bool&) {
+  if (status == rtps::ReaderDiscoveryStatus::REMOVED_READER)
+    remove(info.guid);
+  else
+    add(from_builtin(info, false));
+}
+#else
+void Discovery::on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
+  if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER)
+    remove(info.info.guid());
+  else
+    add(from_builtin(info.info, true));
+}
+void Discovery::on_subscriber_discovery(fdds::DomainParticipant*,
+                                        rtps::ReaderDiscoveryInfo&& info) {
+  if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER)
+    remove(info.info.guid());
+  else
+    add(from_builtin(info.info, false));
+}
+#endif
+
+}  // namespace tandem::runtime

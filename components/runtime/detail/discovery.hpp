@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: the publishers and subscriptions of the whole domain, as discovery tells.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
+
+#include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/qos.hpp"
+
+namespace tandem::runtime {
+
+/// A publisher or a subscription of this process or another.
+struct KnownEndpoint {
+  rtps::GUID_t guid;
+  bool writes = false;
+  std::string topic, type;  ///< DDS names
+  Policies policies;
+  std::string user_data{};  ///< "typehash=…;"
+  double since = 0.0;       ///< [s] steady, when it was first seen
+};
+
+/// "RIHS01_…" out of an endpoint's user data; empty if it has none.
+[[nodiscard]] std::string type_hash_in(const std::string& user_data);
+
+/// Whether two endpoints are of one process. DDS Security hides the process: there, of one enclave.
+[[nodiscard]] bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b);
+
+/// Knows all endpoints of the domain. May be asked by any thread.
+class Discovery final : public fdds::DomainParticipantListener {
+ public:
+  /// An endpoint of this participant itself, which DDS does not tell of.
+  void add(KnownEndpoint endpoint);
+  void remove(const rtps::GUID_t& guid);
+
+  [[nodiscard]] std::vector<KnownEndpoint> endpoints() const;
+  /// What an endpoint offers or requests; nothing if it is unknown or has left.
+  [[nodiscard]] std::optional<Policies> policies(const rtps::GUID_t& guid) const;
+  /// Counts changes.
+  [[nodiscard]] long generation() const { return generation_; }
+
+#if TANDEM_FASTDDS_3
+  void on_data_writer_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
+                                const rtps::PublicationBuiltinTopicData& info, bool&) override;
+  void on_data_reader_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryStatus status,
+                                const rtps::SubscriptionBuiltinTopicData& info, bool&) override;
+#else
+  void on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override;
+  void on_subscriber_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) override;
+#endif
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<rtps::GUID_t, KnownEndpoint> endpoints_;
+  std::atomic<long> generation_ = 0;
+};
+
+}  // namespace tandem::runtime

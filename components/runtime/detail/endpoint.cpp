@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/endpoint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/dds_log.hpp"
+#include "tandem/runtime/names.hpp"
+#include "tandem/runtime/time.hpp"
+#include "type_hashes.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr int kBatch = 32;                // samples of one topic before the others get their turn
+constexpr std::size_t kMostWriters = 64;  // whose samples' ways are known
+constexpr double kMaxBlocking = 0.010;    // [s] that a reliable write may wait
+constexpr double kHeartbeat = 0.1;        // [s] until a lost sample is noticed
+// [s] until a new reader asks for what it missed; doubles until it is answered. DDS's default of
+// 0.07 s is too long for a program that sends once and leaves.
+constexpr double kFirstRequest = 0.005;
+// [bytes] of the largest sample, up to which a reader's pool holds samples of that size: only then
+// does Fast DDS refuse larger ones. Beyond it each sample's memory goes back to the system.
+constexpr std::size_t kMostPreallocated = std::size_t{1} << 20;
+constexpr std::size_t kMostKept = std::size_t{1} << 20;  // [bytes] for the next sample
+
+template <class DdsQos>
+void set_common(DdsQos& dds, const Participant& participant, const Endpoint& endpoint) {
+  const QoS& qos = endpoint.qos;
+  const std::string user_data = endpoint.user_data(participant.speaks_humble());
+  dds.user_data().data_vec({user_data.begin(), user_data.end()});
+  const bool reliable = qos.reliability == Reliability::kReliable;
+  dds.reliability().kind =
+      reliable ? fdds::RELIABLE_RELIABILITY_QOS : fdds::BEST_EFFORT_RELIABILITY_QOS;
+  dds.reliability().max_blocking_time = to_duration(kMaxBlocking);
+  dds.durability().kind = qos.durability == Durability::kTransientLocal
+                              ? fdds::TRANSIENT_LOCAL_DURABILITY_QOS
+                              : fdds::VOLATILE_DURABILITY_QOS;
+  dds.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
+  dds.history().depth = qos.depth;
+  dds.resource_limits().max_samples_per_instance = std::max(400, qos.depth);
+  dds.resource_limits().allocated_samples = 0;  // grows when needed
+  dds.data_sharing().off();
+}
+
+fdds::DataReaderQos reader_qos(const Participant& participant, const Endpoint& endpoint) {
+  fdds::DataReaderQos dds = fdds::DATAREADER_QOS_DEFAULT;
+  set_common(dds, participant, endpoint);
+  dds.endpoint().history_memory_policy =
+      largest_sample_of(ros_type(endpoint.type)) <= kMostPreallocated
+          ? rtps::PREALLOCATED_MEMORY_MODE
+          : rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+#if TANDEM_FASTDDS_3
+  dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
+  dds.reliable_reader_qos().times.initial_acknack_delay = to_duration(kFirstRequest);
+#else
+  dds.type_consistency().representation.m_value = {fdds::XCDR_DATA_REPRESENTATION};
+  dds.reliable_reader_qos().times.initialAcknackDelay = to_duration(kFirstRequest);
+#endif
+  return dds;
+}
+
+fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& endpoint) {
+  fdds::DataWriterQos dds = fdds::DATAWRITER_QOS_DEFAULT;
+  set_common(dds, participant, endpoint);
+  dds.representation().m_value = {fdds::XCDR_DATA_REPRESENTATION};
+  dds.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+  dds.lifespan().duration = to_duration(endpoint.qos.lifespan);
+#if TANDEM_FASTDDS_3
+  dds.reliable_writer_qos().times.heartbeat_period = to_duration(kHeartbeat);
+#else
+  dds.reliable_writer_qos().times.heartbeatPeriod = to_duration(kHeartbeat);
+#endif
+  return dds;
+}
+
+// `create` makes an endpoint of `topic`. Throws std::runtime_error if DDS refuses `what`.
+template <class Create>
+auto created(const SharedTopic& topic, const std::string& what, Create create) {
+  const DdsErrors errors;
+  auto* endpoint = create();
+  if (endpoint != nullptr) return endpoint;
+  const std::string reason = errors.first();
+  const Security& security = topic.participant().security();
+  throw std::runtime_error(
+      "DDS refuses " + what + (reason.empty() ? "" : ": " + reason) +
+      (security.on() ? "; this process may do what " + security.folder + "/permissions.xml says"
+                     : ""));
+}
+
+fdds::DataReader* make_reader(const SharedTopic& topic, const Participant& participant,
+                              const Endpoint& endpoint) {
+  return created(topic, "a subscription to " + ros_name(endpoint.topic), [&] {
+    return topic.participant().subscriber().create_datareader(
+        topic.dds(), reader_qos(participant, endpoint), nullptr, fdds::StatusMask::none());
+  });
+}
+
+fdds::DataWriter* make_writer(const SharedTopic& topic, const Participant& participant,
+                              const Endpoint& endpoint, fdds::DataWriterListener& listener) {
+  return created(topic, "a publisher of " + ros_name(endpoint.topic), [&] {
+    return topic.participant().publisher().create_datawriter(
+        topic.dds(), writer_qos(participant, endpoint), &listener,
+        fdds::StatusMask::publication_matched());
+  });
+}
+
+}  // namespace
+
+std::string Endpoint::user_data(bool humble) const {
+  const std::string hash = type_hash.empty() ? std::string{runtime::type_hash(type)} : type_hash;
+  return humble || hash.empty() ? "" : "typehash=" + hash + ";";
+}
+
+Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver, Refused refused)
+    : topic_{participant, endpoint.topic, endpoint.type},
+      dds_{make_reader(topic_, participant, endpoint)},
+      deliver_{std::move(deliver)},
+      refused_{std::move(refused)},
+      lifespan_{endpoint.qos.lifespan} {
+  dds_->get_statuscondition().set_enabled_statuses(fdds::StatusMask::data_available());
+}
+
+Reader::~Reader() { topic_.participant().subscriber().delete_datareader(dds_); }
+
+int Reader::drain() {
+  if (!waiting_ && !condition().get_trigger_value()) return 0;
+  fdds::SampleInfo info;
+  for (int taken = 0; taken < kBatch; ++taken) {
+    if (closed_ || !ok(dds_->take_next_sample(&bytes_, &info))) {
+      waiting_ = false;
+      return taken;
+    }
+    if (info.valid_data) take_one(info);
+    if (bytes_.capacity() > kMostKept) Bytes{}.swap(bytes_);
+  }
+  waiting_ = true;  // take clears the status, so the wait set would not wake for the rest
+  return kBatch;
+}
+
+void Reader::take_one(const fdds::SampleInfo& info) {
+  rtps::iHandle2GUID(sender_, info.publication_handle);
+  if (is_late(info)) return refused_.late();
+  if (deliver_(bytes_, info)) return;
+  ++malformed_;
+  refused_.malformed(bytes_.size());
+}
+
+// DDS's own lifespan of a reader compares two computers' clocks.
+bool Reader::is_late(const fdds::SampleInfo& info) {
+  if (std::isinf(lifespan_) || info.source_timestamp.seconds() <= 0) return false;
+  if (transit_.size() > kMostWriters) transit_.clear();
+  const auto seconds = [](std::int64_t nanoseconds) {
+    return 1e-9 * static_cast<double>(nanoseconds);
+  };
+  return transit_[sender_].is_late(seconds(info.source_timestamp.to_ns()),
+                                   seconds(system_nanoseconds()), lifespan_);
+}
+
+int Reader::matched() const {
+  fdds::SubscriptionMatchedStatus status;
+  dds_->get_subscription_matched_status(status);
+  return status.current_count;
+}
+
+Writer::Writer(Participant& participant, const Endpoint& endpoint)
+    : name_{ros_name(endpoint.topic)},
+      topic_{participant, endpoint.topic, endpoint.type},
+      dds_{make_writer(topic_, participant, endpoint, matches_)} {}
+
+Writer::~Writer() {
+  dds_->set_listener(nullptr);
+  topic_.participant().publisher().delete_datawriter(dds_);
+}
+
+bool Writer::write(const Bytes& bytes) { return ok(dds_->write(const_cast<Bytes*>(&bytes))); }
+
+bool Writer::write(const Bytes& bytes, rtps::WriteParams& params) {
+  return ok(dds_->write(const_cast<Bytes*>(&bytes), params));
+}
+
+int Writer::matched() const { return matches_.count(); }
+
+Writer::Turn Writer::matched_at(const rtps::GUID_t& peer) const {
+  return peer.entityId.is_reader() ? matches_.of(peer) : matches_.latest_of(peer.guidPrefix);
+}
+
+void Writer::Matches::on_publication_matched(fdds::DataWriter*,
+                                             const fdds::PublicationMatchedStatus& status) {
+  rtps::GUID_t reader;
+  rtps::iHandle2GUID(reader, status.last_subscription_handle);
+  const std::lock_guard lock{mutex_};
+  if (status.current_count_change > 0)
+    readers_[reader] = ++turn_;
+  else
+    readers_.erase(reader);
+}
+
+Writer::Turn Writer::Matches::of(const rtps::GUID_t& reader) const {
+  const std::lock_guard lock{mutex_};
+  const auto found = readers_.find(reader);
+  return found == readers_.end() ? 0 : found->second;
+}
+
+Writer::Turn Writer::Matches::latest_of(const rtps::GuidPrefix_t& participant) const {
+  const std::lock_guard lock{mutex_};
+  Turn latest = 0;
+  for (const auto& [reader, turn] : readers_)
+    if (reader.guidPrefix == participant) latest = std::max(latest, turn);
+  return latest;
+}
+
+int Writer::Matches::count() const {
+  const std::lock_guard lock{mutex_};
+  return static_cast<int>(readers_.size());
+}
+
+}  // namespace tandem::runtime

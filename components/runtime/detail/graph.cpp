@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/graph.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "tandem/runtime/log.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+// The one sample in the two forms it has, and the parts of each.
+struct SinceIron {
+  using Gid = rmw_dds_common::msg::Gid;
+  using Node = rmw_dds_common::msg::NodeEntitiesInfo;
+  using Info = rmw_dds_common::msg::ParticipantEntitiesInfo;
+};
+struct Humble {
+  using Gid = rmw_dds_common_humble::msg::Gid;
+  using Node = rmw_dds_common_humble::msg::NodeEntitiesInfo;
+  using Info = rmw_dds_common_humble::msg::ParticipantEntitiesInfo;
+};
+
+template <class Form>
+typename Form::Gid to_gid(const rtps::GUID_t& guid) {
+  typename Form::Gid gid;
+  auto out = gid.data().begin();
+  out = std::copy_n(guid.guidPrefix.value, rtps::GuidPrefix_t::size, out);
+  std::copy_n(guid.entityId.value, rtps::EntityId_t::size, out);
+  return gid;
+}
+
+template <class Form>
+std::vector<typename Form::Gid> to_gids(const std::vector<rtps::GUID_t>& guids) {
+  std::vector<typename Form::Gid> gids(guids.size());
+  std::transform(guids.begin(), guids.end(), gids.begin(), to_gid<Form>);
+  return gids;
+}
+
+template <class Form, class Nodes>
+bool encode(const rtps::GUID_t& participant, const Nodes& nodes, Bytes& bytes) {
+  typename Form::Info info;
+  info.gid(to_gid<Form>(participant));
+  for (const auto& [name, endpoints] : nodes) {
+    typename Form::Node node;
+    node.node_namespace() = endpoints.node.ns;
+    node.node_name() = endpoints.node.name;
+    node.reader_gid_seq(to_gids<Form>(endpoints.readers));
+    node.writer_gid_seq(to_gids<Form>(endpoints.writers));
+    info.node_entities_info_seq().push_back(std::move(node));
+  }
+  return Codec{type_ref<typename Form::Info>()}.encode(&info, bytes);
+}
+
+}  // namespace
+
+Graph::Graph(Participant& participant, Nodes nodes)
+    : participant_{participant},
+      kind_{nodes},
+      writer_{participant,
+              {"ros_discovery_info", Codec{type_ref<SinceIron::Info>()}.dds_name(), kLatched}} {}
+
+void Graph::add_node(const NodeName& node) {
+  const std::lock_guard lock{mutex_};
+  if (!nodes_.emplace(node.full(), Endpoints{node, {}, {}}).second)
+    throw std::runtime_error("two nodes of one process are called " + node.full());
+  announce();
+}
+
+void Graph::remove_node(const NodeName& node) {
+  const std::lock_guard lock{mutex_};
+  nodes_.erase(node.full());
+  announce();
+}
+
+void Graph::add_reader(const NodeName& node, const rtps::GUID_t& reader) {
+  const std::lock_guard lock{mutex_};
+  endpoints_of(node).readers.push_back(reader);
+  announce();
+}
+
+void Graph::add_writer(const NodeName& node, const rtps::GUID_t& writer) {
+  const std::lock_guard lock{mutex_};
+  endpoints_of(node).writers.push_back(writer);
+  announce();
+}
+
+void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
+  const std::lock_guard lock{mutex_};
+  auto& endpoints = endpoints_of(node);
+  std::erase(endpoints.readers, endpoint);
+  std::erase(endpoints.writers, endpoint);
+  if (kind_ == Nodes::kHidden && endpoints.readers.empty() && endpoints.writers.empty())
+    nodes_.erase(node.full());
+  announce();
+}
+
+Graph::Endpoints& Graph::endpoints_of(const NodeName& node) {
+  if (kind_ == Nodes::kHidden)
+    nodes_.try_emplace(node.full(), Endpoints{{node.ns, "_" + node.name + "_2"}, {}, {}});
+  return nodes_.at(node.full());
+}
+
+Graph::Batch::Batch(Graph& graph) : graph_{graph} {
+  const std::lock_guard lock{graph_.mutex_};
+  ++graph_.batches_;
+}
+
+Graph::Batch::~Batch() {
+  const std::lock_guard lock{graph_.mutex_};
+  if (--graph_.batches_ == 0 && std::exchange(graph_.changed_, false)) graph_.write();
+}
+
+void Graph::announce() {
+  if (batches_ > 0)
+    changed_ = true;
+  else
+    write();
+}
+
+void Graph::write() {
+  const rtps::GUID_t& self = participant_.dds().guid();
+  Bytes bytes;
+  const bool encoded = participant_.speaks_humble() ? encode<Humble>(self, nodes_, bytes)
+                                                    : encode<SinceIron>(self, nodes_, bytes);
+  if (!encoded || !writer_.write(bytes))
+    Logger{"runtime"}.warn("ros_discovery_info could not be written: ROS 2 tools miss a change");
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: ros_discovery_info, by which ROS 2 tools see nodes.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/names.hpp"
+
+namespace tandem::runtime {
+
+/// Says which nodes of this process have which endpoints, anew after each change or batch of them.
+class Graph {
+ public:
+  /// Whose nodes these are: the process's own; or the same under hidden names ("_name_2"), that
+  /// tools do not list a node twice, each as long as it has an endpoint here.
+  enum class Nodes { kOwn, kHidden };
+
+  Graph(Participant& participant, Nodes nodes);
+
+  /// While one lives nothing is said; when the last goes, all that has changed in one sample.
+  class Batch {
+   public:
+    explicit Batch(Graph& graph);
+    ~Batch();
+    Batch(const Batch&) = delete;
+    Batch& operator=(const Batch&) = delete;
+
+   private:
+    Graph& graph_;
+  };
+
+  /// Throws std::runtime_error if the process has a node of that name already.
+  void add_node(const NodeName& node);
+  void remove_node(const NodeName& node);
+  void add_reader(const NodeName& node, const rtps::GUID_t& reader);
+  void add_writer(const NodeName& node, const rtps::GUID_t& writer);
+  void remove(const NodeName& node, const rtps::GUID_t& endpoint);
+
+ private:
+  struct Endpoints {
+    NodeName node;
+    std::vector<rtps::GUID_t> readers, writers;
+  };
+
+  void announce();  // with mutex_ held
+  void write();     // likewise
+  Endpoints& endpoints_of(const NodeName& node);
+
+  Participant& participant_;
+  Nodes kind_;
+  Writer writer_;
+  std::mutex mutex_;
+  std::map<std::string, Endpoints> nodes_;  // by full name
+  int batches_ = 0;
+  bool changed_ = false;  // during them
+};
+
+}  // namespace tandem::runtime

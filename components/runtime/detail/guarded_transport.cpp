@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/guarded_transport.hpp"
+
+#include <array>
+#include <cstring>
+#include <mutex>
+
+#include "tandem/runtime/detail/wire_guard.hpp"
+#if TANDEM_FASTDDS_3
+#include <fastdds/rtps/transport/ChainingTransport.hpp>
+#include <fastdds/rtps/transport/SenderResource.hpp>
+#include <fastdds/rtps/transport/UDPTransportDescriptor.hpp>
+#else
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/UDPTransportDescriptor.h>
+#endif
+
+namespace tandem::runtime {
+namespace {
+
+namespace transport = eprosima::fastdds::rtps;
+
+// The last four bytes: of IPv4 the address.
+std::uint32_t source_of(const rtps::Locator_t& locator) {
+  std::uint32_t address = 0;
+  std::memcpy(&address, locator.address + sizeof locator.address - sizeof address, sizeof address);
+  return address;
+}
+
+class GuardedTransport final : public transport::ChainingTransport {
+ public:
+  GuardedTransport(const transport::ChainingTransportDescriptor& descriptor, WireGuard& guard)
+      : ChainingTransport{descriptor}, guard_{guard} {}
+
+  transport::TransportDescriptorInterface* get_configuration() override {
+    return low_level_transport_->get_configuration();
+  }
+
+#if TANDEM_FASTDDS_3
+  bool send(rtps::SenderResource* below, const std::vector<rtps::NetworkBuffer>& buffers,
+            std::uint32_t size, rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
+            const std::chrono::steady_clock::time_point& deadline) override {
+    note_sent(buffers);
+    return below->send(buffers, size, first, last, deadline);
+  }
+#else
+  bool send(rtps::SenderResource* below, const rtps::octet* data, std::uint32_t size,
+            rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
+            const std::chrono::steady_clock::time_point& deadline) override {
+    guard_.sent({data, size});
+    return below->send(data, size, first, last, deadline);
+  }
+#endif
+
+  void receive(transport::TransportReceiverInterface* above, const rtps::octet* data,
+               std::uint32_t size, const rtps::Locator_t& to,
+               const rtps::Locator_t& from) override {
+    // The transport's own buffer, which a transport on top of it may change.
+    if (!guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from))) return;
+    // One after another: while Fast DDS 2.9.1 authenticates a participant, another thread's
+    // announcement of it changes what is being read, and the two may never hear each other.
+    std::unique_lock lock{announcements_, std::defer_lock};
+    if (announces_participant({data, size})) lock.lock();
+    above->OnDataReceived(data, size, to, from);
+  }
+
+ private:
+#if TANDEM_FASTDDS_3
+  // The parts of a datagram. Acknowledgements are short; what is longer has none of interest.
+  void note_sent(const std::vector<rtps::NetworkBuffer>& buffers) {
+    std::array<std::uint8_t, 1500> joined;
+    std::size_t size = 0;
+    for (const auto& buffer : buffers) {
+      if (size + buffer.size > joined.size()) return;
+      std::memcpy(joined.data() + size, buffer.buffer, buffer.size);
+      size += buffer.size;
+    }
+    guard_.sent({joined.data(), size});
+  }
+#endif
+
+  WireGuard& guard_;
+  static inline std::mutex announcements_;  // of the process
+};
+
+struct GuardedDescriptor final : transport::ChainingTransportDescriptor {
+  GuardedDescriptor(std::shared_ptr<TransportDescriptor> below, WireGuard& of_process)
+      : ChainingTransportDescriptor{std::move(below)}, guard{of_process} {}
+
+  transport::TransportInterface* create_transport() const override {
+    return new GuardedTransport{*this, guard};  // Fast DDS owns it
+  }
+
+  WireGuard& guard;
+};
+
+}  // namespace
+
+std::shared_ptr<TransportDescriptor> guarded(
+    const std::shared_ptr<TransportDescriptor>& transport) {
+  if (dynamic_cast<transport::UDPTransportDescriptor*>(transport.get()) == nullptr) return nullptr;
+  return std::make_shared<GuardedDescriptor>(transport, WireGuard::shared());
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/node_services.hpp"
+
+#include <span>
+
+#include "tandem/runtime/detail/type_descriptions.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+namespace srv = rcl_interfaces::srv;
+using rcl_interfaces::msg::ParameterEvent;
+
+constexpr QoS kParameters{.depth = 1000};
+constexpr std::size_t kMaxNames = 1000;  // asked for at once; the answer would be too long to send
+
+rcl_interfaces::msg::SetLoggerLevelsResult set_level(
+    Logger& log, const rcl_interfaces::msg::LoggerLevel& wanted) {
+  rcl_interfaces::msg::SetLoggerLevelsResult result;
+  if (wanted.name() != log.name()) {
+    result.reason(fmt::format("this node's logger is {}", log.name()));
+    return result;
+  }
+  bool known = wanted.level() == 0;  // not set: the process's level
+  if (known) log.set_level(std::nullopt);
+  for (const auto level :
+       {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarn, LogLevel::kError, LogLevel::kOff}) {
+    if (severity(level) != wanted.level()) continue;
+    log.set_level(level);
+    known = true;
+  }
+  result.successful(known);
+  if (!known)
+    result.reason(fmt::format("level {} is none of 0, 10, 20, 30, 40, 50", wanted.level()));
+  return result;
+}
+
+}  // namespace
+
+NodeServices::NodeServices(NodeCore& node)
+    : node_{node},
+      event_codec_{type_ref<ParameterEvent>()},
+      events_{node.open_writer({"rt/parameter_events", event_codec_.dds_name(), kParameters})} {
+  if (node.options.logs_to_rosout) rosout_.emplace(node);
+  serve_parameters();
+  serve_logger_levels();
+  serve<type_description_interfaces::srv::GetTypeDescription>(
+      "get_type_description", kServices,
+      [](const auto& asked, auto& answer) { answer = describe_type(asked); });
+  node.parameters.on_event = [this](const auto& declared, const auto& changed) {
+    announce(declared, changed);
+  };
+  announce(node.parameters.all(), {});
+}
+
+NodeServices::~NodeServices() {
+  node_.parameters.on_event = nullptr;
+  for (auto& server : servers_) server->close();
+  node_.close_writer(*events_);
+}
+
+template <class S, class Fn>
+void NodeServices::serve(const std::string& name, const QoS& qos, Fn fn) {
+  servers_.push_back(std::make_unique<Server>(node_, node_.resolve(("~/" + name).c_str()),
+                                              make_responder<S>(std::move(fn)), qos));
+}
+
+void NodeServices::serve_parameters() {
+  ParameterTable& table = node_.parameters;
+  serve<srv::DescribeParameters>("describe_parameters", kParameters,
+                                 [&](const auto& asked, auto& answer) {
+                                   if (asked.names().size() <= kMaxNames)
+                                     answer.descriptors(table.describe(asked.names()));
+                                 });
+  serve<srv::GetParameterTypes>("get_parameter_types", kParameters,
+                                [&](const auto& asked, auto& answer) {
+                                  if (asked.names().size() <= kMaxNames)
+                                    answer.types(table.types(asked.names()));
+                                });
+  serve<srv::GetParameters>("get_parameters", kParameters, [&](const auto& asked, auto& answer) {
+    if (asked.names().size() <= kMaxNames) answer.values(table.get(asked.names()));
+  });
+  serve<srv::ListParameters>("list_parameters", kParameters, [&](const auto& asked, auto& answer) {
+    answer.result(table.list(asked.prefixes(), asked.depth()));
+  });
+  serve<srv::SetParameters>("set_parameters", kParameters, [&](const auto& asked, auto& answer) {
+    if (asked.parameters().size() > kMaxNames) return;
+    for (const auto& parameter : asked.parameters())
+      answer.results().push_back(table.set({&parameter, 1}));
+  });
+  serve<srv::SetParametersAtomically>(
+      "set_parameters_atomically", kParameters,
+      [&](const auto& asked, auto& answer) { answer.result(table.set(asked.parameters())); });
+}
+
+void NodeServices::serve_logger_levels() {
+  Logger& log = node_.log;
+  serve<srv::GetLoggerLevels>("get_logger_levels", kServices, [&](const auto& asked, auto& answer) {
+    if (asked.names().size() > kMaxNames) return;
+    for (const auto& name : asked.names()) {
+      auto& level = answer.levels().emplace_back();
+      level.name(name);
+      if (name == log.name()) level.level(severity(log.level()));
+    }
+  });
+  serve<srv::SetLoggerLevels>("set_logger_levels", kServices, [&](const auto& asked, auto& answer) {
+    if (asked.levels().size() > kMaxNames) return;
+    for (const auto& level : asked.levels()) answer.results().push_back(set_level(log, level));
+  });
+}
+
+void NodeServices::announce(const ParameterTable::Values& declared,
+                            const ParameterTable::Values& changed) {
+  ParameterEvent event;
+  event.stamp(node_.stamp());
+  event.node(node_.full_name);
+  event.new_parameters(declared);
+  event.changed_parameters(changed);
+  Bytes bytes;
+  if (!event_codec_.encode(&event, bytes) || !events_->write(bytes))
+    node_.log.warn_every(1.0, "/parameter_events: a change was not sent");
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/participant.hpp"
+
+#include <arpa/inet.h>
+#include <netdb.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/dds_log.hpp"
+#include "tandem/runtime/detail/dds_settings.hpp"
+#include "tandem/runtime/detail/graph.hpp"
+#include "tandem/runtime/detail/guarded_transport.hpp"
+#include "tandem/runtime/detail/security_fault.hpp"
+#include "tandem/runtime/detail/thread_limit.hpp"
+#include "tandem/runtime/detail/wire_guard.hpp"
+#include "tandem/runtime/log.hpp"
+#include "tandem/runtime/names.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr const char* kLoopback = "127.0.0.1";
+constexpr uint32_t kParticipantsPerHost = 32;  // ids that unicast discovery asks, as ROS 2 does
+constexpr int kParticipantThreads = 8;         // of Fast DDS 2.9, and some to spare
+constexpr uint32_t kSocketBuffer = 4U << 20;   // the kernel lowers it to its own limit
+
+// The first IPv4 address of a host name, as the system resolves it; an address is its own.
+std::string resolved(const std::string& host) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* raw = nullptr;
+  const int error = getaddrinfo(host.c_str(), nullptr, &hints, &raw);
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> found{raw, freeaddrinfo};
+  if (error != 0)
+    throw std::runtime_error("ROS_STATIC_PEERS: '" + host +
+                             "' is no IPv4 address, and no host's name (" + gai_strerror(error) +
+                             ")");
+  char text[INET_ADDRSTRLEN];
+  sockaddr_in address{};
+  std::memcpy(&address, found->ai_addr, sizeof address);
+  return inet_ntop(AF_INET, &address.sin_addr, text, sizeof text);
+}
+
+rtps::Locator_t peer(const std::string& host) {
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  if (!IpLocator::setIPv4(locator, resolved(host)))
+    throw std::runtime_error("ROS_STATIC_PEERS: '" + host + "' is no IPv4 address");
+  locator.port = 0;  // all well-known ports of the domain
+  return locator;
+}
+
+// No multicast: hears only on its unicast port, and asks the well-known ports of the peers.
+void use_unicast_discovery(fdds::DomainParticipantQos& qos) {
+  rtps::Locator_t any;
+  any.kind = LOCATOR_KIND_UDPv4;
+  qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(any);
+}
+
+void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  auto& peers = qos.wire_protocol().builtin.initialPeersList;
+  for (const auto& address : environment.static_peers) peers.push_back(peer(address));
+  switch (environment.range) {
+    case DiscoveryRange::kSubnet:
+      if (!environment.static_peers.empty()) peers.push_back(peer("239.255.0.1"));
+      break;
+    case DiscoveryRange::kLocalhost:
+      use_unicast_discovery(qos);
+      peers.push_back(peer(kLoopback));
+      break;
+    case DiscoveryRange::kOff:
+      qos.wire_protocol().builtin.discovery_config.ignoreParticipantFlags =
+          static_cast<rtps::ParticipantFilteringFlags_t>(
+              rtps::ParticipantFilteringFlags_t::FILTER_DIFFERENT_HOST |
+              rtps::ParticipantFilteringFlags_t::FILTER_DIFFERENT_PROCESS);
+      break;
+  }
+}
+
+std::shared_ptr<TransportDescriptor> udp_transport(const Environment& environment) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->maxInitialPeersRange = kParticipantsPerHost;
+  udp->sendBufferSize = kSocketBuffer;
+  udp->receiveBufferSize = kSocketBuffer;
+  // Not in range LOCALHOST: ROS 2 names all addresses of the host there, and what is bound to the
+  // loopback could not answer those.
+  if (environment.loopback_only) udp->interfaceWhiteList.push_back(kLoopback);
+  return udp;
+}
+
+// Fast DDS's own choice is UDP and shared memory, neither of them guarded.
+void replace_builtin_transports(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  if (!qos.transport().use_builtin_transports) return;
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp_transport(environment));
+}
+
+void guard_transports(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  for (auto& transport : qos.transport().user_transports) {
+    if (auto behind_guard = guarded(transport))
+      transport = std::move(behind_guard);
+    else if (!environment.unguarded_transports)
+      throw std::runtime_error(
+          std::string{kProfilesVariable} +
+          " names a transport that is none of UDP: what arrives by it is not checked, and a "
+          "malformed packet can end this process. Leave UDP transports alone in it, or set "
+          "TANDEM_UNGUARDED_TRANSPORTS=1 to run all the same");
+  }
+}
+
+void set_transport(fdds::DomainParticipantQos& qos, const Environment& environment) {
+  const bool from_profile =
+      std::getenv(kProfilesVariable) != nullptr && !qos.transport().user_transports.empty();
+  if (!from_profile) {
+    qos.transport().user_transports.clear();
+    qos.transport().use_builtin_transports = true;
+  }
+  if (!from_profile || !environment.unguarded_transports)
+    replace_builtin_transports(qos, environment);
+  guard_transports(qos, environment);
+}
+
+// Replaces what a profile says of security.
+void secure(fdds::DomainParticipantQos& qos, const Security& security) {
+  if (!security.on()) return;
+  auto& properties = qos.properties().properties();
+  std::erase_if(properties, [](const auto& known) { return known.name().starts_with("dds.sec."); });
+  for (const auto& [name, value] : security.properties) properties.emplace_back(name, value);
+}
+
+fdds::DomainParticipantQos participant_qos(const Environment& environment,
+                                           const Security& security) {
+  fdds::DomainParticipantQos qos;
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  factory->load_profiles();
+  factory->get_default_participant_qos(qos);
+  qos.name(enclave());
+  const std::string user_data = "enclave=" + enclave() + ";";
+  qos.user_data().data_vec({user_data.begin(), user_data.end()});
+  qos.wire_protocol().builtin.readerHistoryMemoryPolicy =
+      rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.wire_protocol().builtin.writerHistoryMemoryPolicy =
+      rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  set_transport(qos, environment);
+  set_peers(qos, environment);
+  secure(qos, security);
+  return qos;
+}
+
+template <class Entity>
+Entity* created(Entity* entity, const std::string& what) {
+  if (entity == nullptr) throw std::runtime_error("DDS refuses to create " + what);
+  return entity;
+}
+
+// Why there is no participant; DDS itself says little of what is wrong with an enclave.
+std::string refusal(const Security& security, const DdsErrors& errors) {
+  if (!security.on()) return ": " + errors.first();
+  const std::string fault = security_fault(security.folder);
+  return " secured by " + security.folder + ": " + (fault.empty() ? errors.first() : fault);
+}
+
+}  // namespace
+
+SharedTopic::SharedTopic(Participant& first, const std::string& dds_name,
+                         const std::string& dds_type)
+    : participant_{&first}, name_{dds_name}, dds_{first.acquire_topic(dds_name, dds_type)} {
+  if (dds_ != nullptr) return;
+  participant_ = &first.second();
+  dds_ = participant_->acquire_topic(dds_name, dds_type);
+  if (dds_ == nullptr)
+    throw std::runtime_error("topic " + ros_name(dds_name) +
+                             " is in use in this process with two other types, so it cannot be " +
+                             ros_type(dds_type) + " too");
+}
+
+SharedTopic::~SharedTopic() { participant_->release_topic(name_); }
+
+std::shared_ptr<Participant> Participant::shared() {
+  static std::mutex mutex;
+  static std::weak_ptr<Participant> current;
+  const std::lock_guard lock{mutex};
+  if (auto participant = current.lock()) return participant;
+  const Environment environment = read_environment();
+  const Security security = find_security(environment.security, enclave());
+  std::shared_ptr<Participant> participant{new Participant{environment, security, true}};
+  current = participant;
+  return participant;
+}
+
+// The first alone listens: to it the second is a stranger like all others.
+Participant::Participant(const Environment& environment, const Security& security, bool is_first)
+    : environment_{environment}, security_{security} {
+  redirect_dds_log();
+  check_dds_settings();
+  require_threads(kParticipantThreads);
+  if (is_first && environment.unguarded_transports)
+    Logger{"runtime"}.warn(
+        "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used, and what arrives by "
+        "them is not checked: a malformed packet can end this process");
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  WireGuard::shared().expect_protection(security.protects_all);
+  const DdsErrors errors;
+  dds_ = factory->create_participant(static_cast<uint32_t>(environment.domain),
+                                     participant_qos(environment, security),
+                                     is_first ? &discovery_ : nullptr, fdds::StatusMask::none());
+  if (dds_ == nullptr)
+    throw std::runtime_error("DDS refuses to create a participant in domain " +
+                             std::to_string(environment.domain) + refusal(security, errors));
+  publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
+  subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
+  graph_ = std::make_unique<Graph>(*this, is_first ? Graph::Nodes::kOwn : Graph::Nodes::kHidden);
+}
+
+Participant& Participant::second() {
+  const std::lock_guard lock{mutex_};
+  if (!second_) second_.reset(new Participant{environment_, security_, false});
+  return *second_;
+}
+
+bool Participant::is_own(const rtps::GUID_t& guid) {
+  const std::lock_guard lock{mutex_};
+  return guid.guidPrefix == dds_->guid().guidPrefix ||
+         (second_ && guid.guidPrefix == second_->dds_->guid().guidPrefix);
+}
+
+// The second goes after all endpoints of the first: what removes one of these is told to the second
+// too, and Fast DDS 2.9 calls readers of the same process by pointers that may outlive them.
+Participant::~Participant() {
+  graph_.reset();
+  dds_->set_listener(nullptr);
+  dds_->delete_contained_entities();
+  second_.reset();
+  fdds::DomainParticipantFactory::get_instance()->delete_participant(dds_);
+}
+
+fdds::Topic* Participant::acquire_topic(const std::string& dds_name, const std::string& dds_type) {
+  const std::lock_guard lock{mutex_};
+  const auto known = topics_.find(dds_name);
+  if (known == topics_.end()) {
+    register_type(dds_type);
+    auto* topic = created(dds_->create_topic(dds_name, dds_type, fdds::TOPIC_QOS_DEFAULT),
+                          "topic " + dds_name + " of type " + dds_type);
+    topics_[dds_name] = {topic, dds_type, 1};
+    return topic;
+  }
+  if (known->second.type != dds_type) return nullptr;
+  ++known->second.users;
+  return known->second.dds;
+}
+
+void Participant::release_topic(const std::string& dds_name) {
+  const std::lock_guard lock{mutex_};
+  const auto known = topics_.find(dds_name);
+  if (--known->second.users > 0) return;
+  dds_->delete_topic(known->second.dds);
+  topics_.erase(known);
+}
+
+void Participant::register_type(const std::string& dds_type) {
+  if (types_.contains(dds_type)) return;
+  fdds::TypeSupport type{new BytesType{dds_type, largest_sample_of(ros_type(dds_type))}};
+  if (!ok(type.register_type(dds_))) throw std::runtime_error("DDS refuses type " + dds_type);
+  types_.emplace(dds_type, type);
+}
+
+}  // namespace tandem::runtime

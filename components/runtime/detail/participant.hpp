@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: the process's one DomainParticipant.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/detail/discovery.hpp"
+#include "tandem/runtime/environment.hpp"
+
+namespace tandem::runtime {
+
+class Graph;
+class Participant;
+
+/// A share in a DDS topic of the process; the last one to go deletes the topic. Fast DDS 2.9 knows
+/// one type per name and participant: a name that is in use with another type lives in the second.
+class SharedTopic {
+ public:
+  /// Throws std::runtime_error if the name is in use with two other types.
+  SharedTopic(Participant& first, const std::string& dds_name, const std::string& dds_type);
+  ~SharedTopic();
+  SharedTopic(const SharedTopic&) = delete;
+  SharedTopic& operator=(const SharedTopic&) = delete;
+
+  [[nodiscard]] Participant& participant() const { return *participant_; }
+  [[nodiscard]] fdds::Topic* dds() const { return dds_; }
+
+ private:
+  Participant* participant_;
+  std::string name_;
+  fdds::Topic* dds_;
+};
+
+/// The process's DomainParticipant; exists as long as some node does. UDPv4 only, unless an XML
+/// profiles file names other transports, and behind the process's WireGuard.
+class Participant {
+ public:
+  /// The participant of this process, made if there is none. Throws std::runtime_error for an
+  /// environment that makes no sense or if DDS refuses.
+  static std::shared_ptr<Participant> shared();
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  [[nodiscard]] fdds::DomainParticipant& dds() { return *dds_; }
+  [[nodiscard]] fdds::Publisher& publisher() { return *publisher_; }
+  [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
+  [[nodiscard]] Graph& graph() { return *graph_; }
+  [[nodiscard]] Discovery& discovery() { return discovery_; }
+  /// Whether the ROS 2 around is Humble: Gids of 24 bytes, no type hashes.
+  [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
+  [[nodiscard]] const Security& security() const { return security_; }
+  /// Whether it is a participant of this process.
+  [[nodiscard]] bool is_own(const rtps::GUID_t& guid);
+
+ private:
+  friend class SharedTopic;
+  Participant(const Environment& environment, const Security& security, bool is_first);
+  [[nodiscard]] Participant& second();
+  // Null if the name is in use with another type.
+  fdds::Topic* acquire_topic(const std::string& dds_name, const std::string& dds_type);
+  void release_topic(const std::string& dds_name);
+  void register_type(const std::string& dds_type);
+
+  struct TopicUse {
+    fdds::Topic* dds;
+    std::string type;
+    int users;
+  };
+
+  Environment environment_;
+  Security security_;
+  Discovery discovery_;
+  fdds::DomainParticipant* dds_ = nullptr;
+  fdds::Publisher* publisher_ = nullptr;
+  fdds::Subscriber* subscriber_ = nullptr;
+  std::mutex mutex_;  // guards what follows
+  std::map<std::string, fdds::TypeSupport> types_;
+  std::map<std::string, TopicUse> topics_;
+  std::unique_ptr<Graph> graph_;
+  std::unique_ptr<Participant> second_;
+};
+
+}  // namespace tandem::runtime

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/peer_watch.hpp"
+
+#include <algorithm>
+
+#include "tandem/runtime/names.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+constexpr double kPeriod = 0.1;  // [s] between looks for who came and went
+
+std::string counted(const std::vector<Misfit>& misfits, bool peer_writes) {
+  std::string text;
+  for (const auto& misfit : misfits)
+    text += fmt::format(
+        "{}{}: {} {}, this node {} {}", text.empty() ? "" : "; ", misfit.policy,
+        peer_writes ? "it offers" : "it requests", peer_writes ? misfit.offered : misfit.requested,
+        peer_writes ? "requests" : "offers", peer_writes ? misfit.requested : misfit.offered);
+  return text;
+}
+
+// What to set at this node; empty if parameters do not mend all of it.
+std::string remedy(const std::vector<Misfit>& misfits, const std::string& parameter,
+                   bool peer_writes) {
+  std::string text;
+  for (const auto& misfit : misfits) {
+    const std::string value = override_for(misfit, peer_writes);
+    if (parameter.empty() || value.empty()) return {};
+    text += fmt::format("{} {}.{}", text.empty() ? "; set" : " and", parameter, value);
+  }
+  return text;
+}
+
+bool fits_wish(const KnownEndpoint& peer, const std::string& topic, const std::string& type) {
+  return peer.writes && peer.topic == topic && peer.type == type;
+}
+
+}  // namespace
+
+void PeerWatch::add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
+  own_.push_back({guid, writes, endpoint});
+  ++changes_;
+}
+
+void PeerWatch::remove(const rtps::GUID_t& guid) {
+  std::erase_if(own_, [&](const Own& own) { return own.guid == guid; });
+  ++changes_;
+}
+
+std::shared_ptr<void> PeerWatch::when_published(const std::string& topic, const std::string& type,
+                                                std::function<void()> fn) {
+  return each_publisher(topic, type, [fn = std::move(fn)](const Policies&) mutable {
+    if (fn) std::exchange(fn, nullptr)();
+  });
+}
+
+std::shared_ptr<void> PeerWatch::each_publisher(const std::string& topic, const std::string& type,
+                                                std::function<void(const Policies&)> fn) {
+  auto wish = std::make_shared<Wish>(Wish{topic, type, std::move(fn), {}});
+  wishes_.push_back(wish);
+  ++changes_;
+  return wish;
+}
+
+double PeerWatch::poll(double now) {
+  const std::pair state{discovery_.generation(), changes_};
+  if (state != seen_ || !settled_) {
+    seen_ = state;
+    const auto known = discovery_.endpoints();
+    grant_wishes(known);
+    judge(known, now);
+  }
+  return now + kPeriod;  // settled too: discovery wakes nobody
+}
+
+void PeerWatch::grant_wishes(const std::vector<KnownEndpoint>& known) {
+  for (std::size_t i = 0; i < wishes_.size(); ++i)  // a wish may add another
+    if (const auto wish = wishes_[i].lock()) grant(*wish, known);
+  std::erase_if(wishes_, [](const auto& wish) { return wish.expired(); });
+}
+
+void PeerWatch::grant(Wish& wish, const std::vector<KnownEndpoint>& known) {
+  std::set<rtps::GUID_t> publishers;
+  std::vector<Policies> fresh;
+  for (const auto& peer : known) {
+    if (!fits_wish(peer, wish.topic, wish.type)) continue;
+    publishers.insert(peer.guid);
+    if (!wish.told.contains(peer.guid)) fresh.push_back(peer.policies);
+  }
+  wish.told = std::move(publishers);
+  for (const auto& offered : fresh) wish.fn(offered);
+}
+
+void PeerWatch::judge(const std::vector<KnownEndpoint>& known, double now) {
+  settled_ = true;
+  std::erase_if(judged_, [&](const rtps::GUID_t& guid) {
+    return std::none_of(known.begin(), known.end(), [&](const auto& e) { return e.guid == guid; });
+  });
+  for (const auto& peer : known) {
+    if (judged_.contains(peer.guid)) continue;
+    if (now - peer.since < settling_)
+      settled_ = false;
+    else
+      judge(peer, known);
+  }
+}
+
+// One of the node's endpoints that fits is enough: /e_stop, say, is read twice.
+void PeerWatch::judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
+  std::vector<Misfit> worst;
+  std::string mended;
+  const Own* other_type = nullptr;
+  for (const auto& own : own_) {
+    if (own.endpoint.topic != peer.topic || own.writes == peer.writes) continue;
+    judged_.insert(peer.guid);
+    if (own.endpoint.type != peer.type) {
+      other_type = &own;
+      continue;
+    }
+    const Policies policies = policies_of(own.endpoint.qos);
+    worst = peer.writes ? misfits(peer.policies, policies) : misfits(policies, peer.policies);
+    if (worst.empty()) return;
+    mended = remedy(worst, own.endpoint.parameter, peer.writes);
+  }
+  const std::string topic = ros_name(peer.topic);
+  const char* who = peer.writes ? "publisher" : "subscription";
+  const char* effect = peer.writes ? "nothing of it arrives here" : "it gets nothing from here";
+  if (!worst.empty())
+    log_.warn("{}: a {} has incompatible QoS, {} ({}){}", topic, who, effect,
+              counted(worst, peer.writes), mended);
+  else if (other_type != nullptr && !hears_other_type(peer, known))
+    log_.warn("{}: a {} of {} does not fit this node's {}: {}", topic, who, ros_type(peer.type),
+              ros_type(other_type->endpoint.type), effect);
+}
+
+// A process may have one endpoint per type under one name.
+bool PeerWatch::hears_other_type(const KnownEndpoint& peer,
+                                 const std::vector<KnownEndpoint>& known) const {
+  return std::any_of(known.begin(), known.end(), [&](const KnownEndpoint& beside) {
+    return same_process(beside.guid, peer.guid) && beside.writes == peer.writes &&
+           beside.topic == peer.topic && beside.type != peer.type &&
+           std::any_of(own_.begin(), own_.end(), [&](const Own& own) {
+             return own.endpoint.topic == beside.topic && own.endpoint.type == beside.type &&
+                    own.writes != beside.writes;
+           });
+  });
+}
+
+}  // namespace tandem::runtime

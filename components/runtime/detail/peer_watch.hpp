@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: a node's publishers and subscriptions against all that discovery knows.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tandem/runtime/detail/discovery.hpp"
+#include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/log.hpp"
+
+namespace tandem::runtime {
+
+/// Says, once per peer, which peers a node cannot hear or reach, and why; calls whoever waits for a
+/// publisher of a type. On the node's thread.
+class PeerWatch {
+ public:
+  /// `settling`: [s] in which a peer may open what fits after all.
+  PeerWatch(const Discovery& discovery, Logger& log, double settling)
+      : discovery_{discovery}, log_{log}, settling_{settling} {}
+
+  void add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
+  void remove(const rtps::GUID_t& guid);
+
+  /// Calls `fn` once, as soon as somebody publishes that type (DDS names) on that topic; not after
+  /// the result is destroyed.
+  [[nodiscard]] std::shared_ptr<void> when_published(const std::string& topic,
+                                                     const std::string& type,
+                                                     std::function<void()> fn);
+
+  /// Calls `fn` with what each publisher of that type on that topic offers, once per publisher; not
+  /// after the result is destroyed.
+  [[nodiscard]] std::shared_ptr<void> each_publisher(const std::string& topic,
+                                                     const std::string& type,
+                                                     std::function<void(const Policies&)> fn);
+
+  /// Does what is due at `now` [s]; when to be polled next.
+  double poll(double now);
+
+ private:
+  struct Own {
+    rtps::GUID_t guid;
+    bool writes;
+    Endpoint endpoint;
+  };
+  struct Wish {
+    std::string topic, type;
+    std::function<void(const Policies&)> fn;
+    std::set<rtps::GUID_t> told;  // publishers of which it knows
+  };
+
+  void grant_wishes(const std::vector<KnownEndpoint>& known);
+  static void grant(Wish& wish, const std::vector<KnownEndpoint>& known);
+  void judge(const std::vector<KnownEndpoint>& known, double now);
+  void judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known);
+  [[nodiscard]] bool hears_other_type(const KnownEndpoint& peer,
+                                      const std::vector<KnownEndpoint>& known) const;
+
+  const Discovery& discovery_;
+  Logger& log_;
+  double settling_;  // [s]
+  std::vector<Own> own_;
+  std::vector<std::weak_ptr<Wish>> wishes_;
+  std::set<rtps::GUID_t> judged_;
+  long changes_ = 0;  // of own_ and wishes_
+  std::pair<long, long> seen_{-1, -1};
+  bool settled_ = false;
+};
+
+}  // namespace tandem::runtime

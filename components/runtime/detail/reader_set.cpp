@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/reader_set.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tandem/runtime/detail/node_core.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+int strength(const Policies& requested) { return requested.reliability + requested.durability; }
+
+// The reader that requests most of those that hear such a publisher; the number of readers: none.
+std::size_t strongest_fit(const std::vector<Policies>& requested, const Policies& offered) {
+  std::size_t best = requested.size();
+  for (std::size_t i = 0; i < requested.size(); ++i) {
+    if (!misfits(offered, requested[i]).empty()) continue;
+    if (best == requested.size() || strength(requested[i]) > strength(requested[best])) best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+PublisherId to_id(const rtps::GUID_t& guid) {
+  PublisherId id{};
+  const auto& [prefix, entity] = guid;
+  std::copy_n(entity.value, entity.size, std::copy_n(prefix.value, prefix.size, id.begin()));
+  return id;
+}
+
+rtps::GUID_t to_guid(const PublisherId& id) {
+  rtps::GUID_t guid;
+  const auto entity = id.begin() + guid.guidPrefix.size;
+  std::copy(id.begin(), entity, guid.guidPrefix.value);
+  std::copy(entity, id.end(), guid.entityId.value);
+  return guid;
+}
+
+ReaderSet::ReaderSet(NodeCore& node, Endpoint endpoint, Reader::Deliver deliver)
+    : node_{node},
+      endpoint_{std::move(endpoint)},
+      route_{std::make_shared<Route>(Route{std::move(deliver), {}, {}})} {
+  open(endpoint_.qos);
+}
+
+void ReaderSet::open(const QoS& qos) {
+  const std::size_t index = readers_.size();
+  auto deliver = [route = route_, index, &discovery = node_.discovery()](const Bytes& bytes,
+                                                                         const auto& info) {
+    const rtps::GUID_t& sender = info.sample_identity.writer_guid();
+    if (route->requested.size() > 1) {
+      const auto offered = discovery.policies(sender);  // of one that has left: unknown
+      if (offered && strongest_fit(route->requested, *offered) != index) return true;
+    }
+    route->sender = sender;
+    route->sequence = info.sample_identity.sequence_number().to64long();
+    return route->deliver(bytes, info);
+  };
+  Endpoint endpoint = endpoint_;
+  endpoint.qos = qos;
+  route_->requested.push_back(policies_of(qos));
+  readers_.push_back(node_.open_reader(endpoint, std::move(deliver)));
+}
+
+void ReaderSet::hear_every_publisher(std::function<QoS(const QoS&)> tuned) {
+  publishers_wanted_ = node_.peers().each_publisher(
+      endpoint_.topic, endpoint_.type,
+      [this, tuned = std::move(tuned)](const Policies& publisher) { open_for(publisher, tuned); });
+}
+
+// Volatile, so that each further reader hears every publisher that a stronger one hears. Parameters
+// may forbid what would fit: then PeerWatch reports the misfit.
+void ReaderSet::open_for(const Policies& publisher, const std::function<QoS(const QoS&)>& tuned) {
+  if (misfits(publisher, route_->requested.front()).empty()) return;
+  QoS weaker = endpoint_.qos;
+  weaker.durability = Durability::kVolatile;
+  if (publisher.reliability < 1) weaker.reliability = Reliability::kBestEffort;
+  const QoS qos = tuned(weaker);
+  const Policies wanted = policies_of(qos);
+  const bool is_open = std::any_of(
+      route_->requested.begin(), route_->requested.end(),
+      [&](const Policies& requested) { return strength(requested) == strength(wanted); });
+  if (!is_open && misfits(publisher, wanted).empty()) open(qos);
+}
+
+void ReaderSet::close() {
+  publishers_wanted_.reset();
+  for (const auto& reader : readers_) node_.close_reader(*reader);
+  readers_.clear();
+}
+
+// The one that requests least matches every publisher that another one does.
+int ReaderSet::matched() const {
+  int most = 0;
+  for (const auto& reader : readers_) most = std::max(most, reader->matched());
+  return most;
+}
+
+long ReaderSet::malformed() const {
+  long all = 0;
+  for (const auto& reader : readers_) all += reader->malformed();
+  return all;
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/rosout.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+using rcl_interfaces::msg::Log;
+
+// As rcl_qos_profile_rosout_default: a console that starts hears what was said last, not all there
+// was.
+constexpr QoS kRosOut{Reliability::kReliable, Durability::kTransientLocal, 1000, 10.0};
+
+Log to_log(const LogLine& line, const std::string& logger) {
+  Log log;
+  log.stamp(to_stamp(system_nanoseconds()));  // as rcl, also under use_sim_time
+  log.level(severity(line.level));
+  log.name(logger);
+  log.msg(line.text);
+  log.file(line.place.file);
+  log.function(line.place.function);
+  log.line(line.place.line);
+  return log;
+}
+
+}  // namespace
+
+std::uint8_t severity(LogLevel level) {
+  namespace levels = rcl_interfaces::msg::LoggerLevel_Constants;
+  switch (level) {
+    case LogLevel::kDebug:
+      return levels::LOG_LEVEL_DEBUG;
+    case LogLevel::kInfo:
+      return levels::LOG_LEVEL_INFO;
+    case LogLevel::kWarn:
+      return levels::LOG_LEVEL_WARN;
+    case LogLevel::kError:
+      return levels::LOG_LEVEL_ERROR;
+    case LogLevel::kOff:
+      return levels::LOG_LEVEL_FATAL;
+  }
+  return levels::LOG_LEVEL_FATAL;
+}
+
+RosOut::RosOut(NodeCore& node) : node_{node} {
+  const auto codec = std::make_shared<const Codec>(type_ref<Log>());
+  writer_ = node.open_writer({"rt/rosout", codec->dds_name(), kRosOut});
+  node.log.set_sink([codec, writer = writer_, name = node.log.name()](const LogLine& line) {
+    const Log log = to_log(line, name);
+    thread_local Bytes bytes;
+    if (codec->encode(&log, bytes)) (void)writer->write(bytes);
+  });
+}
+
+RosOut::~RosOut() {
+  node_.log.set_sink({});
+  node_.close_writer(*writer_);
+}
+
+}  // namespace tandem::runtime

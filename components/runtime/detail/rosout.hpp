@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Private to runtime/: a node's log lines on /rosout, where rqt_console reads them.
+#pragma once
+
+#include <memory>
+
+#include "tandem/runtime/detail/node_core.hpp"
+
+namespace tandem::runtime {
+
+/// Sends what the node logs to /rosout, from whatever thread logs it. A line that DDS does not take
+/// is on stderr only: complaining of it here would be the next line.
+class RosOut {
+ public:
+  explicit RosOut(NodeCore& node);
+  ~RosOut();
+  RosOut(const RosOut&) = delete;
+  RosOut& operator=(const RosOut&) = delete;
+
+ private:
+  NodeCore& node_;
+  std::shared_ptr<Writer> writer_;
+};
+
+/// The numbers of rcl_interfaces/msg/Log and LoggerLevel; kOff is what ROS 2 calls fatal.
+[[nodiscard]] std::uint8_t severity(LogLevel level);
+
+}  // namespace tandem::runtime

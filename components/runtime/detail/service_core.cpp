@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/service_core.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace tandem::runtime {
+namespace {
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr QoS kQueue = Server::kQueue;
+constexpr double kMatchWait = 1.0;       // [s] a reply waits for the client's reader
+constexpr double kRetry = 0.005;         // [s] between looks at who is matched
+constexpr std::size_t kMaxQueue = 1000;  // replies, calls: more of them are a fault
+
+std::int64_t number_of(const rtps::SampleIdentity& identity) {
+  const auto& number = identity.sequence_number();
+  return (std::int64_t{number.high} << 32) | number.low;
+}
+
+bool known(const rtps::GUID_t& guid) { return guid != rtps::GUID_t::unknown(); }
+
+}  // namespace
+
+Server::Server(NodeCore& node, const std::string& service, Responder responder, QoS qos)
+    : node_{node},
+      service_{service},
+      responder_{std::move(responder)},
+      request_codec_{responder_.request.type},
+      response_codec_{responder_.response_type},
+      writer_{node.open_writer({dds_reply_name(service), response_codec_.dds_name(), qos})},
+      reader_{node.open_reader(
+          {dds_request_name(service), request_codec_.dds_name(), qos},
+          [this](const Bytes& bytes, const auto& info) { return on_request(bytes, info); })},
+      poller_{std::make_shared<Poller>()} {
+  poller_->poll = [this](double now) { return send_replies(now); };
+  node.add(poller_);
+}
+
+void Server::close() {
+  node_.remove(*poller_);
+  node_.close_reader(*reader_);
+  node_.close_writer(*writer_);
+}
+
+bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
+  if (!request_codec_.decode(bytes, responder_.request.message())) {
+    responder_.request.reset();
+    return false;
+  }
+  responder_.request.deliver();
+  Reply reply{{}, info.sample_identity, steady_seconds() + kMatchWait};
+  const auto& client = info.related_sample_identity.writer_guid();
+  if (known(client)) reply.to.writer_guid(client);
+  if (!response_codec_.encode(responder_.response(), reply.bytes))
+    node_.log.error("{}: the response could not be written", service_);
+  else if (replies_.size() < kMaxQueue)
+    replies_.push_back(std::move(reply));
+  poller_->next = 0.0;
+  return true;
+}
+
+double Server::send_replies(double now) {
+  for (Reply& reply : replies_) send(reply);
+  std::erase_if(replies_, [now](const Reply& reply) {
+    const bool heard = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
+    return heard || now >= reply.deadline;  // who is gone by then would not hear it
+  });
+  return replies_.empty() ? kForever : now + kRetry;
+}
+
+void Server::send(Reply& reply) {
+  const auto latest = writer_->matched_at(reply.to.writer_guid());
+  if (latest <= reply.reached) return;
+  reply.reached = latest;
+  rtps::WriteParams params;
+  params.related_sample_identity(reply.to);
+  if (!writer_->write(reply.bytes, params))
+    node_.log.warn_every(1.0, "{}: a response was not sent", service_);
+}
+
+Caller::Caller(NodeCore& node, const std::string& service, const std::string& request_type,
+               const std::string& response_type)
+    : node_{node},
+      service_{service},
+      writer_{node.open_writer({dds_request_name(service), request_type, kQueue})},
+      reader_{node.open_reader(
+          {dds_reply_name(service), response_type, kQueue},
+          [this](const Bytes& bytes, const auto& info) { return on_response(bytes, info); })},
+      poller_{std::make_shared<Poller>()} {
+  poller_->poll = [this](double now) { return poll(now); };
+  node.add(poller_);
+}
+
+void Caller::close() {
+  node_.remove(*poller_);
+  node_.close_reader(*reader_);
+  node_.close_writer(*writer_);
+}
+
+bool Caller::ready() const { return writer_->matched() > 0 && reader_->matched() > 0; }
+
+void Caller::call(Bytes request, OnResponse on_response, double timeout,
+                  std::function<void()> on_timeout) {
+  Call call{std::move(request), std::move(on_response), steady_seconds() + timeout,
+            std::move(on_timeout)};
+  if (call.request.empty() || waiting_.size() >= kMaxQueue)
+    call.deadline = 0.0;  // fails at the next poll, off the caller's stack
+  waiting_.push_back(std::move(call));
+  poller_->next = 0.0;
+}
+
+double Caller::poll(double now) {
+  expire(now);
+  if (!waiting_.empty() && ready()) send_waiting();
+  if (!waiting_.empty()) return now + kRetry;
+  double next = kForever;
+  for (const auto& [number, call] : asked_) next = std::min(next, call.deadline);
+  return next;
+}
+
+void Caller::send_waiting() {
+  for (; !waiting_.empty() && std::ssize(asked_) < kQueue.depth; waiting_.pop_front()) {
+    rtps::WriteParams params;
+    params.related_sample_identity().writer_guid(reader_->guid());
+    if (!writer_->write(waiting_.front().request, params)) return;
+    asked_.emplace(number_of(params.sample_identity()), std::move(waiting_.front()));
+  }
+}
+
+void Caller::expire(double now) {
+  std::vector<Call> expired;  // first, for on_timeout may call again
+  std::erase_if(waiting_, [&](Call& call) {
+    const bool over = now >= call.deadline;
+    if (over) expired.push_back(std::move(call));
+    return over;
+  });
+  std::erase_if(asked_, [&](auto& entry) {
+    const bool over = now >= entry.second.deadline;
+    if (over) expired.push_back(std::move(entry.second));
+    return over;
+  });
+  for (const auto& call : expired) fail(call);
+}
+
+void Caller::fail(const Call& call) {
+  if (call.on_timeout)
+    call.on_timeout();
+  else
+    node_.log.warn("{}: no answer in time", service_);
+}
+
+bool Caller::on_response(const Bytes& bytes, const fdds::SampleInfo& info) {
+  const auto& to = info.related_sample_identity;
+  if (to.writer_guid() != reader_->guid() && to.writer_guid() != writer_->guid()) return true;
+  auto call = asked_.extract(number_of(to));
+  if (call.empty()) return true;  // came too late
+  if (call.mapped().on_response(bytes)) return true;
+  asked_.insert(std::move(call));  // a good answer may follow
+  return false;
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/type_descriptions.hpp"
+
+#include <set>
+#include <string>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "type_hashes.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+using type_description_interfaces::msg::IndividualTypeDescription;
+using type_description_interfaces::srv::GetTypeDescription;
+
+IndividualTypeDescription describe(const DescribedType& type) {
+  IndividualTypeDescription description;
+  description.type_name() = std::string{type.name};
+  for (const DescribedField& field : type.fields) {
+    auto& out = description.fields().emplace_back();
+    out.name() = field.name;
+    out.type().type_id(field.type_id);
+    out.type().capacity(field.capacity);
+    out.type().string_capacity(field.string_capacity);
+    out.type().nested_type_name() = std::string{field.nested};
+  }
+  return description;
+}
+
+// The types that `type` is made of, sorted by name as REP-2016 wants them.
+void collect(const DescribedType& type, std::set<std::string_view>& found) {
+  for (const DescribedField& field : type.fields)
+    if (!field.nested.empty() && found.insert(field.nested).second)
+      collect(*described_type(field.nested), found);
+}
+
+}  // namespace
+
+GetTypeDescription::Response describe_type(const GetTypeDescription::Request& request) {
+  GetTypeDescription::Response answer;
+  const DescribedType* type = described_type(request.type_name());
+  if (type == nullptr) {
+    answer.failure_reason("this node knows no type of that name");
+    return answer;
+  }
+  if (!request.type_hash().empty() && request.type_hash() != type->hash) {
+    answer.failure_reason(fmt::format("this node's {} is {}", type->name, type->hash));
+    return answer;
+  }
+  answer.successful(true);
+  answer.type_description().type_description(describe(*type));
+  std::set<std::string_view> nested;
+  collect(*type, nested);
+  for (const auto name : nested)
+    answer.type_description().referenced_type_descriptions().push_back(
+        describe(*described_type(name)));
+  return answer;
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bringup/system/system.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "bringup/system/processes.hpp"
+#include "support/child_process.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+
+namespace tandem {
+namespace {
+
+using std_msgs::msg::Float64;
+using test::ChildProcess;
+using test::children_of;
+using test::spin_until;
+
+constexpr double kTimeout = 20.0;  // [s]
+
+const std::string kTwoDoublers = R"(use_sim_time: false
+components:
+  - {component: test_component, name: first, remappings: {in: a, out: b}}
+  - {component: test_component, name: second, parameters: {factor: 5.0}, remappings: {in: b, out: c}}
+)";
+
+class SystemFile : public testing::Test {
+ protected:
+  std::string write(const std::string& yaml) {
+    std::ofstream{path_} << yaml;
+    return path_;
+  }
+
+  void expect_complaint(const std::string& yaml, const std::vector<std::string>& parts) {
+    try {
+      (void)load_system(write(yaml));
+      ADD_FAILURE() << "accepted:\n" << yaml;
+    } catch (const std::invalid_argument& error) {
+      const std::string text = error.what();
+      for (const auto& part : parts) EXPECT_NE(text.find(part), std::string::npos) << text;
+    }
+  }
+
+  // Sends 1 into the chain until the answer comes out of it.
+  bool chain_answers() {
+    double result = 0.0;
+    const auto in = node_.create_publisher(rt::Topic<Float64>{"a"});
+    const auto out = node_.create_subscription(rt::Topic<Float64>{"c"},
+                                               [&](const Float64& m) { result = m.data(); });
+    Float64 one;
+    one.data(1.0);
+    const auto timer = node_.create_wall_timer(0.02, [&] { in.publish(one); });
+    return spin_until([&] { return result == 10.0; }, kTimeout, node_);
+  }
+
+  // Somebody subscribes to the topic.
+  bool heard(const char* topic, int listeners) {
+    const auto publisher = node_.create_publisher(rt::Topic<Float64>{topic});
+    return spin_until([&] { return publisher.matched() == listeners; }, kTimeout, node_);
+  }
+
+  std::string path_ = testing::TempDir() + "system_" + std::to_string(getpid()) + ".yaml";
+  rt::Node node_{"tester"};
+};
+
+bool gone(pid_t pid) { return kill(pid, 0) != 0; }
+
+TEST_F(SystemFile, IsReadWithPathsRelativeToIt) {
+  const System system = load_system(
+      write("use_sim_time: true\nparameter_files: [robots/x.yaml]\ncomponents:\n  - {component: c, "
+            "namespace: /n, parameters: {text: \"7\", list: [1, 2]}, remappings: {p: q}}\n"));
+  ASSERT_EQ(system.nodes.size(), 1U);
+  const auto& options = system.nodes[0].options;
+  EXPECT_EQ(system.nodes[0].component, "c");
+  EXPECT_EQ(options.name, "c");
+  EXPECT_EQ(options.ns, "/n");
+  EXPECT_TRUE(options.use_sim_time);
+  EXPECT_EQ(options.parameters.files.at(0), path_.substr(0, path_.rfind('/')) + "/robots/x.yaml");
+  EXPECT_EQ(options.parameters.values.at("text").yaml, "\"7\"");
+  EXPECT_EQ(options.parameters.values.at("text").origin, path_ + ":4");
+  EXPECT_EQ(options.remappings.at("p"), "q");
+}
+
+TEST_F(SystemFile, ThatIsWrongIsRefusedWithItsLine) {
+  const std::string head = "components:\n  - ";
+  expect_complaint("component: []\n", {path_ + ":1", "unknown key 'component'"});
+  expect_complaint(head + "{component: c, nam: x}\n", {path_ + ":2", "'nam'"});
+  expect_complaint(head + "{name: x}\n", {path_ + ":2", "component"});
+  expect_complaint(head + "c\n", {path_ + ":2"});
+  expect_complaint("components: []\n", {"no components"});
+  expect_complaint("components: [\n", {path_});
+  EXPECT_THROW((void)load_system("/nowhere.yaml"), std::invalid_argument);
+}
+
+TEST_F(SystemFile, RunsInThisProcess) {
+  RunningSystem system{load_system(write(kTwoDoublers))};
+  EXPECT_TRUE(chain_answers());
+  system.stop();
+  system.wait();
+}
+
+TEST_F(SystemFile, RunsOnlyWhatIsNamed) {
+  const System system = load_system(write(kTwoDoublers));
+  EXPECT_THROW(RunningSystem(system, {"third"}), std::invalid_argument);
+  const RunningSystem running{system, {"second"}};
+  EXPECT_TRUE(heard("b", 1));
+  EXPECT_TRUE(heard("a", 0));
+}
+
+TEST_F(SystemFile, RunsAsOneProcessUntilSigterm) {
+  ChildProcess program{"run_system", {"run", write(kTwoDoublers)}};
+  EXPECT_TRUE(chain_answers());
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait(2.0), 0);
+}
+
+TEST_F(SystemFile, RunsAsSeparateProcessesAndEndsThemAll) {
+  ChildProcess program{"run_system", {"run", write(kTwoDoublers), "--separate"}};
+  EXPECT_TRUE(chain_answers());
+  const auto children = children_of(program.pid());
+  EXPECT_EQ(children.size(), 2U);
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait(5.0), 0);
+  for (const pid_t child : children) EXPECT_TRUE(gone(child));
+}
+
+// Each process would find it again.
+TEST_F(SystemFile, WithARetiredNameIsRefusedOnceBeforeAnyProcessStarts) {
+  const std::string parameters = path_ + ".parameters";
+  std::ofstream{parameters} << "/**:\n  ros__parameters:\n    command_timeout: 0.6\n";
+  const std::string file = write("parameter_files: [" + parameters +
+                                 "]\ncomponents:\n  - {component: safety_filter}\n"
+                                 "  - {component: local_planner}\n");
+  try {
+    (void)run_system(file, {}, true, {});
+    ADD_FAILURE() << "started";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string{error.what()}.find(parameters + ":3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string{error.what()}.find("base_timeout"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(children_of(getpid()).empty());
+}
+
+TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
+  ChildProcess program{"run_system", {"run", write(kTwoDoublers), "--separate"}};
+  ASSERT_TRUE(chain_answers());
+  const auto children = children_of(program.pid());
+  kill(children.at(0), SIGKILL);
+  EXPECT_TRUE(spin_until([&] { return children_of(program.pid()).size() == 1; }, kTimeout, node_));
+  EXPECT_TRUE(heard("b", 1));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait(5.0), 1);  // whoever looks at the exit status learns of it
+}
+
+TEST_F(SystemFile, StartsAgainWhatIsToRespawn) {
+  std::string yaml = kTwoDoublers;
+  yaml.replace(yaml.find("name: first"), 11, "name: first, respawn: true");
+  ChildProcess program{"run_system", {"run", write(yaml), "--separate"}};
+  ASSERT_TRUE(chain_answers());
+  const auto before = children_of(program.pid());
+  kill(before.at(0), SIGKILL);
+  ASSERT_TRUE(spin_until(
+      [&] {
+        const auto now = children_of(program.pid());
+        return now.size() == 2 && std::find(now.begin(), now.end(), before[0]) == now.end();
+      },
+      kTimeout, node_));
+  EXPECT_TRUE(chain_answers());
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait(5.0), 1);
+}
+
+TEST_F(SystemFile, DoesNotStartAgainWhatAWrongParameterEnded) {
+  ChildProcess program{"run_system",
+                       {"run",
+                        write("components:\n  - {component: test_component, name: first, respawn: "
+                              "true, parameters: {factor: wrong}}\n"),
+                        "--separate"}};
+  EXPECT_EQ(program.wait(10.0), 1);
+}
+
+TEST(Respawn, WaitsLongerAfterEachEarlyEndAndStartsAnewAfterAHealthyLife) {
+  EXPECT_EQ(respawn_delay(0.0, 10.0), 0.5);
+  EXPECT_EQ(respawn_delay(0.5, 1.0), 1.0);
+  EXPECT_EQ(respawn_delay(16.0, 1.0), 30.0);
+  EXPECT_EQ(respawn_delay(30.0, 1.0), 30.0);
+  EXPECT_EQ(respawn_delay(30.0, 61.0), 0.5);
+}
+
+TEST_F(SystemFile, LeavesNoOrphanWhenKilled) {
+  ChildProcess program{"run_system", {"run", write(kTwoDoublers), "--separate"}};
+  ASSERT_TRUE(chain_answers());
+  const auto children = children_of(program.pid());
+  program.send(SIGKILL);
+  EXPECT_EQ(program.wait(5.0), 128 + SIGKILL);
+  for (const pid_t child : children) {
+    const auto stat = "/proc/" + std::to_string(child) + "/stat";
+    EXPECT_TRUE(spin_until(
+        [&] {
+          std::ifstream file{stat};
+          std::string pid, name, state;
+          return !(file >> pid >> name >> state) || state == "Z";
+        },
+        kTimeout, node_));
+  }
+}
+
+TEST_F(SystemFile, WithAWrongParameterEndsWithStatusOne) {
+  ChildProcess program{"run_system",
+                       {"run", write(kTwoDoublers), "--ros-args", "-p", "first:factor:=99.0"}};
+  EXPECT_EQ(program.wait(kTimeout), 1);
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/dashboard/web/ros2_schema.hpp"
+
+#include <gtest/gtest.h>
+
+namespace tandem {
+namespace {
+
+TEST(Ros2Msg, WritesATypeAsItsMsgFileDoes) {
+  EXPECT_EQ(ros2msg("geometry_msgs/msg/Vector3"), "float64 x\nfloat64 y\nfloat64 z\n");
+  EXPECT_EQ(ros2msg("std_srvs/srv/Trigger_Response"), "bool success\nstring message\n");
+}
+
+TEST(Ros2Msg, PutsTheTypesThatItIsMadeOfBehindIt) {
+  const std::string line(80, '=');
+  EXPECT_EQ(ros2msg("sensor_msgs/msg/Joy"),
+            "std_msgs/Header header\nfloat32[] axes\nint32[] buttons\n" + line +
+                "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n" + line +
+                "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n");
+}
+
+TEST(Ros2Msg, WritesArraysAndBounds) {
+  const std::string odometry = ros2msg("nav_msgs/msg/Odometry").value_or("");
+  EXPECT_NE(odometry.find("float64[36] covariance"), std::string::npos);
+  const std::string descriptor = ros2msg("rcl_interfaces/msg/ParameterDescriptor").value_or("");
+  EXPECT_NE(descriptor.find("rcl_interfaces/FloatingPointRange[<=1] floating_point_range"),
+            std::string::npos);
+  EXPECT_EQ(ros2msg("no_such/msg/Type"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace tandem

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a node says of peers that it cannot hear or reach.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/captured_log.hpp"
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+#include "tandem/runtime/detail/discovery.hpp"
+#include "tandem/runtime/node.hpp"
+
+namespace tandem {
+namespace {
+
+using geometry_msgs::msg::Twist;
+using geometry_msgs::msg::TwistStamped;
+using test::spin_until;
+
+constexpr double kTimeout = 10.0;  // [s]
+constexpr double kSettled = 1.5;   // [s] after which a node has said what it has to say
+constexpr rt::Topic<Twist> kTwist{"cmd_vel"};
+constexpr rt::Topic<TwistStamped> kStamped{"cmd_vel"};
+constexpr rt::Topic<std_msgs::msg::Bool> kStop{"e_stop", rt::kLatched};
+
+void let_pass(double seconds, rt::Node& node) {
+  ASSERT_FALSE(spin_until([] { return false; }, seconds, node));
+}
+
+TEST(Misfits, AreThePoliciesOfWhichTooLittleIsOffered) {
+  const rt::Policies best_effort{}, reliable{.reliability = 1},
+      latched{.reliability = 1, .durability = 1};
+  EXPECT_TRUE(rt::misfits(latched, best_effort).empty());
+  EXPECT_TRUE(rt::misfits(reliable, reliable).empty());
+  const auto found = rt::misfits(best_effort, latched);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].policy, "reliability");
+  EXPECT_EQ(found[0].offered, "best effort");
+  EXPECT_EQ(found[0].requested, "reliable");
+  EXPECT_EQ(found[1].policy, "durability");
+  EXPECT_EQ(found[1].offered, "volatile");
+  EXPECT_EQ(found[1].requested, "transient local");
+}
+
+TEST(Misfits, KnowDeadlineAndLiveliness) {
+  const rt::Policies ours{};
+  EXPECT_EQ(rt::misfits(ours, {.deadline = 0.1}).at(0).policy, "deadline");
+  EXPECT_EQ(rt::misfits(ours, {.liveliness = 2}).at(0).policy, "liveliness");
+  EXPECT_TRUE(rt::misfits({.deadline = 0.1, .liveliness = 2}, ours).empty());
+}
+
+TEST(PeerWatch, SaysOnceThatQosDoesNotFit) {
+  test::CapturedLog log;
+  rt::Node node{"picky"}, other{"careless"};
+  const auto publisher = other.create_publisher(kTwist, rt::kBestEffort(5));
+  const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
+  const std::string said =
+      "/cmd_vel: a publisher has incompatible QoS, nothing of it arrives here (reliability: it "
+      "offers best effort, this node requests reliable)";
+  EXPECT_TRUE(spin_until([&] { return log.lines(said) == 1; }, kTimeout, node));
+  const auto late = other.create_publisher(rt::Topic<Twist>{"elsewhere"});  // makes it look again
+  let_pass(kSettled, node);
+  EXPECT_EQ(log.lines("incompatible QoS"), 1);
+}
+
+TEST(PeerWatch, NamesTheParametersThatMendAMisfit) {
+  test::CapturedLog log;
+  rt::Node node{"strict"}, other{"careless"};
+  const auto subscription = node.create_subscription(kStop, [](const auto&) {});
+  const auto publisher = node.create_publisher(kTwist, rt::kBestEffort(1));
+  const auto weak = other.create_publisher(kStop, rt::kBestEffort(1));
+  const auto deaf = other.create_subscription(kTwist, rt::kLatched, [](const auto&) {});
+  const std::string mends_subscription =
+      "; set qos_overrides./e_stop.subscription.reliability: best_effort and "
+      "qos_overrides./e_stop.subscription.durability: volatile";
+  const std::string mends_publisher =
+      "; set qos_overrides./cmd_vel.publisher.reliability: reliable and "
+      "qos_overrides./cmd_vel.publisher.durability: transient_local";
+  EXPECT_TRUE(spin_until(
+      [&] { return log.lines(mends_subscription) == 1 && log.lines(mends_publisher) == 1; },
+      kTimeout, node));
+}
+
+TEST(PeerWatch, NamesNoParameterWhereNoneMendsIt) {
+  EXPECT_EQ(rt::override_for({"deadline", "none", "0.1 s"}, false), "");
+  EXPECT_EQ(rt::override_for({"liveliness", "automatic", "manual by topic"}, false), "");
+  EXPECT_EQ(rt::override_for({"durability", "transient local", "persistent"}, false), "");
+  test::CapturedLog log;
+  rt::Node node{"untyped"}, other{"careless"};
+  const auto generic = node.create_generic_subscription("/cmd_vel", "geometry_msgs/msg/Twist",
+                                                        rt::kDefault, [](const auto&) {});
+  const auto publisher = other.create_publisher(kTwist, rt::kBestEffort(5));
+  EXPECT_TRUE(spin_until([&] { return log.lines("incompatible QoS") == 1; }, kTimeout, node));
+  EXPECT_EQ(log.lines("qos_overrides"), 0) << "it reads no such parameters";
+}
+
+TEST(PeerWatch, NoticesWhoComesAfterAllWasSettled) {
+  test::CapturedLog log;
+  rt::Node node{"patient"}, other{"late"};
+  const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
+  bool stamped = false;
+  const auto wish = node.when_published(kStamped, [&] { stamped = true; });
+  let_pass(kSettled, node);
+  const auto careless = other.create_publisher(kTwist, rt::kBestEffort(5));
+  const auto publisher = other.create_publisher(kStamped);
+  EXPECT_TRUE(
+      spin_until([&] { return stamped && log.lines("incompatible QoS") == 1; }, kTimeout, node));
+}
+
+TEST(PeerWatch, SaysItOfSubscriptionsToo) {
+  test::CapturedLog log;
+  rt::Node node{"volatile"}, other{"late"};
+  const auto publisher = node.create_publisher(kStop, rt::kDefault);
+  const auto subscription = other.create_subscription(kStop, [](const auto&) {});
+  EXPECT_TRUE(spin_until(
+      [&] {
+        return log.lines(
+                   "/e_stop: a subscription has incompatible QoS, it gets nothing from here "
+                   "(durability: it requests transient local, this node offers volatile)") == 1;
+      },
+      kTimeout, node));
+}
+
+TEST(PeerWatch, IsSilentWhereOneOfTwoSubscriptionsFits) {
+  test::CapturedLog log;
+  rt::Node node{"arbitration"}, other{"button"};
+  const auto publisher = other.create_publisher(kStop, rt::kDefault);
+  int heard = 0;
+  const auto latched = node.create_subscription(kStop, [&](const auto&) { ++heard; });
+  const auto any =
+      node.create_subscription(kStop, rt::kBestEffort(10), [&](const auto&) { ++heard; });
+  ASSERT_TRUE(spin_until([&] { return publisher.matched() == 1; }, kTimeout, node));
+  let_pass(kSettled, node);
+  EXPECT_EQ(log.lines("incompatible QoS"), 0);
+}
+
+TEST(PeerWatch, SaysThatATypeDoesNotFit) {
+  test::CapturedLog log;
+  rt::Node node{"plain"}, other{"stamping"};
+  const auto publisher = other.create_publisher(kStamped);
+  const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
+  EXPECT_TRUE(spin_until(
+      [&] {
+        return log.lines(
+                   "/cmd_vel: a publisher of geometry_msgs/msg/TwistStamped does not fit "
+                   "this node's geometry_msgs/msg/Twist: nothing of it arrives here") == 1;
+      },
+      kTimeout, node));
+}
+
+TEST(PeerWatch, CallsWhoWaitsForAType) {
+  rt::Node node{"waiting"}, other{"stamping"};
+  int calls = 0;
+  const auto wish = node.when_published(kStamped, [&] { ++calls; });
+  const auto plain = other.create_publisher(kTwist);
+  EXPECT_FALSE(spin_until([&] { return calls > 0; }, 0.3, node));
+  const auto stamped = other.create_publisher(kStamped);
+  EXPECT_TRUE(spin_until([&] { return calls > 0; }, kTimeout, node));
+  const auto again = other.create_publisher(kStamped);
+  let_pass(0.3, node);
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(PeerWatch, DoesNotCallWhoHasGone) {
+  rt::Node node{"gone"};
+  int calls = 0;
+  auto wish = node.when_published(kStamped, [&] { ++calls; });
+  wish.reset();
+  const auto stamped = node.create_publisher(kStamped);
+  let_pass(0.3, node);
+  EXPECT_EQ(calls, 0);
+}
+
+TEST(Topics, CarryTwoTypesUnderOneName) {
+  rt::Node node{"both"};
+  double plain_v = 0.0, stamped_v = 0.0;
+  const auto plain = node.create_publisher(kTwist);
+  const auto stamped = node.create_publisher(kStamped);
+  const auto plain_in =
+      node.create_subscription(kTwist, [&](const Twist& msg) { plain_v = msg.linear().x(); });
+  const auto stamped_in = node.create_subscription(
+      kStamped, [&](const TwistStamped& msg) { stamped_v = msg.twist().linear().x(); });
+  ASSERT_TRUE(
+      spin_until([&] { return plain.matched() == 1 && stamped.matched() == 1; }, kTimeout, node));
+  Twist msg;
+  msg.linear().x(1.0);
+  plain.publish(msg);
+  TwistStamped with_stamp;
+  with_stamp.twist().linear().x(2.0);
+  stamped.publish(with_stamp);
+  ASSERT_TRUE(spin_until([&] { return plain_v > 0.0 && stamped_v > 0.0; }, kTimeout, node));
+  EXPECT_EQ(plain_v, 1.0);
+  EXPECT_EQ(stamped_v, 2.0);
+}
+
+TEST(Topics, RefuseAThirdTypeUnderOneName) {
+  rt::Node node{"three"};
+  const auto plain = node.create_publisher(kTwist);
+  const auto stamped = node.create_publisher(kStamped);
+  try {
+    const auto third = node.create_publisher(rt::Topic<std_msgs::msg::Bool>{"cmd_vel"});
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(),
+                 "topic /cmd_vel is in use in this process with two other types, so it cannot be "
+                 "std_msgs/msg/Bool too");
+  }
+}
+
+// A sample that outlived its lifespan is not given to who comes late: so no old command is carried
+// out after a reconnect.
+TEST(Lifespan, KeepsOldSamplesFromLateSubscriptions) {
+  rt::Node node{"lifespan"};
+  rt::QoS brief = rt::kLatched;
+  brief.lifespan = 0.1;
+  const auto lasting = node.create_publisher(rt::Topic<Twist>{"lasting", rt::kLatched});
+  const auto fleeting = node.create_publisher(rt::Topic<Twist>{"fleeting", brief});
+  lasting.publish({});
+  fleeting.publish({});
+  let_pass(0.3, node);
+  int got_lasting = 0, got_fleeting = 0;
+  const auto a = node.create_subscription(rt::Topic<Twist>{"fleeting", rt::kLatched},
+                                          [&](const auto&) { ++got_fleeting; });
+  const auto b = node.create_subscription(rt::Topic<Twist>{"lasting", rt::kLatched},
+                                          [&](const auto&) { ++got_lasting; });
+  ASSERT_TRUE(spin_until([&] { return got_lasting == 1; }, kTimeout, node));
+  let_pass(0.2, node);
+  EXPECT_EQ(got_fleeting, 0);
+  fleeting.publish({});
+  EXPECT_TRUE(spin_until([&] { return got_fleeting == 1; }, kTimeout, node));
+}
+
+}  // namespace
+}  // namespace tandem

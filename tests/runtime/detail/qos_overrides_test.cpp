@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// QoS of a topic by parameters, as rclcpp names them.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
+#include "tandem/runtime/node.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr rt::Topic<geometry_msgs::msg::Twist> kTwist{"cmd_vel"};
+
+rt::NodeOptions with(std::map<std::string, std::string> values) {
+  rt::NodeOptions options{.name = "tuned", .ns = "/chair"};
+  for (auto& [key, value] : values) options.parameters.values[key] = {value, "test"};
+  return options;
+}
+
+rt::TopicInfo info_of(const rt::Node& node, const std::string& topic) {
+  for (const auto& info : node.topics())
+    if (info.name == topic) return info;
+  return {};
+}
+
+TEST(QosOverrides, ChangeWhatANodeOffersAndRequests) {
+  rt::Node node{with({{"qos_overrides./chair/cmd_vel.publisher.reliability", "best_effort"},
+                      {"qos_overrides./chair/cmd_vel.subscription.durability", "transient_local"},
+                      {"qos_overrides./chair/cmd_vel.subscription.depth", "3"}})};
+  const auto publisher = node.create_publisher(kTwist);
+  const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
+  const auto info = info_of(node, "/chair/cmd_vel");
+  ASSERT_EQ(info.publishers.size(), 1U);
+  EXPECT_EQ(info.publishers[0].reliability, 0);
+  EXPECT_EQ(info.publishers[0].durability, 0);
+  ASSERT_EQ(info.subscriptions.size(), 1U);
+  EXPECT_EQ(info.subscriptions[0].reliability, 1);
+  EXPECT_EQ(info.subscriptions[0].durability, 1);
+  EXPECT_NO_THROW(node.check_parameters());
+}
+
+// Twist and TwistStamped under one name, and latched senders beside volatile ones.
+TEST(QosOverrides, HoldForEverySubscriptionButForItsOtherDurability) {
+  rt::Node node{with({{"qos_overrides./chair/cmd_vel.subscription.reliability", "best_effort"},
+                      {"qos_overrides./chair/cmd_vel.subscription.durability", "volatile"}})};
+  const auto first = node.create_subscription(kTwist, [](const auto&) {});
+  const auto second = node.create_subscription(
+      rt::Topic<geometry_msgs::msg::TwistStamped>{"cmd_vel"}, [](const auto&) {});
+  const auto latched = node.create_subscription(kTwist, rt::kLatched, [](const auto&) {});
+  std::vector<rt::Policies> all;
+  ASSERT_TRUE(test::spin_until(
+      [&] {
+        all.clear();
+        for (const auto& info : node.topics())
+          if (info.name == "/chair/cmd_vel")
+            all.insert(all.end(), info.subscriptions.begin(), info.subscriptions.end());
+        return all.size() == 3;
+      },
+      10.0, node));
+  int durable = 0;
+  for (const auto& policies : all) {
+    EXPECT_EQ(policies.reliability, 0);
+    durable += policies.durability;
+  }
+  EXPECT_EQ(durable, 1);
+}
+
+TEST(QosOverrides, OfATopicThatNobodyOpensAreRefused) {
+  rt::Node node{with({{"qos_overrides./nobody.publisher.depth", "3"}})};
+  EXPECT_THROW(node.check_parameters(), std::invalid_argument);
+}
+
+TEST(QosOverrides, AreRefusedWhereTheyAreNone) {
+  rt::Node node{with({{"qos_overrides./chair/cmd_vel.publisher.reliability", "perhaps"}})};
+  try {
+    const auto publisher = node.create_publisher(kTwist);
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string{error.what()}.find("none of {reliable, best_effort}"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tandem
