@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "interop/cyclone_dds.h"
+#include "cyclone_dds.h"
 #include "rcl_interfaces.h"
 
 typedef struct {

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "interop/cyclone_dds.h"
+#include "cyclone_dds.h"
 #include "geometry_msgs.h"
 #include "nav_msgs.h"
 

@@ -26,7 +26,7 @@
 namespace tandem {
 namespace {
 
-struct Request {
+struct MetricsRequest {
   std::string recording, scenario, method, driver, map, name_space, json;
   unsigned seed = 0;
 };
@@ -39,7 +39,7 @@ bool is_same(const Grid& a, const Grid& b) {
 // Reads a recording as the monitor of a drive reads the bus.
 class Replay {
  public:
-  Replay(const Request& request, const MapServerParams& map, DriveObserver& drive)
+  Replay(const MetricsRequest& request, const MapServerParams& map, DriveObserver& drive)
       : recording_{request.recording},
         bag_{request.recording},
         name_space_{request.name_space},
@@ -157,7 +157,7 @@ class Replay {
 };
 
 // No topic carries the seed, and a guess at it would measure another drive.
-void require_seed(const Scenario& scenario, const Request& request) {
+void require_seed(const Scenario& scenario, const MetricsRequest& request) {
   const bool many_worlds = is_family(request.map.empty() ? scenario.map : request.map);
   if (request.seed != 0 || (!many_worlds && scenario.goals.empty())) return;
   throw std::invalid_argument(
@@ -166,7 +166,7 @@ void require_seed(const Scenario& scenario, const Request& request) {
       " the robot drove; name it with --seed (`seed` in a result of `tandem scenario` or `study`)");
 }
 
-DriveOptions options_of(const Request& request) {
+DriveOptions options_of(const MetricsRequest& request) {
   DriveOptions options;
   options.method = request.method;
   options.seed = request.seed;
@@ -178,7 +178,7 @@ DriveOptions options_of(const Request& request) {
   return options;
 }
 
-void run(const Request& request) {
+void run(const MetricsRequest& request) {
   const Scenario file = load_scenario(request.scenario);
   require_seed(file, request);
   const DriveOptions options = options_of(request);
@@ -204,7 +204,7 @@ void run(const Request& request) {
 
 void add_metrics_command(CLI::App& app) {
   auto* command = app.add_subcommand("metrics", "Measure a drive from a recording");
-  auto request = std::make_shared<Request>();
+  auto request = std::make_shared<MetricsRequest>();
   command->add_option("recording", request->recording, "what `tandem record` or ros2 bag wrote")
       ->required()
       ->check(CLI::ExistingPath);

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Request {
+struct ScenarioRequest {
   std::vector<std::string> files;
   std::string method, driver, recording, recording_topic, map, json, picture, seeds;
   unsigned seed = 0;
@@ -32,7 +32,7 @@ struct Request {
 };
 
 // Every drive, checked before the first begins.
-std::vector<DriveJob> jobs_of(const Request& request) {
+std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
   const auto [first, last] = request.seeds.empty() ? SeedRange{request.seed, request.seed}
                                                    : seed_range("--seeds", request.seeds);
   std::vector<DriveJob> jobs;
@@ -55,7 +55,7 @@ std::vector<DriveJob> jobs_of(const Request& request) {
 }
 
 // What is written after the last drive had better be writable before the first.
-void check_outputs(const Request& request) {
+void check_outputs(const ScenarioRequest& request) {
   const fs::path json = request.json;
   const fs::path folder = json.has_parent_path() ? json.parent_path() : fs::path{"."};
   if (!json.empty() && (fs::is_directory(json) || access(folder.c_str(), W_OK) != 0))
@@ -92,7 +92,7 @@ class Display {
   double next_ = 0.0;
 };
 
-DriveResult drive(const DriveJob& job, const Request& request) {
+DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
   Display display{request.quiet};
   const auto show = [&](const Progress& progress) { display.show(progress); };
   DriveOptions options = job.options;
@@ -109,9 +109,9 @@ DriveResult drive(const DriveJob& job, const Request& request) {
   return log.result;
 }
 
-std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Request& request) {
+std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const ScenarioRequest& request) {
   if (request.lockstep && all.size() > 1) {  // how far each is would be a jumble of lines
-    Request each = request;
+    ScenarioRequest each = request;
     each.quiet = true;
     ProgressBar bar{all.size(), 0, "drives"};
     auto results = run_side_by_side(
@@ -135,7 +135,7 @@ std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Reque
   return results;
 }
 
-int run(const Request& request) {
+int run(const ScenarioRequest& request) {
   if (request.lockstep && request.dds)
     throw std::invalid_argument("--lockstep and --dds exclude each other");
   if (request.jobs > 1 && !request.lockstep)
@@ -162,7 +162,7 @@ int run(const Request& request) {
 
 void add_scenario_command(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("scenario", "Drive scenario files and check what must hold");
-  auto request = std::make_shared<Request>();
+  auto request = std::make_shared<ScenarioRequest>();
   command->add_option("files", request->files, "scenario files")
       ->required()
       ->check(CLI::ExistingFile);

@@ -22,7 +22,7 @@
 namespace tandem {
 namespace {
 
-struct Request {
+struct StudyRequest {
   std::string study, out, shard;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
   bool no_report = false;
@@ -54,7 +54,7 @@ std::vector<std::size_t> missing(const Study& study, const StudyFolder& folder, 
   return missing;
 }
 
-void make_drives(const Study& study, StudyFolder& folder, const Request& request) {
+void make_drives(const Study& study, StudyFolder& folder, const StudyRequest& request) {
   const Shard shard = read_shard(request.shard);
   const auto todo = missing(study, folder, shard);
   const std::size_t all = (study.drives.size() + shard.count - shard.index) / shard.count;
@@ -90,7 +90,7 @@ void make_drives(const Study& study, StudyFolder& folder, const Request& request
       });
 }
 
-void write_results(const StudyFolder& folder, const Request& request) {
+void write_results(const StudyFolder& folder, const StudyRequest& request) {
   const auto drives = folder.results();
   const auto groups = groups_of(drives);
   const auto file = [&](const char* name) { return folder.path() + "/" + name; };
@@ -107,7 +107,7 @@ void write_results(const StudyFolder& folder, const Request& request) {
       builds.size() > 1 ? fmt::format(", by {} builds of tandem", builds.size()).c_str() : "");
 }
 
-void run(const Request& request) {
+void run(const StudyRequest& request) {
   if (request.study.empty())
     throw std::invalid_argument("study: name a study file, as bringup/studies/quick.yaml");
   if (request.out.empty()) throw std::invalid_argument("study: --out DIR is missing");
@@ -120,7 +120,7 @@ void run(const Request& request) {
   write_results(folder, request);
 }
 
-void merge(const Request& request) {
+void merge(const StudyRequest& request) {
   std::vector<nlohmann::json> studies;
   for (const auto& from : request.folders) {
     studies.push_back(read_study(from));
@@ -144,7 +144,7 @@ void merge(const Request& request) {
 }  // namespace
 
 void add_study_command(CLI::App& app) {
-  auto request = std::make_shared<Request>();
+  auto request = std::make_shared<StudyRequest>();
   auto* command = app.add_subcommand(
       "study", "Drive scenarios × methods × drivers × seeds, and report; resumes where it stopped");
   command->add_option("study", request->study, "study file")->check(CLI::ExistingFile);

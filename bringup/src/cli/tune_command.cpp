@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Request {
+struct TuneRequest {
   std::vector<std::string> files, methods, knobs;
   std::string seeds = "1-3", check_seeds = "101-105", out;
   int evaluations = 100;
@@ -36,7 +36,7 @@ struct Summary {
 
 class Study {
  public:
-  Study(const Request& request, const SeedRange& seeds) : jobs_{request.jobs} {
+  Study(const TuneRequest& request, const SeedRange& seeds) : jobs_{request.jobs} {
     const auto [first, last] = seeds;
     for (const auto& file : request.files) {
       const Scenario scenario = load_scenario(file);
@@ -174,7 +174,7 @@ void check_apart(const SeedRange& seeds, const SeedRange& check) {
 }
 
 // Both costs print what they find.
-Tuned search(const Request& request, const std::vector<Knob>& knobs, Study& study, Study& check,
+Tuned search(const TuneRequest& request, const std::vector<Knob>& knobs, Study& study, Study& check,
              std::vector<Summary>& others) {
   int n = 0;
   double lowest = 1e300, lowest_other = 1e300;
@@ -204,7 +204,7 @@ Tuned search(const Request& request, const std::vector<Knob>& knobs, Study& stud
   return tune(knobs, request.evaluations, cost, other_cost);
 }
 
-void run(const Request& request) {
+void run(const TuneRequest& request) {
   const SeedRange seeds = seed_range("--seeds", request.seeds),
                   check_seeds = seed_range("--check-seeds", request.check_seeds);
   check_apart(seeds, check_seeds);
@@ -230,7 +230,7 @@ void run(const Request& request) {
 void add_tune_command(CLI::App& app) {
   auto* command =
       app.add_subcommand("tune", "Search better values for parameters by driving scenarios");
-  auto request = std::make_shared<Request>();
+  auto request = std::make_shared<TuneRequest>();
   command->add_option("files", request->files, "scenario files")
       ->required()
       ->check(CLI::ExistingFile);

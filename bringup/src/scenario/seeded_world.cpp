@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStep = 0.02;  // [m] between the radii that are tried for the widest way
+constexpr double kRadiusStep = 0.02;  // [m] between the radii that are tried for the widest way
 
 const char* const kClutter = "clutter";
 
@@ -64,7 +64,7 @@ std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
   const auto place = place_of(goal);
   if (!place) throw std::invalid_argument("a world by seed needs a goal with a place");
   std::vector<Eigen::Vector2d> way;
-  for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kStep)
+  for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kRadiusStep)
     way = find_way(map, start.position(), *place, radius);
   if (way.empty()) throw std::runtime_error("no way from start to goal");
   std::string text;

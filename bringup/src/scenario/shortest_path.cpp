@@ -14,7 +14,7 @@ namespace tandem {
 namespace {
 
 constexpr double kThinner = 0.02;  // [m] between radii that are tried
-constexpr double kStep = 0.01;     // [m] along the way
+constexpr double kPathStep = 0.01;     // [m] along the way
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -38,7 +38,7 @@ double inner_radius(const Footprint& footprint) {
 
 bool is_free(const StaticMap& map, const Eigen::Vector2d& a, const Eigen::Vector2d& z,
              double radius) {
-  const int steps = 1 + static_cast<int>((z - a).norm() / kStep);
+  const int steps = 1 + static_cast<int>((z - a).norm() / kPathStep);
   for (int i = 1; i < steps; ++i)
     if (map.distance(a + (z - a) * i / steps) < radius) return false;
   return true;
@@ -58,7 +58,7 @@ Points pulled_taut(const StaticMap& map, const Points& way, double radius) {
 double length_to(const Goal& goal, const Points& way) {
   double length = 0.0;
   for (std::size_t i = 1; i < way.size(); ++i) {
-    const int steps = 1 + static_cast<int>((way[i] - way[i - 1]).norm() / kStep);
+    const int steps = 1 + static_cast<int>((way[i] - way[i - 1]).norm() / kPathStep);
     const Eigen::Vector2d step = (way[i] - way[i - 1]) / steps;
     for (int k = 0; k < steps; ++k) {
       if (is_at(goal, way[i - 1] + k * step)) return length;
