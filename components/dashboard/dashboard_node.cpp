@@ -60,7 +60,7 @@ DashboardNode::DashboardNode(rt::Node& node)
                 [this](ClientId client) { return take_wheel(client); }},
       parameters_{node, web_},
       publish_{node, params_->max_age},
-      seat_{params_->seat_timeout},
+      driver_lock_{params_->seat_timeout},
       autonomy_{node} {
   publish_.open_own(
       node.fully_qualified_name() + "/user_test", "tandem.UserTest",
@@ -163,8 +163,8 @@ void DashboardNode::tell_time(ClientId client) {
 }
 
 void DashboardNode::on_leave(ClientId client) {
-  if (seat_.driver(node_.steady_now()) == client) publish_.release_stick();
-  seat_.leave(client);
+  if (driver_lock_.driver(node_.steady_now()) == client) publish_.release_stick();
+  driver_lock_.leave(client);
   autonomy_.on_leave(client);
   clients_.erase(client);
   topics_.forget(client);
@@ -184,7 +184,8 @@ void DashboardNode::on_advertise(ClientId client, const foxglove::Advertise& req
 
 void DashboardNode::on_message(ClientId client, const foxglove::Message& message) {
   const double now = node_.steady_now();
-  const auto outcome = publish_.publish(client, message, [&] { return seat_.drive(client, now); });
+  const auto outcome =
+      publish_.publish(client, message, [&] { return driver_lock_.drive(client, now); });
   if (outcome == PublishRelay::Outcome::kPublished) return;
   constexpr double kPeriod = 0.5;  // [s] a refused stick comes 20 times a second
   if (const auto last = refused_.find(client);
@@ -195,14 +196,14 @@ void DashboardNode::on_message(ClientId client, const foxglove::Message& message
 }
 
 void DashboardNode::on_call(ClientId client, const foxglove::ServiceCall& call) {
-  if (!services_.only_reads(call.service) && !seat_.may_write(client, node_.steady_now()))
+  if (!services_.only_reads(call.service) && !driver_lock_.may_write(client, node_.steady_now()))
     return web_.send(client, {true, foxglove::call_failure(call, "someone else is driving")});
   autonomy_.on_call(client, services_.name(call.service), call.payload);
   services_.call(client, call);
 }
 
 void DashboardNode::on_set(ClientId client, const foxglove::SetParameters& request) {
-  if (seat_.may_write(client, node_.steady_now()))
+  if (driver_lock_.may_write(client, node_.steady_now()))
     parameters_.set(client, request);
   else
     complain(client, "someone else is driving");
@@ -210,12 +211,12 @@ void DashboardNode::on_set(ClientId client, const foxglove::SetParameters& reque
 
 std_srvs::srv::Trigger::Response DashboardNode::take_wheel(ClientId client) {
   const double now = node_.steady_now();
-  const auto before = seat_.driver(now);
+  const auto before = driver_lock_.driver(now);
   if (before && *before != client) {
     publish_.release_stick();
     complain(*before, "someone else has taken the wheel");
   }
-  seat_.take(client, now);
+  driver_lock_.take(client, now);
   std_srvs::srv::Trigger::Response response;
   response.success(true);
   response.message("you drive");
@@ -231,7 +232,7 @@ PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
   }
   saved_ = now;
   try {
-    const auto test = parse_user_test(text_of(bytes));
+    const auto test = parse_user_study(text_of(bytes));
     const auto path = save(test, params_->user_tests);
     node_.log().info("user test saved: {}", path.string());
     web_.send(client, {true, foxglove::status(foxglove::Level::kInfo,
@@ -249,7 +250,7 @@ PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
 PublishRelay::Outcome DashboardNode::begin_trial(ClientId client,
                                                  const std::vector<std::uint8_t>& bytes) {
   const double now = node_.steady_now();
-  if (!seat_.may_write(client, now)) return PublishRelay::Outcome::kOtherDrives;
+  if (!driver_lock_.may_write(client, now)) return PublishRelay::Outcome::kOtherDrives;
   if (now - trial_began_ < kTrialPeriod) {
     complain(client, "not begun: a trial began a moment ago");
     return PublishRelay::Outcome::kPublished;
@@ -257,7 +258,7 @@ PublishRelay::Outcome DashboardNode::begin_trial(ClientId client,
   try {
     const TrialRequest request = parse_trial_request(text_of(bytes));
     trial_began_ = now;
-    trial_ = std::make_unique<TrialMeter>(node_, params_->input, request);
+    trial_ = std::make_unique<TrialRecorder>(node_, params_->input, request);
     came_to_.clear();
     return PublishRelay::Outcome::kPublished;
   } catch (const std::invalid_argument& error) {
@@ -282,7 +283,7 @@ void DashboardNode::tell_trial(const std::string& state) {
 
 // To each client what it means for them; at changes and with every look.
 void DashboardNode::tell_seat() {
-  const auto driver = seat_.driver(node_.steady_now());
+  const auto driver = driver_lock_.driver(node_.steady_now());
   const std::string state =
       std::to_string(driver.value_or(0)) + "/" + std::to_string(clients_.size());
   if (state == told_) return;

@@ -86,12 +86,12 @@ class DashboardNode {
   ServiceRelay services_;
   ParameterRelay parameters_;
   PublishRelay publish_;
-  Seat seat_;
+  DriverLock driver_lock_;
   AutonomyGuard autonomy_;
-  double saved_ = -kSavePeriod;         // [s] when a user test was
-  double trial_began_ = -kTrialPeriod;  // [s] when a trial did
-  std::unique_ptr<TrialMeter> trial_;   // the one that goes on
-  std::string came_to_;                 // what the last one came to, told until another begins
+  double saved_ = -kSavePeriod;           // [s] when a user test was
+  double trial_began_ = -kTrialPeriod;    // [s] when a trial did
+  std::unique_ptr<TrialRecorder> trial_;  // the one that goes on
+  std::string came_to_;                   // what the last one came to, told until another begins
   std::set<ClientId> clients_;
   std::string told_;                    // who sat there when it was last told
   std::map<ClientId, double> refused_;  // [s] when they were last told that a message was

@@ -12,20 +12,20 @@ using ClientId = std::uint64_t;
 /// The driver's seat: one at a time. A free seat belongs to the first who drives; a driver who has
 /// been silent for `timeout` [s] has left it. Whom another has ousted, and who still holds their
 /// stick, does not get it back by waiting. Times are seconds on one monotonic clock.
-class Seat {
+class DriverLock {
  public:
-  explicit Seat(double timeout) : timeout_{timeout} {}
+  explicit DriverLock(double timeout) : timeout_{timeout} {}
 
   /// Whether the client may drive now; then the seat is theirs.
   [[nodiscard]] bool drive(ClientId client, double now) {
-    if (still_ousted(client, now) || !may_write(client, now)) return false;
+    if (still_preempted(client, now) || !may_write(client, now)) return false;
     take(client, now);
     return true;
   }
   /// Takes the seat, also from another.
   void take(ClientId client, double now) {
-    if (const auto before = driver(now); before && *before != client) ousted_ = {before, now};
-    if (ousted_.client == client) ousted_ = {};
+    if (const auto before = driver(now); before && *before != client) preempted_ = {before, now};
+    if (preempted_.client == client) preempted_ = {};
     driver_ = client;
     last_ = now;
   }
@@ -42,19 +42,19 @@ class Seat {
   }
 
  private:
-  struct Ousted {
+  struct Preempted {
     std::optional<ClientId> client;
     double tried = 0.0;  // last, to drive
   };
 
-  bool still_ousted(ClientId client, double now) {
-    if (ousted_.client != client) return false;
-    const bool holds = now - ousted_.tried <= timeout_;
-    ousted_.tried = now;
+  bool still_preempted(ClientId client, double now) {
+    if (preempted_.client != client) return false;
+    const bool holds = now - preempted_.tried <= timeout_;
+    preempted_.tried = now;
     return holds;
   }
 
-  Ousted ousted_;
+  Preempted preempted_;
   double timeout_, last_ = 0.0;
   std::optional<ClientId> driver_;
 };

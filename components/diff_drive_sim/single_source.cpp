@@ -11,7 +11,7 @@ constexpr std::size_t kMaxWriters = 16;
 
 }  // namespace
 
-bool SingleSource::same_source(const Heard& a, const Heard& b) {
+bool SingleSource::same_source(const Stamped& a, const Stamped& b) {
   constexpr int kProcessBytes = 8, kSubjectBytes = 6;
   if (a.writer == b.writer) return true;
   const bool secured = (a.writer[0] & 0x80) != 0;
@@ -21,13 +21,13 @@ bool SingleSource::same_source(const Heard& a, const Heard& b) {
 }
 
 bool SingleSource::on_command(const Writer& writer, Type type, double t) {
-  const Heard now{writer, type, t};
+  const Stamped now{writer, type, t};
   // Also those of a time to come: the clock was set back.
-  std::erase_if(heard_, [&](const Heard& before) {
+  std::erase_if(heard_, [&](const Stamped& before) {
     return before.writer == writer || before.t > t || t - before.t > timeout_;
   });
   const bool alone = std::all_of(heard_.begin(), heard_.end(),
-                                 [&](const Heard& other) { return same_source(now, other); });
+                                 [&](const Stamped& other) { return same_source(now, other); });
   if (heard_.size() < kMaxWriters) heard_.push_back(now);
   return alone;
 }

@@ -28,16 +28,16 @@ class SingleSource {
   [[nodiscard]] bool on_command(const Writer& writer, Type type, double t);
 
  private:
-  struct Heard {
+  struct Stamped {
     Writer writer;
     Type type;
     double t;
   };
 
-  [[nodiscard]] static bool same_source(const Heard& a, const Heard& b);
+  [[nodiscard]] static bool same_source(const Stamped& a, const Stamped& b);
 
   double timeout_;
-  std::vector<Heard> heard_;  // one for each writer within the timeout
+  std::vector<Stamped> heard_;  // one for each writer within the timeout
 };
 
 }  // namespace tandem

@@ -33,7 +33,7 @@ class HapticsNode {
   rt::Node& node_;
   rt::Parameters<HapticsNodeParams> params_;
   Haptics haptics_;
-  Heard<Twist2> user_, robot_;  // by steady time
+  Stamped<Twist2> user_, robot_;  // by steady time
   double clearance_ = 0.0;
   double felt_ = 0.0;
 

@@ -231,7 +231,7 @@ RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg) {
           msg.time_increment(), msg.scan_time(),       msg.ranges()};
 }
 
-Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg) {
+RangeReturns from_msg(const sensor_msgs::msg::PointCloud2& msg) {
   CloudLayout layout{.height = msg.height(),
                      .width = msg.width(),
                      .fields = {},
@@ -240,7 +240,7 @@ Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg) {
                      .row_step = msg.row_step()};
   for (const auto& field : msg.fields())
     layout.fields.push_back({field.name(), field.offset(), field.datatype()});
-  return echoes_of(layout, msg.data());
+  return range_returns_of(layout, msg.data());
 }
 
 nav_msgs::msg::Path to_path(std::span<const Pose2> X, const std_msgs::msg::Header& header) {
@@ -294,7 +294,7 @@ visualization_msgs::msg::MarkerArray to_markers(std::span<const Obstacle> obstac
   return msg;
 }
 
-std::vector<visualization_msgs::msg::Marker> to_markers(const Fixtures& fixtures,
+std::vector<visualization_msgs::msg::Marker> to_markers(const VirtualFixtures& fixtures,
                                                         const std_msgs::msg::Header& header) {
   std::vector<visualization_msgs::msg::Marker> markers;
   for (const ForbiddenRegion& region : fixtures.forbidden) {

@@ -94,7 +94,7 @@ struct Obstacles {
 /// The scan, which looks into the message. Intensities are not read.
 [[nodiscard]] RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg);
 /// What a sensor measured; malformed messages give an error in it.
-[[nodiscard]] Echoes from_msg(const sensor_msgs::msg::PointCloud2& msg);
+[[nodiscard]] RangeReturns from_msg(const sensor_msgs::msg::PointCloud2& msg);
 
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
                                           const std_msgs::msg::Header& header);
@@ -110,7 +110,7 @@ struct Obstacles {
                                                               const std_msgs::msg::Header& header);
 /// Outlines of forbidden regions and guidance lines, in namespaces of their own.
 [[nodiscard]] std::vector<visualization_msgs::msg::Marker> to_markers(
-    const Fixtures& fixtures, const std_msgs::msg::Header& header);
+    const VirtualFixtures& fixtures, const std_msgs::msg::Header& header);
 /// An arrow for the leader and a line for its leash.
 [[nodiscard]] visualization_msgs::msg::MarkerArray leader_markers(
     const Pose2& X_ML, const Pose2& X_MB, const std_msgs::msg::Header& header);

@@ -20,13 +20,13 @@ constexpr double kStill = 1e-6;  // [m] a frame that moves by less has not moved
 
 }  // namespace
 
-Fixtures fixtures_of(const MapInputParams& params) {
-  return params.fixtures.empty() ? Fixtures{} : load_fixtures(params.fixtures);
+VirtualFixtures fixtures_of(const MapInputParams& params) {
+  return params.fixtures.empty() ? VirtualFixtures{} : load_virtual_fixtures(params.fixtures);
 }
 
 std::shared_ptr<const StaticMap> static_map(const octomap::OcTree& tree,
                                             const MapInputParams& params,
-                                            const Fixtures& fixtures) {
+                                            const VirtualFixtures& fixtures) {
   return std::make_shared<const StaticMap>(with_forbidden(slice(tree, params.slice), fixtures),
                                            params.unknown_is_obstacle);
 }

@@ -50,13 +50,13 @@ struct MapInputParams {
 };
 
 /// The virtual fixtures of the parameters. Throws std::runtime_error, as load_fixtures.
-[[nodiscard]] Fixtures fixtures_of(const MapInputParams& params);
+[[nodiscard]] VirtualFixtures fixtures_of(const MapInputParams& params);
 
 /// The static world of a map: what stands in the slice, and what the fixtures forbid. Throws
 /// std::invalid_argument or std::runtime_error, as slice and with_forbidden.
 [[nodiscard]] std::shared_ptr<const StaticMap> static_map(const octomap::OcTree& tree,
                                                           const MapInputParams& params,
-                                                          const Fixtures& fixtures);
+                                                          const VirtualFixtures& fixtures);
 
 /// The static map for a robot at p_MB that sees `local` now: over `base`, what stays.
 [[nodiscard]] std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& local,
@@ -100,7 +100,7 @@ class MapInput {
   MapInput(const MapInput&) = delete;
   MapInput& operator=(const MapInput&) = delete;
 
-  [[nodiscard]] const Fixtures& fixtures() const { return fixtures_; }
+  [[nodiscard]] const VirtualFixtures& fixtures() const { return fixtures_; }
 
   /// The newest map, for a robot there; null before the first, and while octomap_local is needed
   /// and silent.
@@ -117,7 +117,7 @@ class MapInput {
 
  private:
   using MapMessage = std::variant<octomap_msgs::msg::Octomap, nav_msgs::msg::OccupancyGrid>;
-  using HeardMap = Heard<MapMessage>;
+  using HeardMap = Stamped<MapMessage>;
 
   /// How the grid of a map's frame F is laid into M.
   struct Place {
@@ -177,7 +177,7 @@ class MapInput {
   rt::Node& node_;
   MapInputParams params_;
   UnseenGround heeds_unseen_;
-  Fixtures fixtures_;
+  VirtualFixtures fixtures_;
   const FramesInput& frames_;
   std::optional<Grid> base_;          // what stays, in M; the worker's
   std::optional<Grid> unmoved_base_;  // the same in its own frame, where that is another; likewise
@@ -188,7 +188,7 @@ class MapInput {
   std::condition_variable arrived_;
   bool stop_ = false;
   Inbox static_, local_{"octomap_local"};
-  Heard<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
+  Stamped<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
   std::shared_ptr<const StaticMap> unseen_;
   std::optional<Eigen::Vector2d> p_MB_;
 

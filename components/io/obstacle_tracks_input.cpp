@@ -15,12 +15,12 @@ constexpr rt::Topic<tandem_msgs::msg::ObstacleArray> kPeople{
 
 }  // namespace
 
-PeopleInput::PeopleInput(rt::Node& node, const FramesInput& frames, Heard heard)
+ObstacleTracksInput::ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Stamped heard)
     : node_{node}, frames_{frames}, heard_{std::move(heard)} {
   people_ = node.create_subscription(kPeople, [this](const auto& msg) { take(msg); });
 }
 
-void PeopleInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
+void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
   if (two_speak())
     return node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,
                                    "people refused: 2 nodes publish it; give another robot its own "
@@ -39,7 +39,7 @@ void PeopleInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
 }
 
 // By who spoke, not by whom DDS knows: a tracker that died is known for a while yet.
-bool PeopleInput::two_speak() {
+bool ObstacleTracksInput::two_speak() {
   const double now = node_.steady_now();
   const auto sender = people_.sender();
   if (sender_ && *sender_ != sender && now - sent_ < kTwoSpeak) two_until_ = now + kTwoSpeak;

@@ -16,14 +16,14 @@ namespace tandem {
 /// ellipse, is logged and dropped whole: who is left out of it might be the one in the way. So is
 /// each while two nodes publish them, and for `kTwoSpeak` after: a list tells of everybody near,
 /// and one of the two leaves out whom the other sees.
-class PeopleInput {
+class ObstacleTracksInput {
  public:
-  using Heard = std::function<void(std::vector<Obstacle>)>;
+  using Stamped = std::function<void(std::vector<Obstacle>)>;
   static constexpr double kTwoSpeak = 1.0;  // [s]
 
-  PeopleInput(rt::Node& node, const FramesInput& frames, Heard heard);
-  PeopleInput(const PeopleInput&) = delete;
-  PeopleInput& operator=(const PeopleInput&) = delete;
+  ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Stamped heard);
+  ObstacleTracksInput(const ObstacleTracksInput&) = delete;
+  ObstacleTracksInput& operator=(const ObstacleTracksInput&) = delete;
 
  private:
   void take(const tandem_msgs::msg::ObstacleArray& msg);
@@ -31,7 +31,7 @@ class PeopleInput {
 
   rt::Node& node_;
   const FramesInput& frames_;
-  Heard heard_;
+  Stamped heard_;
   std::optional<rt::PublisherId> sender_ = {};  // of the last list
   double sent_ = 0.0, two_until_ = 0.0;  // [s] steady: when that was; how long two count as it
   rt::Subscription people_;

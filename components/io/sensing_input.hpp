@@ -26,7 +26,7 @@ class SensingInput {
  private:
   rt::Node& node_;
   double timeout_;  // [s]
-  Heard<std::string> reason_;
+  Stamped<std::string> reason_;
   rt::Subscription subscription_;  // empty with a static map
 };
 

@@ -16,7 +16,7 @@ bool stands(const Twist2& twist) {
 
 }  // namespace
 
-bool Stalemate::holds(bool refused, const Twist2& measured, double t) {
+bool Deadlock::holds(bool refused, const Twist2& measured, double t) {
   refused = refused && stands(measured);
   if (!refused || t < refused_since_) refused_since_ = -1.0;
   if (refused && refused_since_ < 0.0) refused_since_ = t;

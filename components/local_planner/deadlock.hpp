@@ -11,7 +11,7 @@ namespace tandem {
 /// again the filter never lets pass. Then the person, who looks at it, is worth more than the plan:
 /// their own command goes to the filter for a while. Without a filter that says that it enforces,
 /// and refuses for what is near, nobody ever has their way: an emergency stop is no stalemate.
-class Stalemate {
+class Deadlock {
  public:
   /// Whether the person should have their way at time t [s]. `refused`: the filter lets nothing of
   /// what it is asked for pass; `measured`: what the robot does.

@@ -60,7 +60,7 @@ struct LocalPlannerNodeParams {
 /// The guidance lines of the parameters. Throws std::runtime_error, as load_fixtures.
 [[nodiscard]] inline std::vector<GuidanceLine> guidance_of(const LocalPlannerNodeParams& params) {
   return params.fixtures.empty() ? std::vector<GuidanceLine>{}
-                                 : load_fixtures(params.fixtures).guidance;
+                                 : load_virtual_fixtures(params.fixtures).guidance;
 }
 
 /// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
@@ -99,10 +99,10 @@ class LocalPlannerNode {
   std::vector<GuidanceLine> guidance_;
   Nmpc nmpc_;
   RobotStateInput robot_;
-  Heard<std::vector<Obstacle>> obstacles_;
-  Heard<Twist2> user_, command_;
-  Heard<FilterState> filter_;
-  Heard<Pose2> leader_;
+  Stamped<std::vector<Obstacle>> obstacles_;
+  Stamped<Twist2> user_, command_;
+  Stamped<FilterState> filter_;
+  Stamped<Pose2> leader_;
   std::optional<Pose2> X_MG_;
   tandem_msgs::msg::PlannerStatus status_;
 
@@ -114,8 +114,8 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  std::string standing_for_;                  ///< why it stands, as it was logged
-  double last_time_ = Heard<Twist2>::kNever;  ///< when the clock was last looked at [s]
+  std::string standing_for_;                    ///< why it stands, as it was logged
+  double last_time_ = Stamped<Twist2>::kNever;  ///< when the clock was last looked at [s]
   rt::Timer timer_, watchdog_;
 };
 

@@ -46,7 +46,7 @@ struct Nmpc::State {
   DelayEstimator loop{robot};
   std::vector<Sent> sent = {};  // of the last `delay` seconds
   Trail trail = {};             // of the leader
-  Stalemate stalemate = {};
+  Deadlock stalemate = {};
   CloseApproach approach = {};
   BriefPush stick = {};
   double iteration_time = 0.0;

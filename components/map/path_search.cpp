@@ -103,9 +103,9 @@ double cost_of_a_metre(const StaticMap& map, const Eigen::Vector2d& p_MC, double
   return 1.0 + narrow_cost * narrow * narrow;
 }
 
-std::vector<Eigen::Vector2d> find_way(const StaticMap& map, const Eigen::Vector2d& p_MA,
-                                      const Eigen::Vector2d& p_MZ, double radius,
-                                      double narrow_cost) {
+std::vector<Eigen::Vector2d> find_path(const StaticMap& map, const Eigen::Vector2d& p_MA,
+                                       const Eigen::Vector2d& p_MZ, double radius,
+                                       double narrow_cost) {
   return Search{map, radius, narrow_cost}.way(p_MA, p_MZ);
 }
 

@@ -20,9 +20,9 @@ inline constexpr double kWide = 0.5, kNarrowCost = 8.0;
 /// The cheapest way for the centre of a disc of that radius, from cell to cell of the grid, a point
 /// about every quarter of a metre; both ends included; by cost_of_a_metre, where a `narrow_cost` of
 /// 0 gives the shortest way of its kind. Empty if there is no way.
-[[nodiscard]] std::vector<Eigen::Vector2d> find_way(const StaticMap& map,
-                                                    const Eigen::Vector2d& p_MA,
-                                                    const Eigen::Vector2d& p_MZ, double radius,
-                                                    double narrow_cost = kNarrowCost);
+[[nodiscard]] std::vector<Eigen::Vector2d> find_path(const StaticMap& map,
+                                                     const Eigen::Vector2d& p_MA,
+                                                     const Eigen::Vector2d& p_MZ, double radius,
+                                                     double narrow_cost = kNarrowCost);
 
 }  // namespace tandem

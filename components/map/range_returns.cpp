@@ -17,7 +17,7 @@ constexpr double kFarthest = 1000.0;       // [m] a way without end is free this
 constexpr double kLongestScan = 1.0;       // [s]
 constexpr double kScanTimeAccuracy = 1.1;  // drivers round scan_time
 
-Echoes refused(std::string error) { return {{}, {}, std::move(error)}; }
+RangeReturns refused(std::string error) { return {{}, {}, std::move(error)}; }
 
 std::size_t size_of(std::uint8_t datatype) { return datatype == kFloat32 ? 4 : 8; }
 
@@ -103,9 +103,9 @@ Beam beam_of(float range, const RangeScan& scan, const NoReturn& no_return) {
   return range == scan.range_max && no_return.range_max ? Beam::kFree : Beam::kEcho;
 }
 
-Echoes echoes_of(const RangeScan& scan, const NoReturn& no_return) {
+RangeReturns range_returns_of(const RangeScan& scan, const NoReturn& no_return) {
   if (auto error = error_of(scan); !error.empty()) return refused(std::move(error));
-  Echoes echoes;
+  RangeReturns echoes;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const Beam beam = beam_of(scan.ranges[i], scan, no_return);
     if (beam == Beam::kInvalid) continue;
@@ -119,8 +119,8 @@ Echoes echoes_of(const RangeScan& scan, const NoReturn& no_return) {
   return echoes;
 }
 
-Echoes echoes_of(const CloudLayout& layout, std::span<const std::uint8_t> data) {
-  Echoes echoes;
+RangeReturns range_returns_of(const CloudLayout& layout, std::span<const std::uint8_t> data) {
+  RangeReturns echoes;
   std::string error;
   std::array<const CloudField*, 3> axes{};
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -12,7 +12,7 @@
 namespace tandem {
 
 /// One look of a sensor, in its own frame S. With an `error` (one line) there are no points.
-struct Echoes {
+struct RangeReturns {
   std::vector<Eigen::Vector3d> p_SQ;     ///< something stands here [m]
   std::vector<Eigen::Vector3d> p_SFree;  ///< nothing stands on the way to here [m]
   std::string error;
@@ -63,7 +63,7 @@ enum class Beam {
 [[nodiscard]] std::string time_error_of(const RangeScan& scan);
 
 /// By beam_of. Where nothing is in range the way is free up to range_max, or up to 1000 m.
-[[nodiscard]] Echoes echoes_of(const RangeScan& scan, const NoReturn& no_return = {});
+[[nodiscard]] RangeReturns range_returns_of(const RangeScan& scan, const NoReturn& no_return = {});
 
 /// A field of a point, as in sensor_msgs/PointField.
 struct CloudField {
@@ -82,6 +82,7 @@ struct CloudLayout {
 
 /// Points of a cloud by its fields x, y and z (FLOAT32 or FLOAT64); other fields are not read. A
 /// point that is not finite says nothing. Any layout and any bytes are safe.
-[[nodiscard]] Echoes echoes_of(const CloudLayout& layout, std::span<const std::uint8_t> data);
+[[nodiscard]] RangeReturns range_returns_of(const CloudLayout& layout,
+                                            std::span<const std::uint8_t> data);
 
 }  // namespace tandem

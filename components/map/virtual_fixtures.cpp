@@ -119,7 +119,7 @@ auto read_list(const YamlReader& reader, const YAML::Node& root, const char* key
 
 }  // namespace
 
-Fixtures load_fixtures(const std::filesystem::path& file) {
+VirtualFixtures load_virtual_fixtures(const std::filesystem::path& file) {
   const YamlReader reader{file.string()};
   const YAML::Node root = reader.load();
   reader.allow(root, {"forbidden", "guidance"});
@@ -127,7 +127,7 @@ Fixtures load_fixtures(const std::filesystem::path& file) {
           read_list(reader, root, "guidance", read_line)};
 }
 
-Grid with_forbidden(Grid grid, const Fixtures& fixtures) {
+Grid with_forbidden(Grid grid, const VirtualFixtures& fixtures) {
   for (const ForbiddenRegion& region : fixtures.forbidden) {
     grid = grown(grid, box_of(region));
     occupy(grid, region);

@@ -21,7 +21,7 @@ struct ForbiddenRegion {
 };
 
 /// Virtual fixtures (Rosenberg 1993; Devalla 2020, 2.1.1).
-struct Fixtures {
+struct VirtualFixtures {
   std::vector<ForbiddenRegion> forbidden;
   std::vector<GuidanceLine> guidance;
 };
@@ -36,11 +36,11 @@ struct Fixtures {
 /// in metres in the map frame; either list may be absent, reach and strength too. Throws
 /// std::invalid_argument naming the file, the line and what is wrong there; an unknown key is
 /// wrong.
-[[nodiscard]] Fixtures load_fixtures(const std::filesystem::path& file);
+[[nodiscard]] VirtualFixtures load_virtual_fixtures(const std::filesystem::path& file);
 
 /// The grid with every cell occupied that a forbidden region reaches into (and some whose square
 /// it misses by less than half a diagonal). Grows, by unknown cells, to hold the regions whole.
 /// Throws std::runtime_error if it would have more than 10⁸ cells.
-[[nodiscard]] Grid with_forbidden(Grid grid, const Fixtures& fixtures);
+[[nodiscard]] Grid with_forbidden(Grid grid, const VirtualFixtures& fixtures);
 
 }  // namespace tandem

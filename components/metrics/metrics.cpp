@@ -169,8 +169,8 @@ void Metrics::write(DriveResult& result) const {
   result.min_clearance_m = min_clearance_;
   result.mean_clearance_m = clearance_.value().value_or(0.0);
   result.path_length_m = path_length_;
-  if (result.reached && setting_.shortest_way.value_or(0.0) > 0.0)
-    result.path_ratio = path_length_ / *setting_.shortest_way;
+  if (result.reached && setting_.shortest_path.value_or(0.0) > 0.0)
+    result.path_ratio = path_length_ / *setting_.shortest_path;
   result.obedience_rms = std::sqrt(squared_difference_.value().value_or(0.0));
   result.agreement_direction = direction_.value();
   result.agreement_direction_free = direction_free_.value();

@@ -170,11 +170,11 @@ void from_json(const nlohmann::json& json, DriveResult& result);
 /// What the measures are relative to.
 struct MetricsSetting {
   Goal goal;
-  double v_max = 1.0, w_max = 1.0;          ///< the robot's limits [m/s, rad/s]
-  std::optional<RegionGoal> after = {};     ///< the goal counts once p_BA was in it
-  Eigen::Vector2d p_BA = {0.0, 0.0};        ///< a point of the robot [m]
-  std::optional<double> shortest_way = {};  ///< from start to goal [m], see shortest_way.hpp
-  double control_period = 0.05;             ///< the planner's deadline [s]
+  double v_max = 1.0, w_max = 1.0;           ///< the robot's limits [m/s, rad/s]
+  std::optional<RegionGoal> after = {};      ///< the goal counts once p_BA was in it
+  Eigen::Vector2d p_BA = {0.0, 0.0};         ///< a point of the robot [m]
+  std::optional<double> shortest_path = {};  ///< from start to goal [m], see shortest_way.hpp
+  double control_period = 0.05;              ///< the planner's deadline [s]
 };
 
 /// Accumulates the measures while the drive goes on. Means are over time, T the time observed:

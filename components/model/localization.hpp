@@ -39,8 +39,8 @@ class Localization {
  public:
   explicit Localization(const LocalizationParams& params) : params_{params} {}
 
-  /// Heard at time t, `late` seconds later than usual: it holds for so much earlier, and counts for
-  /// nothing if something newer was heard before.
+  /// Stamped at time t, `late` seconds later than usual: it holds for so much earlier, and counts
+  /// for nothing if something newer was heard before.
   void on_odom(const Pose2& X_WB, const Twist2& twist, double t, double late = 0.0) {
     watch_clock(t);
     if (!is_finite(X_WB) || !is_finite(twist)) return;
@@ -49,7 +49,7 @@ class Localization {
     twist_ = twist;
     odom_time_ = t - late;
   }
-  /// Heard at time t, the oldest part of it `late` seconds earlier.
+  /// Stamped at time t, the oldest part of it `late` seconds earlier.
   void on_transform(const Pose2& X_MW, double t, double late = 0.0) {
     watch_clock(t);
     if (!is_finite(X_MW)) return;

@@ -7,13 +7,13 @@ namespace tandem {
 /// recording that starts again): what was heard later than now is of no known age, and would be as
 /// good as new when the clock comes there again.
 template <class T>
-struct Heard {
+struct Stamped {
   static constexpr double kNever = -1e9;  // [s]
 
   T value{};
   double t = kNever;
 
-  /// Heard at most `timeout` [s] ago.
+  /// Stamped at most `timeout` [s] ago.
   [[nodiscard]] bool fresh(double now, double timeout) const {
     return t <= now && now - t <= timeout;
   }

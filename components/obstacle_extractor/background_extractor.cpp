@@ -19,25 +19,25 @@ enum class Rest { kNothing, kLater, kSome, kAll };
 
 std::optional<std::vector<Obstacle>> shapes_within(const FittedArea& area,
                                                    const Eigen::Vector2d& p_MB) {
-  if (!((p_MB - area.p_MC).norm() <= ShapesAhead::kAhead)) return std::nullopt;
+  if (!((p_MB - area.p_MC).norm() <= BackgroundExtractor::kAhead)) return std::nullopt;
   std::vector<Obstacle> obstacles;
   for (const CoverShape& shape : area.shapes)
     if (distance_to_cells(shape, p_MB) <= area.range) obstacles.push_back(shape.obstacle);
   return obstacles;
 }
 
-ShapesAhead::ShapesAhead(const ExtractorParams& params) {
+BackgroundExtractor::BackgroundExtractor(const ExtractorParams& params) {
   set_params(params);
   worker_ = std::thread{[this] { run(); }};
 }
 
-void ShapesAhead::set_params(const ExtractorParams& params) {
+void BackgroundExtractor::set_params(const ExtractorParams& params) {
   check(params);
   params_ = std::make_shared<const ExtractorParams>(params);
   asked_p_MC_.reset();
 }
 
-ShapesAhead::~ShapesAhead() {
+BackgroundExtractor::~BackgroundExtractor() {
   {
     const std::lock_guard lock{mutex_};
     stop_ = true;
@@ -46,8 +46,8 @@ ShapesAhead::~ShapesAhead() {
   worker_.join();
 }
 
-std::optional<std::vector<Obstacle>> ShapesAhead::near(const std::shared_ptr<const StaticMap>& map,
-                                                       const Eigen::Vector2d& p_MB) {
+std::optional<std::vector<Obstacle>> BackgroundExtractor::near(
+    const std::shared_ptr<const StaticMap>& map, const Eigen::Vector2d& p_MB) {
   if (!map || !p_MB.allFinite()) return std::nullopt;
   const bool asks = map != asked_map_ || !asked_p_MC_ || (p_MB - *asked_p_MC_).norm() >= kRenew;
   std::shared_ptr<const FittedArea> area;
@@ -64,7 +64,7 @@ std::optional<std::vector<Obstacle>> ShapesAhead::near(const std::shared_ptr<con
   return area ? shapes_within(*area, p_MB) : std::nullopt;
 }
 
-void ShapesAhead::run() {
+void BackgroundExtractor::run() {
   std::shared_ptr<const StaticMap> map;
   std::shared_ptr<const ExtractorParams> params;
   std::optional<Extractor> extractor;

@@ -28,16 +28,16 @@ struct FittedArea {
 /// A map that changes with every scan is followed by what changed in it: at once the tiles that
 /// show more than a few new cells, then, one by one while no newer map waits, those whose shapes
 /// cover all but could be better.
-class ShapesAhead {
+class BackgroundExtractor {
  public:
   static constexpr double kAhead = 2.0;  ///< [m]
   static constexpr double kRenew = 0.5;  ///< [m]
 
   /// Throws std::invalid_argument on parameters out of their ranges.
-  explicit ShapesAhead(const ExtractorParams& params);
-  ~ShapesAhead();
-  ShapesAhead(const ShapesAhead&) = delete;
-  ShapesAhead& operator=(const ShapesAhead&) = delete;
+  explicit BackgroundExtractor(const ExtractorParams& params);
+  ~BackgroundExtractor();
+  BackgroundExtractor(const BackgroundExtractor&) = delete;
+  BackgroundExtractor& operator=(const BackgroundExtractor&) = delete;
 
   /// Fits anew; until that is done `near` goes on as before. Throws std::invalid_argument, having
   /// changed nothing, on parameters out of range.

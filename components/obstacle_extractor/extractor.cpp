@@ -66,7 +66,7 @@ void Extractor::update(std::shared_ptr<const StaticMap> map) {
   ++updates_;
   region_ = 0;
   map_ = std::move(map);
-  places_ = Places{*map_, params_.smallest_gap};
+  places_ = FreeRegions{*map_, params_.smallest_gap};
 }
 
 bool Extractor::refresh_near(const Eigen::Vector2d& p_MB, double range, long settle) {
@@ -199,7 +199,7 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
   const CellRect window{rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin};
   const FreeSpace space(*map_, places_, window, region_);
   tile.space = space_round(rect);
-  const Ways ways(*map_, places_, window, region_, params_.width, clusters);
+  const Passages ways(*map_, places_, window, region_, params_.width, clusters);
   tile.shapes = cover(grid, clusters, space, ways,
                       {.excess = {params_.max_excess, std::min(kNarrow, params_.max_excess), kKept},
                        .space_per_shape = params_.space_per_shape,

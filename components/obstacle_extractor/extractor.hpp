@@ -100,7 +100,7 @@ class Extractor {
 
   std::shared_ptr<const StaticMap> map_;
   ExtractorParams params_;
-  Places places_;
+  FreeRegions places_;
   Eigen::Vector2i shift_{0, 0};  // from the first map's origin to this one's, in cells
   long updates_ = 1;
   int region_ = 0;  // where the robot was last; 0: none yet

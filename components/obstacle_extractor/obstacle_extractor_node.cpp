@@ -21,7 +21,7 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       markers_{node.create_publisher(topics::obstacle_markers)},
       diagnostics_{node, {topics::obstacles.name}} {
   if (params_->people)
-    on_people_ = std::make_unique<PeopleInput>(node, robot_.frames(), [this](auto all) {
+    on_people_ = std::make_unique<ObstacleTracksInput>(node, robot_.frames(), [this](auto all) {
       people_ = {std::move(all), node_.now()};
     });
   timer_ = node.create_timer(params_->period, [this] { extract(); });

@@ -68,11 +68,11 @@ class ObstacleExtractorNode {
   rt::Parameters<ObstacleExtractorNodeParams> params_;
   RobotStateInput robot_;
   MapInput map_;
-  ShapesAhead shapes_;
+  BackgroundExtractor shapes_;
   int lists_ = 0;
   std::string none_for_;  ///< why there is no list, as it was logged
-  Heard<std::vector<Obstacle>> people_;
-  std::unique_ptr<PeopleInput> on_people_;
+  Stamped<std::vector<Obstacle>> people_;
+  std::unique_ptr<ObstacleTracksInput> on_people_;
 
   rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;

@@ -56,7 +56,7 @@ struct LocalMapParams {
 
 /// What a sensor at X_MS saw.
 struct Look {
-  Echoes echoes;
+  RangeReturns echoes;
   Eigen::Isometry3d X_MS;
 };
 

@@ -85,7 +85,7 @@ void OctomapBuilderNode::on_scan(const sensor_msgs::msg::LaserScan& msg) {
 }
 
 void OctomapBuilderNode::on_cloud(const sensor_msgs::msg::PointCloud2& msg) {
-  Echoes echoes = from_msg(msg);
+  RangeReturns echoes = from_msg(msg);
   if (!echoes.error.empty()) return give_up(camera_, kRefused, echoes.error);
   const auto X_BS = place_of(camera_, msg.header());
   if (!X_BS) return;

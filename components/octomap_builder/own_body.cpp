@@ -8,7 +8,7 @@ namespace tandem {
 OwnBody::OwnBody(Footprint footprint)
     : footprint_{std::move(footprint)}, radius_{circumradius(footprint_)} {}
 
-std::size_t OwnBody::drop(Echoes& echoes, const Eigen::Isometry3d& X_BS) const {
+std::size_t OwnBody::drop(RangeReturns& echoes, const Eigen::Isometry3d& X_BS) const {
   return std::erase_if(echoes.p_SQ, [&](const Eigen::Vector3d& p_SQ) {
     const Eigen::Vector3d p_BQ = X_BS * p_SQ;
     return contains(p_BQ.head<2>());

@@ -10,15 +10,15 @@
 
 namespace tandem {
 
-/// Echoes inside the robot's outline, at any height, are of the robot itself: posts, a footplate, a
-/// joystick's arm, a person's legs. Drops them, so that their beams neither mark nor clear
-/// anything.
+/// RangeReturns inside the robot's outline, at any height, are of the robot itself: posts, a
+/// footplate, a joystick's arm, a person's legs. Drops them, so that their beams neither mark nor
+/// clear anything.
 class OwnBody {
  public:
   explicit OwnBody(Footprint footprint);
 
   /// How many echoes of a sensor at X_BS were dropped.
-  std::size_t drop(Echoes& echoes, const Eigen::Isometry3d& X_BS) const;
+  std::size_t drop(RangeReturns& echoes, const Eigen::Isometry3d& X_BS) const;
 
  private:
   [[nodiscard]] bool contains(const Eigen::Vector2d& p_BQ) const;

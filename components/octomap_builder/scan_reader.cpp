@@ -54,7 +54,7 @@ ScanReading ScanReader::read(const RangeScan& scan, const Eigen::Isometry3d& X_B
   ScanReading reading{.error = error_of(scan), .seen = {}};
   if (reading.error.empty()) reading.error = range_max_error(scan);
   if (!reading.error.empty()) return reading;
-  reading.seen = echoes_of(scan, no_return_);
+  reading.seen = range_returns_of(scan, no_return_);
   reading.own_body = body.drop(reading.seen, X_BS);
   reading.composition = composition_of(scan, reading.own_body);
   const auto& echoes = reading.seen.p_SQ;

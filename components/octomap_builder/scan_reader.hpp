@@ -27,7 +27,7 @@ struct ScanReaderParams {
 /// What a scan says as a whole.
 struct ScanReading {
   std::string error;          ///< why it cannot be read, in one line; empty if it can
-  Echoes seen;                ///< in the sensor's frame, without those of the robot itself
+  RangeReturns seen;          ///< in the sensor's frame, without those of the robot itself
   std::size_t own_body = 0;   ///< echoes that are of the robot itself
   double valid_share = 0.0;   ///< of all beams: echoes that are not too near, and free ways
   std::string composition{};  ///< what the beams are, for people: "360 beams: 300 nan, 60 in range"

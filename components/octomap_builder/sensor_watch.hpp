@@ -34,7 +34,7 @@ struct SensorWatchParams {
 
 /// A look as it is judged.
 struct JudgedLook {
-  const Echoes& seen;              ///< without the robot's own body
+  const RangeReturns& seen;        ///< without the robot's own body
   const Eigen::Isometry3d& X_BS;   ///< of the sensor
   std::optional<Pose2> X_WB = {};  ///< odometry's, when it was taken; nothing: not known
   double valid_share = 1.0;        ///< 1 for a cloud: an empty one is a look, too
@@ -53,12 +53,12 @@ enum class LookUse {
 /// an empty floor: it shows that the camera is alive, and neither marks nor clears anything. A scan
 /// needs min_valid_share of its beams.
 ///
-/// Echoes that are the same to the bit, look after look, though odometry says that they should have
-/// moved by more than two voxels, are those of a frozen sensor or of a robot whose wheels slip.
-/// Either way the robot must stand. Motion along a surface does not count, for without noise a
-/// long wall looks the same all along; 5 % of the echoes must have moved across their surface, or
-/// all of them by 2 m. A look without echoes is never frozen. Times are seconds on one clock; one
-/// that is set back makes all new.
+/// RangeReturns that are the same to the bit, look after look, though odometry says that they
+/// should have moved by more than two voxels, are those of a frozen sensor or of a robot whose
+/// wheels slip. Either way the robot must stand. Motion along a surface does not count, for without
+/// noise a long wall looks the same all along; 5 % of the echoes must have moved across their
+/// surface, or all of them by 2 m. A look without echoes is never frozen. Times are seconds on one
+/// clock; one that is set back makes all new.
 class SensorWatch {
  public:
   /// Of the sensor on `topic`, which required_sensors may name. `voxel`: side of one [m]. Throws
@@ -89,7 +89,7 @@ class SensorWatch {
  private:
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-  // Echoes that came again and again, and where odometry was when they came first.
+  // RangeReturns that came again and again, and where odometry was when they came first.
   struct Repeated {
     std::uint64_t hash;
     Pose2 X_WB;

@@ -43,7 +43,8 @@ std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const Eigen::Is
     if (begin == end && parts > 1) continue;
     const auto X_MB = after(0.5 * static_cast<double>(begin + std::max(end, begin + 1) - 1));
     if (!X_MB) return std::nullopt;
-    looks.push_back({echoes_of(part_of(scan, begin, end), no_return), in_space(*X_MB) * X_BS});
+    looks.push_back(
+        {range_returns_of(part_of(scan, begin, end), no_return), in_space(*X_MB) * X_BS});
   }
   return looks;
 }

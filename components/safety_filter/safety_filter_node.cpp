@@ -42,7 +42,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
   robot_.on_state([this](const RobotState& state) { filter_.on_state(state, node_.now()); });
   if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
-    people_ = std::make_unique<PeopleInput>(node, robot_.frames(), [this](auto people) {
+    people_ = std::make_unique<ObstacleTracksInput>(node, robot_.frames(), [this](auto people) {
       filter_.on_people(std::move(people), node_.now());
     });
   if (params_->stamped)

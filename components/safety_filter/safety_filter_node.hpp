@@ -68,7 +68,7 @@ class SafetyFilterNode {
   MapInput map_;
   SensingInput sensing_;
   std::string blind_;  // why no map of what is seen can be believed; empty if it can
-  std::unique_ptr<PeopleInput> people_;  ///< if they are watched
+  std::unique_ptr<ObstacleTracksInput> people_;  ///< if they are watched
   Filtered last_;
   std::uint64_t interventions_ = 0;
   double updated_ = 0.0;  ///< steady [s]

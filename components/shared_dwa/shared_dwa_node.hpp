@@ -52,7 +52,7 @@ class SharedDwaNode {
   SharedDwa dwa_;
   RobotStateInput robot_;
   MapInput map_;
-  Heard<Twist2> user_;
+  Stamped<Twist2> user_;
   std::string standing_for_;  ///< why it stands, as it was logged
   tandem_msgs::msg::PlannerStatus status_;
 

@@ -66,7 +66,7 @@ class TeleopNode {
   RestCheck rest_;
   JoyRhythm rhythm_;
   StampCheck joy_stamp_;
-  Heard<bool> yielded_;  // by the planner
+  Stamped<bool> yielded_;  // by the planner
   bool end_pressed_ = false;
   std::map<std::string, std::string> troubles_;  // by sender of joy
 

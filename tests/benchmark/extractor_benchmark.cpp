@@ -78,7 +78,7 @@ void update(benchmark::State& state, const World& world) {
   const Eigen::Vector2d middle{0.0, 0.0};  // of the forest and its copies; free in the building too
   std::mt19937 random{1};
   std::uniform_real_distribution<double> metres(-0.6, 0.6);
-  ShapesAhead shapes({});
+  BackgroundExtractor shapes({});
   while (!shapes.near(world, middle)) std::this_thread::yield();
   for (auto _ : state) {
     const auto near = shapes.near(world, middle + Eigen::Vector2d{metres(random), metres(random)});

@@ -48,7 +48,7 @@ class Stopwatch {
   std::map<std::string, std::vector<double>> laps_;
 };
 
-Echoes look(const StaticMap& world, const Pose2& X, std::mt19937& random) {
+RangeReturns look(const StaticMap& world, const Pose2& X, std::mt19937& random) {
   std::normal_distribution<double> noise(0.0, kNoise);
   std::vector<float> ranges;
   for (int i = 0; i < kBeams; ++i) {
@@ -57,11 +57,11 @@ Echoes look(const StaticMap& world, const Pose2& X, std::mt19937& random) {
     ranges.push_back(d < kRange ? static_cast<float>(d + noise(random))
                                 : std::numeric_limits<float>::infinity());
   }
-  return echoes_of(RangeScan{.angle_min = 0.0,
-                             .angle_increment = 2.0 * std::numbers::pi / kBeams,
-                             .range_min = 0.1,
-                             .range_max = kRange,
-                             .ranges = ranges});
+  return range_returns_of(RangeScan{.angle_min = 0.0,
+                                    .angle_increment = 2.0 * std::numbers::pi / kBeams,
+                                    .range_min = 0.1,
+                                    .range_max = kRange,
+                                    .ranges = ranges});
 }
 
 void drive(const char* name, const StaticMap& world, const std::vector<Eigen::Vector2d>& way,
@@ -77,7 +77,7 @@ void drive(const char* name, const StaticMap& world, const std::vector<Eigen::Ve
     for (double s = 0.0; s < along.norm(); s += speed * kPeriod) {
       const Eigen::Vector2d p = way[leg - 1] + s * along.normalized();
       const Pose2 X{p.x(), p.y(), std::atan2(along.y(), along.x())};
-      const Echoes echoes = look(world, X, random);
+      const RangeReturns echoes = look(world, X, random);
       const Eigen::Isometry3d X_MS = Eigen::Translation3d(X.x, X.y, 0.3) *
                                      Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
       clock.start();
@@ -110,7 +110,7 @@ void drive(const char* name, const StaticMap& world, const std::vector<Eigen::Ve
 
 // A depth camera of 640 × 480 points, 87° × 58°, before a wall in 3 m, above a floor.
 void look_by_camera() {
-  Echoes echoes;
+  RangeReturns echoes;
   for (int row = 0; row < 480; ++row)
     for (int column = 0; column < 640; ++column) {
       const Eigen::Vector3d direction{1.0, (column - 320) / 337.0, (row - 240) / 433.0};

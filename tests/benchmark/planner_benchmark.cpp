@@ -38,7 +38,7 @@ struct Recording {
 // --- solvers -------------------------------------------------------------------------------------
 
 struct Structured {
-  StructuredSolver solver = {};
+  RiccatiSolver solver = {};
   const Solution& operator()(const Ocp& ocp, const Iterate& guess) {
     return solver.solve(ocp, guess, {.iterations = 300});
   }
@@ -212,7 +212,7 @@ Recording record(const World& world, const Plant& at_start, const Person& person
   const RobotParams robot;
   const Body body = body_of(world.params, robot);
   const double period = world.params.control_period;
-  StructuredSolver solver;
+  RiccatiSolver solver;
   Recording out;
   Plant plant = at_start;
   Twist2 command;

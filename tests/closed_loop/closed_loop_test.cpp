@@ -175,7 +175,7 @@ class Forbidden : public ::testing::TestWithParam<const char*> {};
 // The region is no obstacle to the simulator: only planner and filter keep the robot out.
 TEST_P(Forbidden, RegionsAreNeverEntered) {
   const std::string folder = test::source_path("tests/closed_loop/");
-  const Fixtures fixtures = load_fixtures(folder + "forest_mat.yaml");
+  const VirtualFixtures fixtures = load_virtual_fixtures(folder + "forest_mat.yaml");
   const Grid empty{0.02, {-5.0, -5.0}, 500, 500, std::vector<Cell>(250000, Cell::kFree)};
   const StaticMap region{with_forbidden(empty, fixtures)};
   const Footprint mir = rectangle(0.89, 0.58, 0.038);

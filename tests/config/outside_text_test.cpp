@@ -147,15 +147,14 @@ TEST_P(YamlEntrance, EndsWithAnErrorForFilesThatOnceTookAllMemory) {
 
 INSTANTIATE_TEST_SUITE_P(
     OfThe, YamlEntrance,
-    ::testing::Values(Entrance{"Map", [](const auto& file) { (void)load_map(file, 1.0); }},
-                      Entrance{"Fixtures", [](const auto& file) { (void)load_fixtures(file); }},
-                      Entrance{"Scenario", [](const auto& file) { (void)load_scenario(file); }},
-                      Entrance{"Study", [](const auto& file) { (void)load_study(file); }},
-                      Entrance{"System", [](const auto& file) { (void)load_system(file); }},
-                      Entrance{"Parameters",
-                               [](const auto& file) {
-                                 (void)rt::read_parameter_file(file, "/local_planner");
-                               }}),
+    ::testing::Values(
+        Entrance{"Map", [](const auto& file) { (void)load_map(file, 1.0); }},
+        Entrance{"Fixtures", [](const auto& file) { (void)load_virtual_fixtures(file); }},
+        Entrance{"Scenario", [](const auto& file) { (void)load_scenario(file); }},
+        Entrance{"Study", [](const auto& file) { (void)load_study(file); }},
+        Entrance{"System", [](const auto& file) { (void)load_system(file); }},
+        Entrance{"Parameters",
+                 [](const auto& file) { (void)rt::read_parameter_file(file, "/local_planner"); }}),
     [](const auto& tested) { return std::string{tested.param.name}; });
 
 TEST(YamlText, AParameterThatIsNoYamlIsNotSet) {

@@ -31,7 +31,7 @@ class AutonomyGuardOverDds : public testing::Test {
     ASSERT_TRUE(test::spin_until([&] { return status_.matched() > 0; }, kTimeout, arbitration_,
                                  dashboard_));
     status_.publish(status);
-    // Heard by us as late as by the guard.
+    // Stamped by us as late as by the guard.
     ASSERT_TRUE(
         test::spin_until([&] { return heard_ == policy; }, kTimeout, arbitration_, dashboard_));
   }

@@ -49,7 +49,7 @@ TEST(CostToGo, IsNeverLessThanTheStraightWayAndAsLongAsAFoundOne) {
   for (double x = 0.3; x < 3.8; x += 0.31)
     for (double y = 0.3; y < 3.8; y += 0.31) {
       if (map.distance({x, y}) < 0.25) continue;
-      const auto way = find_way(map, {x, y}, goal, 0.2, 0.0);
+      const auto way = find_path(map, {x, y}, goal, 0.2, 0.0);
       ASSERT_FALSE(way.empty());
       double length = 0.0;
       for (std::size_t i = 1; i < way.size(); ++i) length += (way[i] - way[i - 1]).norm();

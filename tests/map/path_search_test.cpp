@@ -27,7 +27,7 @@ TEST(Way, KeepsTheDiscClearAndItsEnds) {
   const StaticMap map = two_openings();
   const Eigen::Vector2d a{0.7, 1.0}, z{3.3, 1.0};
   for (const double radius : {0.1, 0.3}) {
-    const auto way = find_way(map, a, z, radius);
+    const auto way = find_path(map, a, z, radius);
     ASSERT_GE(way.size(), 3);
     EXPECT_EQ(way.front(), a);
     EXPECT_EQ(way.back(), z);
@@ -38,12 +38,12 @@ TEST(Way, KeepsTheDiscClearAndItsEnds) {
 
 TEST(Way, TakesTheWideOpeningIfOnlyThatIsWideEnough) {
   const StaticMap map = two_openings();
-  EXPECT_GT(largest_y(find_way(map, {0.7, 1.0}, {3.3, 1.0}, 0.3)), 2.3);
-  EXPECT_TRUE(find_way(map, {0.7, 1.0}, {3.3, 1.0}, 0.7).empty());
+  EXPECT_GT(largest_y(find_path(map, {0.7, 1.0}, {3.3, 1.0}, 0.3)), 2.3);
+  EXPECT_TRUE(find_path(map, {0.7, 1.0}, {3.3, 1.0}, 0.7).empty());
 }
 
 TEST(Way, IsNoneFromOutsideOfTheMap) {
-  EXPECT_TRUE(find_way(two_openings(), {-1.0, 1.0}, {3.3, 1.0}, 0.1).empty());
+  EXPECT_TRUE(find_path(two_openings(), {-1.0, 1.0}, {3.3, 1.0}, 0.1).empty());
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ RangeScan scan(std::span<const float> ranges) {
 
 TEST(RangeScan, EchoesStandOnTheirBeams) {
   const std::vector<float> ranges{1.0F, 2.0F, 4.0F};
-  const Echoes echoes = echoes_of(scan(ranges));
+  const RangeReturns echoes = range_returns_of(scan(ranges));
   ASSERT_EQ(echoes.p_SQ.size(), 3U);
   EXPECT_TRUE(echoes.p_SFree.empty());
   for (std::size_t i = 0; i < 3; ++i) {
@@ -38,7 +38,7 @@ TEST(RangeScan, EchoesStandOnTheirBeams) {
 
 TEST(RangeScan, NoReturnIsFreeWayAndWhatIsInvalidSaysNothing) {
   const std::vector<float> ranges{kInfinity, 9.0F, kNaN, -kInfinity, 0.0F, 0.19F, -1.0F};
-  const Echoes echoes = echoes_of(scan(ranges));
+  const RangeReturns echoes = range_returns_of(scan(ranges));
   EXPECT_TRUE(echoes.error.empty());
   EXPECT_TRUE(echoes.p_SQ.empty());
   ASSERT_EQ(echoes.p_SFree.size(), 1U);  // +inf
@@ -48,7 +48,7 @@ TEST(RangeScan, NoReturnIsFreeWayAndWhatIsInvalidSaysNothing) {
 // A driver may set range_max to the farthest reading: a flat wall is not a free way.
 TEST(RangeScan, AReadingOfExactlyRangeMaxIsAnEcho) {
   const std::vector<float> ranges{5.0F, 5.0F};
-  EXPECT_EQ(echoes_of(scan(ranges)).p_SQ.size(), 2U);
+  EXPECT_EQ(range_returns_of(scan(ranges)).p_SQ.size(), 2U);
 }
 
 TEST(RangeScan, NothingInRangeIsWhatNoReturnNames) {
@@ -59,7 +59,7 @@ TEST(RangeScan, NothingInRangeIsWhatNoReturnNames) {
   };
   for (const Case& c : {Case{{}, 2, 0}, Case{{"inf"}, 2, 1}, Case{{"range_max"}, 1, 2},
                         Case{{"zero"}, 2, 1}, Case{{"nan"}, 2, 1}, Case{kNoReturnNames, 1, 5}}) {
-    const Echoes echoes = echoes_of(scan(ranges), no_return_of(c.names));
+    const RangeReturns echoes = range_returns_of(scan(ranges), no_return_of(c.names));
     EXPECT_EQ(echoes.p_SQ.size(), c.echoes) << c.names.size();
     EXPECT_EQ(echoes.p_SFree.size(), c.free) << c.names.size();
     for (const auto& p : echoes.p_SFree) EXPECT_NEAR(p.norm(), 5.0, 1e-9);
@@ -71,7 +71,7 @@ TEST(RangeScan, RangeMaxMayBeInfinite) {
   const std::vector<float> ranges{kInfinity, 20.0F};
   RangeScan endless = scan(ranges);
   endless.range_max = std::numeric_limits<double>::infinity();
-  const Echoes echoes = echoes_of(endless);
+  const RangeReturns echoes = range_returns_of(endless);
   EXPECT_TRUE(echoes.error.empty());
   ASSERT_EQ(echoes.p_SQ.size(), 1U);
   ASSERT_EQ(echoes.p_SFree.size(), 1U);
@@ -106,7 +106,7 @@ TEST(RangeScan, RefusesAScanWithoutMeaning) {
            [](RangeScan& s) { s.time_increment = std::nan(""); }}) {
     RangeScan bad = scan(ranges);
     spoil(bad);
-    const Echoes echoes = echoes_of(bad);
+    const RangeReturns echoes = range_returns_of(bad);
     EXPECT_FALSE(echoes.error.empty());
     EXPECT_TRUE(echoes.p_SQ.empty() && echoes.p_SFree.empty());
   }
@@ -159,7 +159,7 @@ std::vector<Eigen::Vector3d> some_points() {
 }
 
 void expect_points(const Cloud& cloud, const std::vector<Eigen::Vector3d>& points) {
-  const Echoes echoes = echoes_of(cloud.layout, cloud.data);
+  const RangeReturns echoes = range_returns_of(cloud.layout, cloud.data);
   EXPECT_EQ(echoes.error, "");
   EXPECT_EQ(echoes.p_SQ, points);
 }
@@ -204,7 +204,7 @@ TEST(PointCloud, RefusesALayoutThatIsNotThatOfItsBytes) {
            [](Cloud& c) { c.data.pop_back(); }, [](Cloud& c) { c.data.clear(); }}) {
     Cloud bad = good;
     spoil(bad);
-    const Echoes echoes = echoes_of(bad.layout, bad.data);
+    const RangeReturns echoes = range_returns_of(bad.layout, bad.data);
     EXPECT_FALSE(echoes.error.empty());
     EXPECT_EQ(echoes.error.find('\n'), std::string::npos);
     EXPECT_TRUE(echoes.p_SQ.empty());
@@ -229,7 +229,7 @@ TEST(PointCloud, AnyLayoutIsSafe) {
     for (const char* name : {"x", "y", "z"})
       layout.fields.push_back({name, number(30), static_cast<std::uint8_t>(7 + random() % 2)});
     const std::vector<std::uint8_t> data(random() % 400, 0x3F);
-    const Echoes echoes = echoes_of(layout, data);
+    const RangeReturns echoes = range_returns_of(layout, data);
     if (echoes.error.empty()) ++accepted;
     EXPECT_LE(echoes.p_SQ.size(), std::uint64_t{layout.height} * layout.width);
   }

@@ -18,15 +18,17 @@ Grid free_grid(int width, int height) {
           std::vector<Cell>(static_cast<std::size_t>(width * height), Cell::kFree)};
 }
 
-Fixtures region(std::vector<Eigen::Vector2d> p_MV) { return {{{"region", std::move(p_MV)}}, {}}; }
+VirtualFixtures region(std::vector<Eigen::Vector2d> p_MV) {
+  return {{{"region", std::move(p_MV)}}, {}};
+}
 
 class FixtureFile : public ::testing::Test {
  protected:
   ~FixtureFile() override { std::filesystem::remove(path_); }
 
-  Fixtures load(const std::string& text) {
+  VirtualFixtures load(const std::string& text) {
     std::ofstream{path_} << text;
-    return load_fixtures(path_);
+    return load_virtual_fixtures(path_);
   }
   void expect_complaint(const std::string& text, const std::string& about) {
     try {
@@ -43,7 +45,7 @@ class FixtureFile : public ::testing::Test {
 };
 
 TEST_F(FixtureFile, IsRead) {
-  const Fixtures fixtures =
+  const VirtualFixtures fixtures =
       load("forbidden:\n  - {name: mat, polygon: [[0, 0], [1, 0], [1, 2]]}\n");
   ASSERT_EQ(fixtures.forbidden.size(), 1U);
   EXPECT_EQ(fixtures.forbidden[0].name, "mat");
@@ -51,7 +53,7 @@ TEST_F(FixtureFile, IsRead) {
 }
 
 TEST_F(FixtureFile, MayGuideToo) {
-  const Fixtures fixtures = load(
+  const VirtualFixtures fixtures = load(
       "guidance:\n  - {name: lane, line: [[0, 0], [4, 0], [4, 3]], strength: 0.8}\n"
       "  - {line: [[0, 1], [1, 1]], reach: 2}\n");
   EXPECT_TRUE(fixtures.forbidden.empty());
@@ -73,7 +75,7 @@ TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [.nan, 1], [1, 1]]}\n", "outside");
   expect_complaint("guidance:\n  - {line: [[0, 0]]}\n", ":2: expected two points");
   expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], strength: 2}\n", "outside");
-  EXPECT_THROW((void)load_fixtures("/nowhere.yaml"), std::invalid_argument);
+  EXPECT_THROW((void)load_virtual_fixtures("/nowhere.yaml"), std::invalid_argument);
 }
 
 TEST(Forbidden, RegionOccupiesEveryCellItReachesInto) {

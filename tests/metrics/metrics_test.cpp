@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTick = 0.01;
 const MetricsSetting kSetting{
-    .goal = RegionGoal{{0.99, -1.0}, {9.0, 1.0}}, .v_max = 1.0, .w_max = 2.0, .shortest_way = 0.8};
+    .goal = RegionGoal{{0.99, -1.0}, {9.0, 1.0}}, .v_max = 1.0, .w_max = 2.0, .shortest_path = 0.8};
 
 // What is measured of `seconds` of a drive whose samples are made by `at`.
 DriveResult measure(double seconds, const std::function<DriveSample(double)>& at,

@@ -27,7 +27,8 @@ class Patience {
 };
 
 // Asks until there is an answer.
-std::vector<Obstacle> wait_for(ShapesAhead& shapes, const std::shared_ptr<const StaticMap>& map,
+std::vector<Obstacle> wait_for(BackgroundExtractor& shapes,
+                               const std::shared_ptr<const StaticMap>& map,
                                const Eigen::Vector2d& p_MB) {
   for (Patience patience; !patience.ended();)
     if (auto near = shapes.near(map, p_MB)) return *near;
@@ -35,20 +36,20 @@ std::vector<Obstacle> wait_for(ShapesAhead& shapes, const std::shared_ptr<const 
   return {};
 }
 
-TEST(ShapesAhead, GivesTheShapesOfTheExtractor) {
+TEST(BackgroundExtractor, GivesTheShapesOfTheExtractor) {
   const auto map = load_world(project_map("corridor"));
-  ShapesAhead shapes({});
+  BackgroundExtractor shapes({});
   Extractor extractor(map, {});
   for (double x = 1.0; x < 14.0; x += 0.5)
     test::expect_same(wait_for(shapes, map, {x, 0.0}), extractor.near({x, 0.0}));
 }
 
 // A robot of 1 m/s asks 40 times a second; fits that take 0.9 s each come in time.
-TEST(ShapesAhead, HasTheNextShapesBeforeTheRobotIsThere) {
+TEST(BackgroundExtractor, HasTheNextShapesBeforeTheRobotIsThere) {
   const ExtractorParams params;
   Extractor extractor(load_world(project_map("corridor")), params);
   const auto fit = [&](const Eigen::Vector2d& p) {
-    return FittedArea{p, extractor.shapes_near(p, params.range + ShapesAhead::kAhead),
+    return FittedArea{p, extractor.shapes_near(p, params.range + BackgroundExtractor::kAhead),
                       params.range};
   };
   FittedArea area = fit({1.0, 0.0});
@@ -59,7 +60,7 @@ TEST(ShapesAhead, HasTheNextShapesBeforeTheRobotIsThere) {
     const auto shapes = shapes_within(area, p_MB);
     ASSERT_TRUE(shapes) << "at x = " << x;
     test::expect_same(*shapes, extractor.near(p_MB));
-    if (late == 0 && (p_MB - asked).norm() >= ShapesAhead::kRenew) {
+    if (late == 0 && (p_MB - asked).norm() >= BackgroundExtractor::kRenew) {
       asked = p_MB;
       late = 36;
     }
@@ -67,14 +68,14 @@ TEST(ShapesAhead, HasTheNextShapesBeforeTheRobotIsThere) {
   }
 }
 
-TEST(ShapesAhead, SaysNothingWhereNothingIsFitted) {
+TEST(BackgroundExtractor, SaysNothingWhereNothingIsFitted) {
   const auto map = load_world(project_map("corridor"));
   Extractor extractor(map, {});
   const FittedArea area{{1.0, 0.0}, extractor.shapes_near({1.0, 0.0}, 6.0), 4.0};
   EXPECT_TRUE(shapes_within(area, {2.9, 0.0}));
   EXPECT_FALSE(shapes_within(area, {3.1, 0.0}));
   EXPECT_FALSE(shapes_within(area, {std::numeric_limits<double>::quiet_NaN(), 0.0}));
-  ShapesAhead shapes({});
+  BackgroundExtractor shapes({});
   EXPECT_FALSE(shapes.near(nullptr, {1.0, 0.0}));
   EXPECT_FALSE(shapes.near(map, {std::numeric_limits<double>::quiet_NaN(), 0.0}));
 }
@@ -85,12 +86,12 @@ bool are_equal(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
   });
 }
 
-TEST(ShapesAhead, KeepsTheOldMapsShapesUntilThereAreSomeOfTheNew) {
+TEST(BackgroundExtractor, KeepsTheOldMapsShapesUntilThereAreSomeOfTheNew) {
   const auto corridor = load_world(project_map("corridor")),
              slalom = load_world(project_map("slalom"));
   const Eigen::Vector2d p_MB{3.0, 0.0};
   const ExtractorParams params;
-  ShapesAhead shapes(params);
+  BackgroundExtractor shapes(params);
   (void)wait_for(shapes, corridor, p_MB);
   Extractor fresh(corridor, params);  // as the tiles lie
   fresh.update(slalom);
@@ -106,11 +107,11 @@ TEST(ShapesAhead, KeepsTheOldMapsShapesUntilThereAreSomeOfTheNew) {
   }
 }
 
-TEST(ShapesAhead, GoesOnAsBeforeUntilOtherParametersAreFitted) {
+TEST(BackgroundExtractor, GoesOnAsBeforeUntilOtherParametersAreFitted) {
   const auto map = load_world(project_map("corridor"));
   const Eigen::Vector2d p_MB{3.0, 0.0};
   const ExtractorParams near{.range = 1.5}, far{.range = 6.0};
-  ShapesAhead shapes(near);
+  BackgroundExtractor shapes(near);
   const auto old = wait_for(shapes, map, p_MB);
   EXPECT_THROW(shapes.set_params({.range = -1.0}), std::invalid_argument);
   shapes.set_params(far);
@@ -129,10 +130,10 @@ TEST(ShapesAhead, GoesOnAsBeforeUntilOtherParametersAreFitted) {
   }
 }
 
-TEST(ShapesAhead, EndsWhileItFits) {
+TEST(BackgroundExtractor, EndsWhileItFits) {
   const auto map = load_world(project_map("forest"));
   for (int i = 0; i < 20; ++i) {
-    ShapesAhead shapes({});
+    BackgroundExtractor shapes({});
     EXPECT_FALSE(shapes.near(map, {0.0, 0.0}));
   }
 }

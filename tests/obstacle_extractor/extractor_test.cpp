@@ -50,7 +50,7 @@ void expect_tight(const LossWorlds& group) {
 double deepest_point(const std::shared_ptr<const StaticMap>& map, const ExtractorParams& params) {
   const Grid& grid = map->grid();
   const Eigen::Vector2d middle = grid.center(grid.width / 2, grid.height / 2);
-  const Places places(*map, params.smallest_gap);
+  const FreeRegions places(*map, params.smallest_gap);
   const FreeSpace space(*map, places, {-50, -50, grid.width + 50, grid.height + 50}, 0);
   const double size = grid.resolution * (grid.width + grid.height);
   ExtractorParams everywhere = params;
@@ -198,7 +198,7 @@ TEST(Extractor, LeavesTheWayThroughTheMostCrowdedWorldsOpen) {
     SCOPED_TRACE(number);
     const auto map = barn_world(number);
     const auto shapes = extract(*map, {-2.25, 8.0}, {.range = 20.0, .width = kJackalWidth});
-    const Places places(map_of(shapes, map->grid()), wide);
+    const FreeRegions places(map_of(shapes, map->grid()), wide);
     EXPECT_NE(places.region_at({-2.25, 3.0}), 0);
     EXPECT_EQ(places.region_at({-2.25, 3.0}), places.region_at({-2.25, 13.0}));
   }

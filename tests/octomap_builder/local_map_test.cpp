@@ -45,16 +45,16 @@ std::vector<float> look(const StaticMap& world, const Pose2& X, double range) {
   return ranges;
 }
 
-Echoes echoes(const StaticMap& world, const Pose2& X, double range = 6.0) {
+RangeReturns echoes(const StaticMap& world, const Pose2& X, double range = 6.0) {
   const auto ranges = look(world, X, range);
-  return echoes_of(RangeScan{.angle_min = 0.0,
-                             .angle_increment = 2.0 * std::numbers::pi / kBeams,
-                             .range_min = 0.0,
-                             .range_max = range,
-                             .ranges = ranges});
+  return range_returns_of(RangeScan{.angle_min = 0.0,
+                                    .angle_increment = 2.0 * std::numbers::pi / kBeams,
+                                    .range_min = 0.0,
+                                    .range_max = range,
+                                    .ranges = ranges});
 }
 
-Echoes one_echo(double x, double y, double z = 0.0) { return {{{x, y, z}}, {}, {}}; }
+RangeReturns one_echo(double x, double y, double z = 0.0) { return {{{x, y, z}}, {}, {}}; }
 
 bool is_occupied(const LocalMap& map, const Eigen::Vector3d& p) {
   const auto* node = map.tree().search(p.x(), p.y(), p.z());
@@ -65,7 +65,7 @@ bool is_free(const LocalMap& map, const Eigen::Vector3d& p) {
   return node != nullptr && !map.tree().isNodeOccupied(node);
 }
 
-void insert(LocalMap& map, const Echoes& echoes, const Pose2& X, double t) {
+void insert(LocalMap& map, const RangeReturns& echoes, const Pose2& X, double t) {
   const Look look{echoes, at(X)};
   ASSERT_TRUE(map.insert({&look, 1}, t));
 }
@@ -78,7 +78,7 @@ TEST(LocalMap, EveryEchoIsAnObstacleWhateverWasThereBefore) {
   for (int n = 0; n < 30; ++n) {
     const StaticMap world = random_world(random);
     const Pose2 X{metres(random), metres(random), angle(random)};
-    const Echoes seen = echoes(world, X);
+    const RangeReturns seen = echoes(world, X);
     ASSERT_GT(seen.p_SQ.size(), 50U);
     insert(map, seen, X, 0.1 * n);
     for (const auto& p_SQ : seen.p_SQ) {
@@ -112,7 +112,7 @@ TEST(LocalMap, ShowsTheWorldThatIsSeen) {
 
 TEST(LocalMap, WhatIsSeenThroughIsCleared) {
   LocalMap map({});
-  const Echoes pole = one_echo(2.0, 0.0), beyond{{}, {{5.0, 0.0, 0.0}}, {}};
+  const RangeReturns pole = one_echo(2.0, 0.0), beyond{{}, {{5.0, 0.0, 0.0}}, {}};
   for (int i = 0; i < 50; ++i) insert(map, pole, {}, 0.1 * i);
   ASSERT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
   int looks = 0;
@@ -131,7 +131,7 @@ TEST(LocalMap, WhatIsSeenThroughIsCleared) {
 
 TEST(LocalMap, ForgetsWhatItHasNotSeenForTheTimeOfDecay) {
   LocalMap map({.decay = 2.0}), keeps({.decay = 0.0});
-  const Echoes other = one_echo(0.0, 3.0);
+  const RangeReturns other = one_echo(0.0, 3.0);
   for (LocalMap* m : {&map, &keeps}) {
     insert(*m, one_echo(2.0, 0.0), {}, 1.0);
     insert(*m, other, {}, 2.9);
@@ -184,7 +184,7 @@ TEST(LocalMap, MemoryIsThatOfItsWindowHoweverFarTheRobotDrives) {
   std::uniform_real_distribution<double> range(1.0, 8.0);
   std::size_t most_early = 0, most = 0;
   for (int n = 0; n < 500; ++n) {
-    Echoes seen;
+    RangeReturns seen;
     for (int i = 0; i < 60; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / 60, r = range(random);
       seen.p_SQ.emplace_back(r * std::cos(angle), r * std::sin(angle), 0.0);

@@ -13,8 +13,8 @@ constexpr double kVoxel = 0.05;
 const Eigen::Isometry3d kOnTop = Eigen::Isometry3d::Identity();
 
 // What a scanner in the middle of a room, `half` to each wall [m], sees from a place in it.
-Echoes in_a_room(double x, double half = 3.0) {
-  Echoes echoes;
+RangeReturns in_a_room(double x, double half = 3.0) {
+  RangeReturns echoes;
   for (int i = 0; i < 360; ++i) {
     const double angle = std::numbers::pi * i / 180.0, c = std::cos(angle), s = std::sin(angle);
     const double to_x = c == 0.0 ? 1e9 : (std::copysign(half, c) - x) / c;
@@ -25,8 +25,8 @@ Echoes in_a_room(double x, double half = 3.0) {
 }
 
 // Its walls to the left and right alone.
-Echoes along_a_corridor() {
-  Echoes echoes;
+RangeReturns along_a_corridor() {
+  RangeReturns echoes;
   for (const double side : {-1.0, 1.0})
     for (int i = -80; i <= 80; ++i) echoes.p_SQ.emplace_back(0.1 * i, side, 0.0);
   return echoes;
@@ -34,7 +34,7 @@ Echoes along_a_corridor() {
 
 class Watched : public testing::Test {
  protected:
-  LookUse look(const Echoes& seen, double t, double x = 0.0, double theta = 0.0,
+  LookUse look(const RangeReturns& seen, double t, double x = 0.0, double theta = 0.0,
                double valid_share = 1.0) {
     const LookUse use =
         watch_.judge({seen, kOnTop, Pose2{x, 0.0, theta}, valid_share}, "9 beams: 9 nan", t);
@@ -99,7 +99,7 @@ TEST_F(Watched, ACloudWithoutPointsIsALook) {
 }
 
 TEST_F(Watched, AFrozenSensorIsNamedOnceItsEchoesShouldHaveMovedByTwoVoxels) {
-  const Echoes frozen = in_a_room(0.0);
+  const RangeReturns frozen = in_a_room(0.0);
   EXPECT_EQ(look(frozen, 1.0, 0.0), LookUse::kTake);
   for (int i = 1; i <= 9; ++i) {
     EXPECT_EQ(look(frozen, 1.0 + 0.1 * i, 0.01 * i), LookUse::kRepeated) << i;  // not from there
@@ -133,7 +133,7 @@ TEST_F(Watched, ARobotThatStandsSeesTheSameForEver) {
 }
 
 TEST_F(Watched, OneEchoThatDiffersByABitIsEnough) {
-  Echoes echoes = in_a_room(0.0);
+  RangeReturns echoes = in_a_room(0.0);
   for (int i = 0; i < 100; ++i) {
     echoes.p_SQ[7].x() = std::nextafter(echoes.p_SQ[7].x(), i % 2 == 0 ? 10.0 : -10.0);
     EXPECT_EQ(look(echoes, 1.0 + 0.1 * i, 0.08 * i), LookUse::kTake);

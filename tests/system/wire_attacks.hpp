@@ -19,7 +19,7 @@
 namespace tandem::test {
 
 /// A datagram and where it went.
-struct Heard {
+struct Stamped {
   Octets octets;
   std::uint16_t port;
 };
@@ -44,8 +44,8 @@ class LoopbackTap {
   [[nodiscard]] bool works() const { return socket_ >= 0; }
 
   /// What passes within `duration` [s], at most `most` datagrams.
-  [[nodiscard]] std::vector<Heard> listen(double duration, std::size_t most) const {
-    std::vector<Heard> heard;
+  [[nodiscard]] std::vector<Stamped> listen(double duration, std::size_t most) const {
+    std::vector<Stamped> heard;
     Octets packet(1 << 16);
     for (const double end = rt::steady_seconds() + duration;
          rt::steady_seconds() < end && heard.size() < most;) {
@@ -58,7 +58,7 @@ class LoopbackTap {
   }
 
  private:
-  static void add(const Octets& packet, std::vector<Heard>& heard) {
+  static void add(const Octets& packet, std::vector<Stamped>& heard) {
     constexpr std::uint8_t kUdp = 17;
     const std::size_t header = (packet[0] & 0xfU) * 4U;
     if (packet[9] != kUdp || packet.size() < header + 28) return;
@@ -160,7 +160,7 @@ class AttackedSystem {
   }
 
   /// `count` datagrams, half of them from the corpus and half from `session`, mutated.
-  void send_mutated(long count, const std::vector<Heard>& session, unsigned seed) {
+  void send_mutated(long count, const std::vector<Stamped>& session, unsigned seed) {
     Mutator mutator{seed};
     std::vector<Octets> corpus;
     for (const char* folder : {"hostile", "sessions"})

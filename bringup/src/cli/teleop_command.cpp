@@ -175,7 +175,7 @@ class KeyboardTeleop {
   }
 
   template <class T>
-  struct Heard {
+  struct Stamped {
     T value{};
     double t = -1e9;  // [s]
   };
@@ -187,8 +187,8 @@ class KeyboardTeleop {
   double pressed_ = 0.0;    // [s] when it was not yet
   bool refused_ = false;    // arbitration says that the stick was not seen at rest
   std::optional<TeleopParams> layout_;
-  Heard<Twist2> speed_;
-  Heard<std::string> mode_, filter_;
+  Stamped<Twist2> speed_;
+  Stamped<std::string> mode_, filter_;
   std::string said_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Publisher<std_msgs::msg::Bool> e_stop_;

@@ -27,7 +27,7 @@ DriveObserver::DriveObserver(const Scenario& scenario, const System& system)
       map_{world_of(sim_of(system))},
       footprint_{footprint_of(sim_of(system).robot)},
       metrics_{metrics_setting(scenario, system,
-                               shortest_way(map_, footprint_, scenario.start, scenario.goal))} {
+                               shortest_path(map_, footprint_, scenario.start, scenario.goal))} {
   log_.result.scenario = scenario.name;
   log_.result.map = scenario.map;
   log_.result.method = scenario.method;

@@ -144,7 +144,7 @@ World& Worlds::of(const Scenario& scenario, const System& system, const DriveOpt
     const auto filter_map = live ? nullptr : map_of(sim, filter, options);
     return World{key, truth, filter_map,
                  Extractor{map_of(sim, extractor.map, options), extractor_for_robot(extractor)},
-                 shortest_way(*truth, footprint_of(sim.robot), scenario.start, scenario.goal)};
+                 shortest_path(*truth, footprint_of(sim.robot), scenario.start, scenario.goal)};
   });
 }
 

@@ -69,7 +69,7 @@ struct World {
   std::string key;  ///< all that it was made of
   std::shared_ptr<const StaticMap> truth, filter_map;
   Extractor extractor;
-  std::optional<double> shortest_way;
+  std::optional<double> shortest_path;
 };
 
 /// The last few worlds.

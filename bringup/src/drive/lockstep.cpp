@@ -83,7 +83,7 @@ class Loop {
         guidance_{guidance_of(planner_params_)},
         arbiter_{parameters_of<ArbiterParams>(system, "arbitration")},
         filter_{filter_params_.filter, filter_params_.robot},
-        metrics_{metrics_setting(scenario, system, world_.shortest_way)} {
+        metrics_{metrics_setting(scenario, system, world_.shortest_path)} {
     if (has(system, "driver"))
       driver_.emplace(driver_params_.driver, scenario.seed), driver_->on_map(map_);
     if (has(system, "local_planner"))

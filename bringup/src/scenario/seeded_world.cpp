@@ -65,7 +65,7 @@ std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
   if (!place) throw std::invalid_argument("a world by seed needs a goal with a place");
   std::vector<Eigen::Vector2d> way;
   for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kRadiusStep)
-    way = find_way(map, start.position(), *place, radius);
+    way = find_path(map, start.position(), *place, radius);
   if (way.empty()) throw std::runtime_error("no way from start to goal");
   std::string text;
   for (const auto& p : way)

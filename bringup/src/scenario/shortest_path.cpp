@@ -13,8 +13,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kThinner = 0.02;  // [m] between radii that are tried
-constexpr double kPathStep = 0.01;     // [m] along the way
+constexpr double kThinner = 0.02;   // [m] between radii that are tried
+constexpr double kPathStep = 0.01;  // [m] along the way
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -70,19 +70,19 @@ double length_to(const Goal& goal, const Points& way) {
 
 }  // namespace
 
-std::optional<double> shortest_way(const StaticMap& map, const Footprint& footprint,
-                                   const Pose2& start, const Goal& goal) {
+std::optional<double> shortest_path(const StaticMap& map, const Footprint& footprint,
+                                    const Pose2& start, const Goal& goal) {
   const auto place = place_of(goal);
   if (!place) return std::nullopt;
   for (double radius = inner_radius(footprint); radius > 0.0; radius -= kThinner) {
-    const Points way = find_way(map, start.position(), *place, radius, 0.0);
+    const Points way = find_path(map, start.position(), *place, radius, 0.0);
     if (!way.empty()) return length_to(goal, pulled_taut(map, way, radius));
   }
   return std::nullopt;
 }
 
 MetricsSetting metrics_setting(const Scenario& scenario, const System& system,
-                               std::optional<double> shortest_way) {
+                               std::optional<double> shortest_path) {
   const auto robot = parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim").robot;
   const auto planner = parameters_of<LocalPlannerNodeParams>(system, "local_planner");
   return {.goal = scenario.goal,
@@ -90,7 +90,7 @@ MetricsSetting metrics_setting(const Scenario& scenario, const System& system,
           .w_max = robot.w_max,
           .after = scenario.after,
           .p_BA = scenario.p_BA,
-          .shortest_way = shortest_way,
+          .shortest_path = shortest_path,
           .control_period = planner.live.nmpc.control_period};
 }
 

@@ -14,11 +14,11 @@ namespace tandem {
 /// the outline, from the start to where the goal is reached: the shortest way along the grid,
 /// pulled taut. Empty if the goal is no place or there is no way, or if the origin lies on the edge
 /// of every part that contains it.
-[[nodiscard]] std::optional<double> shortest_way(const StaticMap& map, const Footprint& footprint,
-                                                 const Pose2& start, const Goal& goal);
+[[nodiscard]] std::optional<double> shortest_path(const StaticMap& map, const Footprint& footprint,
+                                                  const Pose2& start, const Goal& goal);
 
 /// What the measures of a drive are relative to, given the shortest way to its goal.
 [[nodiscard]] MetricsSetting metrics_setting(const Scenario& scenario, const System& system,
-                                             std::optional<double> shortest_way);
+                                             std::optional<double> shortest_path);
 
 }  // namespace tandem

@@ -19,7 +19,8 @@ bool is_published(const rt::Node& node, const char* name) {
 
 }  // namespace
 
-TrialMeter::TrialMeter(rt::Node& node, const RobotStateParams& input, const TrialRequest& request)
+TrialRecorder::TrialRecorder(rt::Node& node, const RobotStateParams& input,
+                             const TrialRequest& request)
     : trial_{request} {
   if (is_published(node, topics::ground_truth.name))
     truth_ = node.create_subscription(topics::ground_truth, [this, input](const auto& msg) {

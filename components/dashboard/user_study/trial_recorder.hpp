@@ -13,11 +13,11 @@ namespace tandem {
 
 /// Listens for as long as it lives. Where the robot is, is what the ground truth says if somebody
 /// publishes one, else its odometry and its localiser.
-class TrialMeter {
+class TrialRecorder {
  public:
-  TrialMeter(rt::Node& node, const RobotStateParams& input, const TrialRequest& request);
-  TrialMeter(const TrialMeter&) = delete;
-  TrialMeter& operator=(const TrialMeter&) = delete;
+  TrialRecorder(rt::Node& node, const RobotStateParams& input, const TrialRequest& request);
+  TrialRecorder(const TrialRecorder&) = delete;
+  TrialRecorder& operator=(const TrialRecorder&) = delete;
 
   [[nodiscard]] const Trial& trial() const { return trial_; }
 

@@ -70,10 +70,10 @@ UserTrial parse_trial_asked(const json& from) {
           .allowed = bounded(from, "allowed", kHour)};
 }
 
-UserTest parse_user_test(std::string_view text) {
+UserStudy parse_user_study(std::string_view text) {
   try {
     const json from = parse_json(text);
-    UserTest test{static_cast<int>(bounded(from, "person", 1e6)), {}};
+    UserStudy test{static_cast<int>(bounded(from, "person", 1e6)), {}};
     for (const auto& trial : from.at("trials")) test.trials.push_back(trial_from(trial));
     if (test.trials.empty() || test.trials.size() > kMaxTrials)
       throw std::invalid_argument("trials: one to " + std::to_string(kMaxTrials));
@@ -83,7 +83,7 @@ UserTest parse_user_test(std::string_view text) {
   }
 }
 
-std::string to_csv(const UserTest& test, bool heading) {
+std::string to_csv(const UserStudy& test, bool heading) {
   std::string csv =
       heading ? "person,method,task,practice,allowed,time,reached,collisions,min_clearance,"
                 "path_length\n"
@@ -98,7 +98,7 @@ std::string to_csv(const UserTest& test, bool heading) {
   return csv;
 }
 
-std::filesystem::path save(const UserTest& test, const std::filesystem::path& folder) {
+std::filesystem::path save(const UserStudy& test, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw std::runtime_error(folder.string() + ": " + error.message());

@@ -25,7 +25,7 @@ struct UserTrial {
 };
 
 /// A person is a number that they or the experimenter choose; nothing else is known of them.
-struct UserTest {
+struct UserStudy {
   int person = 0;
   std::vector<UserTrial> trials;
 };
@@ -36,13 +36,14 @@ void to_json(nlohmann::json& json, const UserTrial& trial);
 [[nodiscard]] UserTrial parse_trial_asked(const nlohmann::json& json);
 
 /// Throws std::invalid_argument for what is no user test, numbers out of reason included.
-[[nodiscard]] UserTest parse_user_test(std::string_view json);
+[[nodiscard]] UserStudy parse_user_study(std::string_view json);
 
 /// One line per trial, a heading first if `heading`.
-[[nodiscard]] std::string to_csv(const UserTest& test, bool heading);
+[[nodiscard]] std::string to_csv(const UserStudy& test, bool heading);
 
 /// Writes user_test_<k>.json, k the first number that is free, and appends to user_tests.csv in
 /// the folder; gives back the JSON file's path. Throws std::runtime_error if it cannot.
-[[nodiscard]] std::filesystem::path save(const UserTest& test, const std::filesystem::path& folder);
+[[nodiscard]] std::filesystem::path save(const UserStudy& test,
+                                         const std::filesystem::path& folder);
 
 }  // namespace tandem

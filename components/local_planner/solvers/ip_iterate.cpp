@@ -41,7 +41,7 @@ bool Box::set(const Ocp& ocp) {
 }
 
 template <int n>
-void ChainPoint<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+void IpIterate<n>::resize(std::size_t stage_count, std::size_t pair_count) {
   z.resize(kBlock * stage_count);
   stages.resize(stage_count);
   targets_.resize(stage_count);
@@ -51,7 +51,7 @@ void ChainPoint<n>::resize(std::size_t stage_count, std::size_t pair_count) {
 }
 
 template <int n>
-void ChainPoint<n>::set_problem(const Ocp& ocp) {
+void IpIterate<n>::set_problem(const Ocp& ocp) {
   lanes_.clear();
   for (std::size_t k = 0; k < targets_.size(); ++k) {
     targets_[k] = Heading::of(ocp.stages[k].cost.X_MR.theta);
@@ -63,7 +63,7 @@ void ChainPoint<n>::set_problem(const Ocp& ocp) {
 }
 
 template <int n>
-void ChainPoint<n>::evaluate(const Ocp& ocp, const Box& box) {
+void IpIterate<n>::evaluate(const Ocp& ocp, const Box& box) {
   cost = infeasibility = violation = 0.0;
   LogOfProduct distances;
   Pose2 X_before = ocp.X_MB;
@@ -107,17 +107,17 @@ void ChainPoint<n>::evaluate(const Ocp& ocp, const Box& box) {
 }
 
 template <int n>
-void ChainPoint<n>::evaluate_pairs() {
+void IpIterate<n>::evaluate_pairs() {
   std::size_t row = 0;
-  for (const PairLanes& lanes : lanes_) {
+  for (const PairBatch& lanes : lanes_) {
     lanes.terms(ends_, std::span(pairs).subspan(row, lanes.count()));
     row += lanes.count();
   }
 }
 
 template <int n>
-std::size_t ChainPoint<n>::sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
-                                        LogOfProduct& distances) {
+std::size_t IpIterate<n>::sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
+                                       LogOfProduct& distances) {
   const double* at = &z[kBlock * k];
   const double offset = at[kSlack] - growth(ocp, command_of(at));
   double sum = 0.0, largest = violation;
@@ -138,7 +138,7 @@ std::size_t ChainPoint<n>::sum_up_pairs(const Ocp& ocp, std::size_t k, std::size
 }
 
 template <int n>
-void ChainPoint<n>::set_slacks(const Ocp& ocp, double least) {
+void IpIterate<n>::set_slacks(const Ocp& ocp, double least) {
   for (std::size_t k = 0; k < stages.size(); ++k) ends_[k] = Placed{pose_of(&z[kBlock * k])};
   evaluate_pairs();
   std::size_t row = 0;
@@ -150,7 +150,7 @@ void ChainPoint<n>::set_slacks(const Ocp& ocp, double least) {
   }
 }
 
-template struct ChainPoint<3>;
-template struct ChainPoint<5>;
+template struct IpIterate<3>;
+template struct IpIterate<5>;
 
 }  // namespace tandem

@@ -48,7 +48,7 @@ struct StageTerms {
 
 /// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0; and what follows.
 template <int n>
-struct ChainPoint {
+struct IpIterate {
   static constexpr std::size_t kBlock = block_of(n);
   std::vector<double> z, t;
   std::vector<StageTerms<n>> stages;
@@ -76,7 +76,7 @@ struct ChainPoint {
 
   std::vector<Heading> targets_;  // of the stages' costs
   std::vector<Placed> ends_;      // of the stages
-  std::vector<PairLanes> lanes_;  // rows (4)
+  std::vector<PairBatch> lanes_;  // rows (4)
 };
 
 }  // namespace tandem

@@ -81,7 +81,7 @@ void Step<n>::resize(std::size_t stage_count, std::size_t pair_count) {
 }
 
 template <int n>
-void ChainSystem<n>::resize(std::size_t stage_count, std::size_t pair_count) {
+void KktSystem<n>::resize(std::size_t stage_count, std::size_t pair_count) {
   stages_.resize(stage_count);
   gains_.resize(stage_count);
   slacks_.resize(stage_count);
@@ -91,8 +91,8 @@ void ChainSystem<n>::resize(std::size_t stage_count, std::size_t pair_count) {
 }
 
 template <int n>
-void ChainSystem<n>::condense(const Ocp& ocp, const Box& box, const ChainPoint<n>& point, double mu,
-                              Multipliers<n>& multipliers) {
+void KktSystem<n>::condense(const Ocp& ocp, const Box& box, const IpIterate<n>& point, double mu,
+                            Multipliers<n>& multipliers) {
   dual_ = multipliers_ = largest_product_ = 0.0;
   least_product_ = Box::kFar;
   violation_ = point.violation;
@@ -108,8 +108,8 @@ void ChainSystem<n>::condense(const Ocp& ocp, const Box& box, const ChainPoint<n
 }
 
 template <int n>
-void ChainSystem<n>::condense_bounds(const Box& box, const ChainPoint<n>& point, double mu,
-                                     Multipliers<n>& multipliers) {
+void KktSystem<n>::condense_bounds(const Box& box, const IpIterate<n>& point, double mu,
+                                   Multipliers<n>& multipliers) {
   Two least = Two::Constant(Box::kFar), largest = Two::Zero(), sum = Two::Zero();
   for (std::size_t i = 0; i < point.z.size(); i += 2) {
     const Two z = two(point.z, i);
@@ -135,10 +135,9 @@ void ChainSystem<n>::condense_bounds(const Box& box, const ChainPoint<n>& point,
 }
 
 template <int n>
-typename ChainSystem<n>::PairSums ChainSystem<n>::condense_pairs(Rows rows,
-                                                                 const ChainPoint<n>& point,
-                                                                 double mu,
-                                                                 Multipliers<n>& multipliers) {
+typename KktSystem<n>::PairSums KktSystem<n>::condense_pairs(Rows rows, const IpIterate<n>& point,
+                                                             double mu,
+                                                             Multipliers<n>& multipliers) {
   // Sums of this function, not of an object that the stores below could change: in registers.
   double sigma_sum = 0.0, y_sum = 0.0, gradient_sum = 0.0;
   double least = least_product_, largest = largest_product_;
@@ -171,8 +170,8 @@ typename ChainSystem<n>::PairSums ChainSystem<n>::condense_pairs(Rows rows,
 }
 
 template <int n>
-void ChainSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
-                                    const PairSums& pairs, const ChainState<n>& pi) {
+void KktSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
+                                  const PairSums& pairs, const ChainState<n>& pi) {
   const double *sigma = &sigma_[kBlock * k], *barrier = &barrier_[kBlock * k];
   const double per = 1.0 / (sigma[kSlack] + pairs.sigma);
   const double gradient = ocp.slack_weight + barrier[kSlack] - pairs.gradient;
@@ -210,8 +209,8 @@ void ChainSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTe
 }
 
 template <int n>
-void ChainSystem<n>::condense_motion(const Ocp& ocp, const StageTerms<n>& stage,
-                                     const ChainState<n>& pi, ChainStage<n>& out) {
+void KktSystem<n>::condense_motion(const Ocp& ocp, const StageTerms<n>& stage,
+                                   const ChainState<n>& pi, ChainStage<n>& out) {
   const Displacement& motion = stage.motion;
   const Vector2d l = pi.template head<2>();
   const double vw = l.dot(motion.d_v_w);
@@ -225,8 +224,8 @@ void ChainSystem<n>::condense_motion(const Ocp& ocp, const StageTerms<n>& stage,
 }
 
 template <int n>
-void ChainSystem<n>::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint<n>& point,
-                                  const PairSums& pairs, const Multipliers<n>& multipliers) {
+void KktSystem<n>::look_at_dual(const Ocp& ocp, std::size_t k, const IpIterate<n>& point,
+                                const PairSums& pairs, const Multipliers<n>& multipliers) {
   const StageTerms<n>& stage = point.stages[k];
   const ChainState<n>& pi = multipliers.pi[k];
   const Vector2d& lambda = multipliers.lambda[k];
@@ -260,12 +259,12 @@ void ChainSystem<n>::look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoin
 }
 
 template <int n>
-double ChainSystem<n>::complementarity(double mu) const {
+double KktSystem<n>::complementarity(double mu) const {
   return std::max(largest_product_ - mu, mu - least_product_);
 }
 
 template <int n>
-double ChainSystem<n>::error(double mu) const {
+double KktSystem<n>::error(double mu) const {
   constexpr double kOrdinary = 100.0;  // mean multiplier above which the error is scaled
   const auto count =
       static_cast<double>((2 * kBlock + equalities_of(n)) * stages_.size() + 2 * per_t_.size());
@@ -276,7 +275,7 @@ double ChainSystem<n>::error(double mu) const {
 // Adds more and more to the diagonal until the pivots are positive. Where much is needed, the
 // curvature of pairs and motion is dropped instead: what is left is convex, or nearly.
 template <int n>
-bool ChainSystem<n>::factorize_convex() {
+bool KktSystem<n>::factorize_convex() {
   const double before = last_delta_;
   Convexity convexity;
   for (int i = 0; !factorize<n>(stages_, convexity, gains_); ++i) {
@@ -293,8 +292,8 @@ bool ChainSystem<n>::factorize_convex() {
 }
 
 template <int n>
-bool ChainSystem<n>::solve(const Ocp& ocp, const ChainPoint<n>& point, double mu,
-                           const Multipliers<n>& multipliers, Step<n>& step) {
+bool KktSystem<n>::solve(const Ocp& ocp, const IpIterate<n>& point, double mu,
+                         const Multipliers<n>& multipliers, Step<n>& step) {
   if (!factorize_convex()) return false;
   roll_out<n>(stages_, gains_, step.chain);
   step.slope = step.worst_primal = step.worst_dual = 0.0;
@@ -326,9 +325,9 @@ bool ChainSystem<n>::solve(const Ocp& ocp, const ChainPoint<n>& point, double mu
 }
 
 template <int n>
-void ChainSystem<n>::expand_pairs(Rows rows, const ChainPoint<n>& point, double mu,
-                                  const Multipliers<n>& multipliers, const PairStep& by,
-                                  Step<n>& step) const {
+void KktSystem<n>::expand_pairs(Rows rows, const IpIterate<n>& point, double mu,
+                                const Multipliers<n>& multipliers, const PairStep& by,
+                                Step<n>& step) const {
   double logs = 0.0, primal = step.worst_primal, dual = step.worst_dual;
   for (std::size_t i = rows.first; i < rows.end; ++i) {
     const double y = multipliers.y[i];
@@ -347,8 +346,8 @@ void ChainSystem<n>::expand_pairs(Rows rows, const ChainPoint<n>& point, double 
 }
 
 template <int n>
-void ChainSystem<n>::expand_bounds(double mu, const Multipliers<n>& multipliers,
-                                   Step<n>& step) const {
+void KktSystem<n>::expand_bounds(double mu, const Multipliers<n>& multipliers,
+                                 Step<n>& step) const {
   Two slope = Two::Zero(), primal = Two::Zero(), dual = Two::Zero();
   for (std::size_t i = 0; i < step.z.size(); i += 2) {
     const Two z = two(step.z, i), lower = two(multipliers.lower, i),
@@ -372,7 +371,7 @@ template struct Multipliers<3>;
 template struct Multipliers<5>;
 template struct Step<3>;
 template struct Step<5>;
-template class ChainSystem<3>;
-template class ChainSystem<5>;
+template class KktSystem<3>;
+template class KktSystem<5>;
 
 }  // namespace tandem

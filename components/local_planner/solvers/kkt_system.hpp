@@ -37,12 +37,12 @@ struct Step {
 /// what is left is the chain of (1) of riccati.hpp. Owns its memory: no allocation once it is
 /// large enough. n: states that a stage hands on, 3, or 5 where the motors lag.
 template <int n>
-class ChainSystem {
+class KktSystem {
  public:
   void resize(std::size_t stage_count, std::size_t pair_count);
 
   /// Sets the system up. Multipliers more than 1e10 off μ / distance are brought back first.
-  void condense(const Ocp& ocp, const Box& box, const ChainPoint<n>& point, double mu,
+  void condense(const Ocp& ocp, const Box& box, const IpIterate<n>& point, double mu,
                 Multipliers<n>& multipliers);
 
   /// Largest residual of the optimality conditions at barrier `mu` as Ipopt scales it.
@@ -51,7 +51,7 @@ class ChainSystem {
   [[nodiscard]] double complementarity(double mu) const;
 
   /// Solves for the step. False if no regularisation makes the system convex.
-  [[nodiscard]] bool solve(const Ocp& ocp, const ChainPoint<n>& point, double mu,
+  [[nodiscard]] bool solve(const Ocp& ocp, const IpIterate<n>& point, double mu,
                            const Multipliers<n>& multipliers, Step<n>& step);
 
   /// Forgets how much regularisation was needed.
@@ -101,18 +101,18 @@ class ChainSystem {
     OuterSum H, C;
   };
 
-  void condense_bounds(const Box& box, const ChainPoint<n>& point, double mu,
+  void condense_bounds(const Box& box, const IpIterate<n>& point, double mu,
                        Multipliers<n>& multipliers);
-  PairSums condense_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+  PairSums condense_pairs(Rows rows, const IpIterate<n>& point, double mu,
                           Multipliers<n>& multipliers);
   void condense_stage(const Ocp& ocp, std::size_t k, const StageTerms<n>& stage,
                       const PairSums& pairs, const ChainState<n>& pi);
   static void condense_motion(const Ocp& ocp, const StageTerms<n>& stage, const ChainState<n>& pi,
                               ChainStage<n>& out);
-  void look_at_dual(const Ocp& ocp, std::size_t k, const ChainPoint<n>& point,
-                    const PairSums& pairs, const Multipliers<n>& multipliers);
+  void look_at_dual(const Ocp& ocp, std::size_t k, const IpIterate<n>& point, const PairSums& pairs,
+                    const Multipliers<n>& multipliers);
   [[nodiscard]] bool factorize_convex();
-  void expand_pairs(Rows rows, const ChainPoint<n>& point, double mu,
+  void expand_pairs(Rows rows, const IpIterate<n>& point, double mu,
                     const Multipliers<n>& multipliers, const PairStep& by, Step<n>& step) const;
   void expand_bounds(double mu, const Multipliers<n>& multipliers, Step<n>& step) const;
 

@@ -12,13 +12,13 @@ constexpr double kRounding = 1e-15;
 
 }  // namespace
 
-void Filter::reset(double infeasibility) {
+void LineSearchFilter::reset(double infeasibility) {
   corners_.clear();
   most_ = 1e4 * std::max(1.0, infeasibility);
   least_ = 1e-4 * std::max(1.0, infeasibility);
 }
 
-bool Filter::accepts(const Merit& now, const Merit& trial, double alpha, double slope) {
+bool LineSearchFilter::accepts(const Merit& now, const Merit& trial, double alpha, double slope) {
   if (!std::isfinite(trial.barrier) || !(trial.infeasibility <= most_)) return false;
   const double barrier = trial.barrier - kRounding * std::abs(now.barrier);
   for (const Merit& corner : corners_)

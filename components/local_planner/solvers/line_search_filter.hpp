@@ -13,7 +13,7 @@ struct Merit {
 
 /// Line-search filter (Wächter and Biegler 2006, section 2.3): a trial point has to be better than
 /// every remembered one in one of the two, and better than the present one by a little.
-class Filter {
+class LineSearchFilter {
  public:
   /// Room for this many steps without an allocation.
   void reserve(std::size_t steps) { corners_.reserve(steps); }

@@ -5,7 +5,7 @@
 
 namespace tandem {
 
-void PairLanes::add(const Pair& pair, std::size_t stage) {
+void PairBatch::add(const Pair& pair, std::size_t stage) {
   const auto i = static_cast<Eigen::Index>(count_);
   const Obstacle& ellipse = pair.obstacle;
   a_[i] = ellipse.a;
@@ -21,12 +21,12 @@ void PairLanes::add(const Pair& pair, std::size_t stage) {
   stage_[count_++] = stage;
 }
 
-OutlineDistance<int{PairLanes::kLanes}> PairLanes::distance(const All& q_x, const All& q_y) const {
+OutlineDistance<int{PairBatch::kLanes}> PairBatch::distance(const All& q_x, const All& q_y) const {
   return round_ ? distance_to_circle<int{kLanes}>(a_, q_x, q_y)
                 : distance_to_outline<int{kLanes}>(a_, b_, q_x, q_y);
 }
 
-void PairLanes::terms(std::span<const Placed> X, std::span<PairTerms> out) const {
+void PairBatch::terms(std::span<const Placed> X, std::span<PairTerms> out) const {
   All x, y, c, s;
   for (std::size_t i = 0; i < kLanes; ++i) {
     const Placed& at = X[stage_[i]];

@@ -11,7 +11,7 @@
 namespace tandem {
 
 /// Up to eight successive pairs, which are rows (4) of an Ocp; they may belong to several stages.
-class PairLanes {
+class PairBatch {
  public:
   static constexpr std::size_t kLanes = 8;
 

@@ -36,11 +36,11 @@ struct Chain {
   const Solution& solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits);
 
   Box box;
-  ChainPoint<n> now, trial;
+  IpIterate<n> now, trial;
   Multipliers<n> multipliers;
-  ChainSystem<n> system;
+  KktSystem<n> system;
   Step<n> step;
-  Filter filter;
+  LineSearchFilter filter;
   double mu = kTarget;
   int short_steps = 0;  // in a row
   int at_end = 0;       // iterations in a row at the final barrier
@@ -66,7 +66,7 @@ struct Chain {
 template <int n>
 bool Chain<n>::start(const Ocp& ocp, const Iterate& guess) {
   const std::size_t stages = ocp.stages.size(), pairs = pair_count(ocp);
-  for (ChainPoint<n>* point : {&now, &trial}) {
+  for (IpIterate<n>* point : {&now, &trial}) {
     point->resize(stages, pairs);
     point->set_problem(ocp);
   }
@@ -266,18 +266,18 @@ const Solution& Chain<n>::solve(const Ocp& ocp, const Iterate& guess, const Solv
 
 }  // namespace
 
-struct StructuredSolver::State {
+struct RiccatiSolver::State {
   Chain<3> at_once;
   Chain<5> lagging;
 };
 
-StructuredSolver::StructuredSolver() : state_{std::make_unique<State>()} {}
-StructuredSolver::~StructuredSolver() = default;
-StructuredSolver::StructuredSolver(StructuredSolver&&) noexcept = default;
-StructuredSolver& StructuredSolver::operator=(StructuredSolver&&) noexcept = default;
+RiccatiSolver::RiccatiSolver() : state_{std::make_unique<State>()} {}
+RiccatiSolver::~RiccatiSolver() = default;
+RiccatiSolver::RiccatiSolver(RiccatiSolver&&) noexcept = default;
+RiccatiSolver& RiccatiSolver::operator=(RiccatiSolver&&) noexcept = default;
 
-const Solution& StructuredSolver::solve(const Ocp& ocp, const Iterate& guess,
-                                        const SolveLimits& limits) {
+const Solution& RiccatiSolver::solve(const Ocp& ocp, const Iterate& guess,
+                                     const SolveLimits& limits) {
   if (ocp.lag.any()) return state_->lagging.solve(ocp, guess, limits);
   return state_->at_once.solve(ocp, guess, limits);
 }

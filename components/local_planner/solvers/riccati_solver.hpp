@@ -17,12 +17,12 @@ namespace tandem {
 ///
 /// Keeps its memory: no allocation once it has solved a problem as large. Equal calls give equal
 /// results as long as no deadline cuts them short.
-class StructuredSolver {
+class RiccatiSolver {
  public:
-  StructuredSolver();
-  ~StructuredSolver();
-  StructuredSolver(StructuredSolver&&) noexcept;
-  StructuredSolver& operator=(StructuredSolver&&) noexcept;
+  RiccatiSolver();
+  ~RiccatiSolver();
+  RiccatiSolver(RiccatiSolver&&) noexcept;
+  RiccatiSolver& operator=(RiccatiSolver&&) noexcept;
 
   /// Local minimum of `ocp` from `guess`, to an optimality error of 1e-4 at a barrier of 1e-4.
   /// Does not throw. The result is valid until the next call.

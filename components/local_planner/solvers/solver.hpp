@@ -29,7 +29,7 @@ class Solver {
                                            const SolveLimits& limits);
 
   SolverKind kind_;
-  StructuredSolver structured_;
+  RiccatiSolver structured_;
 };
 
 }  // namespace tandem

@@ -41,13 +41,13 @@ constexpr int kTurns = 6, kFractions = 5;
 
 class Coverer {
  public:
-  explicit Coverer(const PartFitter& fitter, std::vector<Part> parts = {})
+  explicit Coverer(const PartFitter& fitter, std::vector<CoverPart> parts = {})
       : fitter_{fitter}, parts_{std::move(parts)} {}
 
-  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  [[nodiscard]] const std::vector<CoverPart>& parts() const { return parts_; }
 
   void split(Cells cells) {
-    Part part = fitter_.fit(std::move(cells), 1.0 + kTightShare);
+    CoverPart part = fitter_.fit(std::move(cells), 1.0 + kTightShare);
     if (part.cells.size() == 1 || part.fit.found) {
       parts_.push_back(std::move(part));
       return;
@@ -83,7 +83,7 @@ class Coverer {
   // Cuts two neighbours together elsewhere, or a part in two of which each goes to a neighbour or
   // stays alone, where that lowers (1), until nothing does.
   void rearrange() {
-    for (Part& part : parts_) part.changed = 0;
+    for (CoverPart& part : parts_) part.changed = 0;
     for (round_ = 0; round_ < kRounds; ++round_) {
       for (std::size_t i = 0; i < parts_.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -94,7 +94,7 @@ class Coverer {
             if (parts_[i].cells.size() > 1) move_pieces(i, cut);
       forget_empty();
       if (std::none_of(parts_.begin(), parts_.end(),
-                       [&](const Part& part) { return part.changed > round_; }))
+                       [&](const CoverPart& part) { return part.changed > round_; }))
         break;
     }
   }
@@ -124,14 +124,14 @@ class Coverer {
   struct Join {
     std::size_t i, j;
     double gain;
-    Part both;
+    CoverPart both;
   };
 
   // Where a piece of a part goes: to part `to`, or (to = none) stays a part of its own.
   struct Move {
     double cost = std::numeric_limits<double>::infinity();  // more than now
     std::size_t to = kNone;
-    Part part;
+    CoverPart part;
   };
 
   [[nodiscard]] bool are_neighbours(std::size_t i, std::size_t j) const {
@@ -140,21 +140,21 @@ class Coverer {
   }
 
   void forget_empty() {
-    std::erase_if(parts_, [](const Part& part) { return part.cells.empty(); });
+    std::erase_if(parts_, [](const CoverPart& part) { return part.cells.empty(); });
   }
 
   void try_with_earlier(std::size_t j) {
     for (std::size_t i = 0; i < j; ++i) {
       if (!are_neighbours(i, j)) continue;
       const double now = fitter_.cost(parts_[i]) + fitter_.cost(parts_[j]);
-      Part both = fitter_.fit_both(parts_[i], parts_[j], now);
+      CoverPart both = fitter_.fit_both(parts_[i], parts_[j], now);
       const double gain = now - fitter_.cost(both);
       if (both.fit.found && gain > 0.0) joins_.push_back({i, j, gain, std::move(both)});
     }
   }
 
   // Whether it has not been looked at since it changed: what was in vain once is so again.
-  [[nodiscard]] bool is_new(const Part& part) const { return part.changed >= round_; }
+  [[nodiscard]] bool is_new(const CoverPart& part) const { return part.changed >= round_; }
 
   [[nodiscard]] bool is_surrounding_new(std::size_t i) const {
     for (std::size_t j = 0; j < parts_.size(); ++j)
@@ -172,10 +172,10 @@ class Coverer {
       for (int k = 1; k < kFractions; ++k) {
         const auto middle = fitter_.cut(cells, angle + turn * std::numbers::pi / kTurns,
                                         static_cast<double>(k) / kFractions);
-        Part one = fitter_.fit({cells.begin(), middle}, least - PartFitter::kLeastCost);
+        CoverPart one = fitter_.fit({cells.begin(), middle}, least - PartFitter::kLeastCost);
         if (!one.fit.found) continue;
         const double rest = least - fitter_.cost(one);
-        Part two = fitter_.fit({middle, cells.end()}, rest);
+        CoverPart two = fitter_.fit({middle, cells.end()}, rest);
         if (!two.fit.found || fitter_.cost(two) >= rest) continue;
         least = fitter_.cost(one) + fitter_.cost(two);
         one.changed = two.changed = round_ + 1;
@@ -191,12 +191,12 @@ class Coverer {
       if (move.cost < best[0].cost) std::swap(move, best[0]);
       if (move.cost < best[1].cost) std::swap(move, best[1]);
     };
-    Part alone = fitter_.fit(cells, most);
+    CoverPart alone = fitter_.fit(cells, most);
     for (std::size_t j = 0; j < parts_.size(); ++j) {
       if (j == from || parts_[j].cells.empty() || !PartFitter::neighbours(parts_[j], alone))
         continue;
       const double now = fitter_.cost(parts_[j]);
-      Part both = fitter_.fit_both(parts_[j], alone, now + most);
+      CoverPart both = fitter_.fit_both(parts_[j], alone, now + most);
       if (both.fit.found) consider({fitter_.cost(both) - now, j, std::move(both)});
     }
     if (alone.fit.found) consider({fitter_.cost(alone), kNone, std::move(alone)});
@@ -238,17 +238,17 @@ class Coverer {
   }
 
   // The part with these cells of its own alone.
-  [[nodiscard]] Part of_cells(std::size_t i, Cells own) const {
-    Part part = parts_[i];
+  [[nodiscard]] CoverPart of_cells(std::size_t i, Cells own) const {
+    CoverPart part = parts_[i];
     const bool has_all = own.size() == part.cells.size();
     part.cells = std::move(own);
     if (has_all) return part;
-    Part again = fitter_.fit(part.cells, fitter_.cost(part));
+    CoverPart again = fitter_.fit(part.cells, fitter_.cost(part));
     return again.fit.found ? again : part;
   }
 
   const PartFitter& fitter_;
-  std::vector<Part> parts_;
+  std::vector<CoverPart> parts_;
   std::vector<Join> joins_;
   int round_ = 0;  // of rearrange
 };
@@ -274,7 +274,8 @@ std::vector<CoverShape> coarser(PartFitter fitter, const Coverer& fine, std::siz
 }  // namespace
 
 std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<CellIndex>>& clusters,
-                              const FreeSpace& space, const Ways& ways, const CoverParams& params) {
+                              const FreeSpace& space, const Passages& ways,
+                              const CoverParams& params) {
   const PartFitter fitter(grid, space, params);
   Coverer fine(fitter);
   for (const auto& cells : clusters) fine.split(cells);

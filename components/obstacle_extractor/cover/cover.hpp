@@ -47,7 +47,7 @@ struct CoverParams {
 /// the shape answers for. No randomness: equal arguments give equal shapes.
 [[nodiscard]] std::vector<CoverShape> cover(const Grid& grid,
                                             const std::vector<std::vector<CellIndex>>& clusters,
-                                            const FreeSpace& space, const Ways& ways,
+                                            const FreeSpace& space, const Passages& ways,
                                             const CoverParams& params);
 
 }  // namespace tandem

@@ -28,19 +28,19 @@ void PartFitter::coarsen() {
   excess.narrow = std::min(excess.narrow + kMoreReach, excess.open);
 }
 
-Part PartFitter::fit(Cells cells, double most) const {
+CoverPart PartFitter::fit(Cells cells, double most) const {
   Points hull = convex_hull(corners_of_rows(cells));
   return make(std::move(cells), std::move(hull), most);
 }
 
-Part PartFitter::fit_both(const Part& p, const Part& q, double most) const {
+CoverPart PartFitter::fit_both(const CoverPart& p, const CoverPart& q, double most) const {
   Points points = p.hull;
   points.insert(points.end(), q.hull.begin(), q.hull.end());
   return make({}, convex_hull(std::move(points)), most);
 }
 
-Part PartFitter::make(Cells cells, Points hull, double most) const {
-  Part part{std::move(cells), std::move(hull), {}, {}, {}, 0};
+CoverPart PartFitter::make(Cells cells, Points hull, double most) const {
+  CoverPart part{std::move(cells), std::move(hull), {}, {}, {}, 0};
   part.fit = fit_ellipse(part.hull, space_,
                          {.excess = params_.excess,
                           .price = (most - 1.0) * params_.space_per_shape,
@@ -93,18 +93,18 @@ Cells::iterator PartFitter::cut(Cells& cells, double angle, double fraction) con
   return cells.begin() + static_cast<std::ptrdiff_t>(cells.size() / 2);
 }
 
-bool PartFitter::neighbours(const Part& p, const Part& q) {
+bool PartFitter::neighbours(const CoverPart& p, const CoverPart& q) {
   return (p.low.array() <= q.high.array() + kJoinGap).all() &&
          (q.low.array() <= p.high.array() + kJoinGap).all();
 }
 
-bool PartFitter::contains(const Part& part, const CellIndex& cell) const {
+bool PartFitter::contains(const CoverPart& part, const CellIndex& cell) const {
   const Points square = corners(grid_, cell);
   return std::all_of(square.begin(), square.end(),
                      [&](const Eigen::Vector2d& p) { return level(part.fit.shape, p) <= 1.0; });
 }
 
-CoverShape PartFitter::shape(const Part& part) const {
+CoverShape PartFitter::shape(const CoverPart& part) const {
   const CellIndex& first = part.cells[0];
   CoverShape result{part.fit.shape, grid_.center(first.ix, first.iy), {}};
   result.high = result.low;

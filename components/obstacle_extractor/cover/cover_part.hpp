@@ -14,7 +14,7 @@ namespace tandem {
 using Cells = std::vector<CellIndex>;
 
 /// Cells that one shape covers.
-struct Part {
+struct CoverPart {
   Cells cells;  ///< none: joined into another
   Points hull;
   EllipseFit fit;
@@ -32,7 +32,7 @@ class PartFitter {
   static constexpr double kLeastCost = 0.7;
 
   /// Share of one part in (1) of cover.hpp.
-  [[nodiscard]] double cost(const Part& part) const {
+  [[nodiscard]] double cost(const CoverPart& part) const {
     const bool is_circle = part.fit.shape.a == part.fit.shape.b;
     return (is_circle ? kLeastCost : 1.0) + part.fit.taken / params_.space_per_shape;
   }
@@ -41,22 +41,22 @@ class PartFitter {
   void coarsen();
 
   /// The part of these cells. It is found only if it costs at most `most` shapes.
-  [[nodiscard]] Part fit(Cells cells, double most) const;
+  [[nodiscard]] CoverPart fit(Cells cells, double most) const;
   /// The part that two will be together, still without its cells.
-  [[nodiscard]] Part fit_both(const Part& p, const Part& q, double most) const;
+  [[nodiscard]] CoverPart fit_both(const CoverPart& p, const CoverPart& q, double most) const;
 
   /// Sorts the cells into those before and behind a line across `angle` [rad], at this fraction of
   /// their extent. Both have some if there is more than one cell.
   [[nodiscard]] Cells::iterator cut(Cells& cells, double angle, double fraction) const;
 
   /// Whether they are near enough for one shape.
-  [[nodiscard]] static bool neighbours(const Part& p, const Part& q);
-  [[nodiscard]] bool contains(const Part& part, const CellIndex& cell) const;
+  [[nodiscard]] static bool neighbours(const CoverPart& p, const CoverPart& q);
+  [[nodiscard]] bool contains(const CoverPart& part, const CellIndex& cell) const;
 
-  [[nodiscard]] CoverShape shape(const Part& part) const;
+  [[nodiscard]] CoverShape shape(const CoverPart& part) const;
 
  private:
-  [[nodiscard]] Part make(Cells cells, Points hull, double most) const;
+  [[nodiscard]] CoverPart make(Cells cells, Points hull, double most) const;
   [[nodiscard]] Points corners_of_rows(const Cells& cells) const;
 
   const Grid& grid_;

@@ -11,8 +11,8 @@ namespace tandem {
 /// over sides, the nearest first: the cells for which `enters(cell, from)` is true, which it has to
 /// be only once for each.
 template <class Enters>
-void flood(std::vector<std::size_t>& cells, std::size_t width, std::size_t size,
-           const Enters& enters) {
+void flood_fill(std::vector<std::size_t>& cells, std::size_t width, std::size_t size,
+                const Enters& enters) {
   for (std::size_t next = 0; next < cells.size(); ++next) {
     const std::size_t cell = cells[next];
     const auto visit = [&](std::size_t other) {

@@ -22,7 +22,7 @@ bool has_free_cell(const Grid& grid) {
 
 }  // namespace
 
-Places::Places(const StaticMap& map, double smallest_gap)
+FreeRegions::FreeRegions(const StaticMap& map, double smallest_gap)
     : origin_{map.grid().origin},
       resolution_{map.grid().resolution},
       radius_{0.5 * smallest_gap / resolution_} {
@@ -50,7 +50,7 @@ Places::Places(const StaticMap& map, double smallest_gap)
 }
 
 // -1 stands for a place without a number.
-void Places::label_regions() {
+void FreeRegions::label_regions() {
   const auto least = static_cast<std::size_t>(kPocket / (resolution_ * resolution_));
   int region = 1;
   for (std::size_t start = 0; start < regions_.size(); ++start) {
@@ -63,20 +63,20 @@ void Places::label_regions() {
   }
 }
 
-std::vector<std::size_t> Places::spread(std::size_t start, int region) {
+std::vector<std::size_t> FreeRegions::spread(std::size_t start, int region) {
   std::vector<std::size_t> cells{start};
   regions_[start] = region;
-  flood(cells, static_cast<std::size_t>(area_.width()), regions_.size(),
-        [&](std::size_t cell, std::size_t) {
-          if (regions_[cell] != -1) return false;
-          regions_[cell] = region;
-          return true;
-        });
+  flood_fill(cells, static_cast<std::size_t>(area_.width()), regions_.size(),
+             [&](std::size_t cell, std::size_t) {
+               if (regions_[cell] != -1) return false;
+               regions_[cell] = region;
+               return true;
+             });
   return cells;
 }
 
 template <class Visit>
-void Places::for_cells_beside(const Eigen::Vector2d& p_MQ, const Visit& visit) const {
+void FreeRegions::for_cells_beside(const Eigen::Vector2d& p_MQ, const Visit& visit) const {
   const Eigen::Vector2d c = (p_MQ - origin_) / resolution_;
   const double reach = kBeside / resolution_;
   const auto clip = [](double value, int low, int high) {
@@ -91,13 +91,13 @@ void Places::for_cells_beside(const Eigen::Vector2d& p_MQ, const Visit& visit) c
     }
 }
 
-bool Places::is_beside(const Eigen::Vector2d& p_MQ, int region) const {
+bool FreeRegions::is_beside(const Eigen::Vector2d& p_MQ, int region) const {
   bool beside = false;
   for_cells_beside(p_MQ, [&](int other, double) { beside = beside || other == region; });
   return beside;
 }
 
-int Places::region_at(const Eigen::Vector2d& p_MQ) const {
+int FreeRegions::region_at(const Eigen::Vector2d& p_MQ) const {
   int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for_cells_beside(p_MQ, [&](int region, double d) {

@@ -39,10 +39,10 @@ struct CellRect {
 /// Cells where the centre of a disc of diameter `smallest_gap` can be without contact, in regions
 /// that are connected by such cells. Where a map has free cells, only these are free; else all that
 /// is no obstacle. Pockets too small to drive in are no places.
-class Places {
+class FreeRegions {
  public:
   /// Throws std::invalid_argument if the gap is negative or not finite.
-  Places(const StaticMap& map, double smallest_gap);
+  FreeRegions(const StaticMap& map, double smallest_gap);
 
   /// Number of the cell's region, from 1; 0: no place.
   [[nodiscard]] int region(int ix, int iy) const {

@@ -31,7 +31,8 @@ CellRect with_border(CellRect window, double radius) {
 
 }  // namespace
 
-FreeSpace::FreeSpace(const StaticMap& map, const Places& places, const CellRect& window, int region)
+FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window,
+                     int region)
     : resolution_{map.grid().resolution},
       radius_{places.radius()},
       window_{with_border(window, radius_)},
@@ -87,7 +88,7 @@ bool FreeSpace::keep(const CellRect& window, const Mask& cells) {
   return more;
 }
 
-void FreeSpace::sum_up(const Places& places, const Mask& own) {
+void FreeSpace::sum_up(const FreeRegions& places, const Mask& own) {
   Mask beside(own.size());  // a point between two cells' centres may be a place by either
   for (int iy = window_.y0 + 1; iy < window_.y1 - 1; ++iy)
     for (int ix = window_.x0 + 1; ix < window_.x1 - 1; ++ix) {
@@ -108,7 +109,7 @@ void FreeSpace::sum_up(const Places& places, const Mask& own) {
 }
 
 // Linear between the cells' centres: exact along a wall.
-double FreeSpace::gap_at(const Places& places, int x, int y) const {
+double FreeSpace::gap_at(const FreeRegions& places, int x, int y) const {
   const double cx = (x + 0.5) / fine_ - 0.5, cy = (y + 0.5) / fine_ - 0.5;
   const int ix = static_cast<int>(std::floor(cx)), iy = static_cast<int>(std::floor(cy));
   const double u = cx - ix, v = cy - iy;

@@ -25,7 +25,7 @@ class FreeSpace {
   static constexpr double kAll = 1e9;  ///< [m²] more than any shape takes
 
   /// `region`: the places the robot can go to; 0: all.
-  FreeSpace(const StaticMap& map, const Places& places, const CellRect& window, int region);
+  FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region);
 
   /// Distance from the point to the nearest place that no disc at any of the map's places
   /// reaches [m], linear between cell centres; 0 there.
@@ -49,8 +49,8 @@ class FreeSpace {
   void find_useless();
   [[nodiscard]] bool is_useless(const Eigen::Vector2d& p_MQ) const;
   void find_passages(const std::vector<std::uint8_t>& places);
-  void sum_up(const Places& places, const std::vector<std::uint8_t>& own);
-  [[nodiscard]] double gap_at(const Places& places, int x, int y) const;
+  void sum_up(const FreeRegions& places, const std::vector<std::uint8_t>& own);
+  [[nodiscard]] double gap_at(const FreeRegions& places, int x, int y) const;
 
   double resolution_;
   double radius_;                 // of the disc, in cells

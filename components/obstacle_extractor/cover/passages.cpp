@@ -52,7 +52,7 @@ void mark_ways(const Division& division, const Labels& before, const Labels& aft
       cells.push_back(i);
       from[i] = i;
     }
-  flood(cells, width, before.size(), [&](std::size_t cell, std::size_t last) {
+  flood_fill(cells, width, before.size(), [&](std::size_t cell, std::size_t last) {
     if (before[cell] != division.part || from[cell] != kNowhere) return false;
     from[cell] = last;
     return true;
@@ -66,8 +66,8 @@ void mark_ways(const Division& division, const Labels& before, const Labels& aft
 
 }  // namespace
 
-Ways::Ways(const StaticMap& map, const Places& places, const CellRect& window, int region,
-           double width, const std::vector<std::vector<CellIndex>>& clusters)
+Passages::Passages(const StaticMap& map, const FreeRegions& places, const CellRect& window,
+                   int region, double width, const std::vector<std::vector<CellIndex>>& clusters)
     : grid_{map.grid()},
       radius_{0.5 * width / grid_.resolution},
       window_{window},
@@ -85,7 +85,7 @@ Ways::Ways(const StaticMap& map, const Places& places, const CellRect& window, i
 }
 
 // The cells whose centres lie in a shape.
-Mask Ways::covered(const std::vector<Obstacle>& shapes) const {
+Mask Passages::covered(const std::vector<Obstacle>& shapes) const {
   Mask mask(window_.size());
   for (const Obstacle& shape : shapes) {
     const Eigen::Vector2d c = (shape.p_MO - grid_.origin) / grid_.resolution;
@@ -100,8 +100,8 @@ Mask Ways::covered(const std::vector<Obstacle>& shapes) const {
 }
 
 // Where the disc that has so much to spare can be, in connected parts. `to_others`: in cells.
-Labels Ways::parts(const std::vector<Obstacle>& shapes, const std::vector<double>& to_others,
-                   double spare) const {
+Labels Passages::parts(const std::vector<Obstacle>& shapes, const std::vector<double>& to_others,
+                       double spare) const {
   const auto to_shapes = distance_transform(covered(shapes), window_.width(), window_.height());
   const double least = radius_ + spare / grid_.resolution;
   constexpr int kOpen = -1;  // without a number yet
@@ -114,18 +114,18 @@ Labels Ways::parts(const std::vector<Obstacle>& shapes, const std::vector<double
     if (labels[start] != kOpen) continue;
     labels[start] = ++last;
     cells.assign(1, start);
-    flood(cells, static_cast<std::size_t>(window_.width()), labels.size(),
-          [&](std::size_t cell, std::size_t) {
-            if (labels[cell] != kOpen) return false;
-            labels[cell] = last;
-            return true;
-          });
+    flood_fill(cells, static_cast<std::size_t>(window_.width()), labels.size(),
+               [&](std::size_t cell, std::size_t) {
+                 if (labels[cell] != kOpen) return false;
+                 labels[cell] = last;
+                 return true;
+               });
   }
   return labels;
 }
 
 // What the disc passes over on the way, with what it has to spare.
-Mask Ways::swept(const Mask& way) const {
+Mask Passages::swept(const Mask& way) const {
   const auto to_way = distance_transform(way, window_.width(), window_.height());
   Mask mask(way.size());
   for (std::size_t i = 0; i < mask.size(); ++i)
@@ -133,7 +133,8 @@ Mask Ways::swept(const Mask& way) const {
   return mask;
 }
 
-Mask Ways::closed(const std::vector<Obstacle>& fine, const std::vector<Obstacle>& coarse) const {
+Mask Passages::closed(const std::vector<Obstacle>& fine,
+                      const std::vector<Obstacle>& coarse) const {
   const auto to_others = distance_transform(others_, window_.width(), window_.height());
   const Labels before = parts(fine, to_others, kBefore), after = parts(coarse, to_others, kAfter);
   const auto divided = divisions(before, after, kLeastRoom / (grid_.resolution * grid_.resolution));

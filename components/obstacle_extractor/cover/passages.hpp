@@ -15,12 +15,12 @@ namespace tandem {
 
 /// Ways of a disc as wide as the robot between the places of a window, past shapes that cover some
 /// of its obstacles.
-class Ways {
+class Passages {
  public:
   /// `region`: the places the robot can go to; 0: all. `width`: of the robot [m]. `clusters`: the
   /// cells that the shapes cover; what else is not free is as it is. `map` has to outlive this.
-  Ways(const StaticMap& map, const Places& places, const CellRect& window, int region, double width,
-       const std::vector<std::vector<CellIndex>>& clusters);
+  Passages(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region,
+           double width, const std::vector<std::vector<CellIndex>>& clusters);
 
   [[nodiscard]] const CellRect& window() const { return window_; }
 

@@ -22,7 +22,7 @@ const Footprint kRobot = rectangle(0.8, 0.4, 0.0);
 const Goal kGoal = PoseGoal{{5.0, 1.0, 0.0}, 0.25};
 
 TEST(ShortestWay, IsStraightWhereNothingStandsInTheWay) {
-  EXPECT_NEAR(shortest_way(room(0.0), kRobot, {1.0, 1.0, 0.0}, kGoal).value(), 3.75, 0.02);
+  EXPECT_NEAR(shortest_path(room(0.0), kRobot, {1.0, 1.0, 0.0}, kGoal).value(), 3.75, 0.02);
 }
 
 TEST(ShortestWay, GoesTautRoundTheEndOfAWall) {
@@ -31,7 +31,7 @@ TEST(ShortestWay, GoesTautRoundTheEndOfAWall) {
   const double there = std::sqrt(2.0 * 2.0 + 2.0 * 2.0 - 0.04);
   const double round = 0.2 * 2.0 * (std::asin(0.2 / std::sqrt(8.0)) + std::atan2(2.0, 2.0));
   const double exact = 2.0 * there + round - 0.25;
-  const double length = shortest_way(room(3.0), kRobot, {1.0, 1.0, 0.0}, kGoal).value();
+  const double length = shortest_path(room(3.0), kRobot, {1.0, 1.0, 0.0}, kGoal).value();
   EXPECT_GT(length, exact - 0.01);
   EXPECT_LT(length, exact + 0.35);
 }
@@ -41,13 +41,13 @@ TEST(ShortestWay, OfARobotOfSeveralPartsIsThatOfThePartAroundItsOrigin) {
   const Footprint forks = polygons({{{0.3, -0.2}, {1.2, -0.2}, {1.2, -0.1}, {0.3, -0.1}},
                                     {{0.3, 0.1}, {1.2, 0.1}, {1.2, 0.2}, {0.3, 0.2}},
                                     {{-0.4, -0.2}, {0.4, -0.2}, {0.4, 0.2}, {-0.4, 0.2}}});
-  EXPECT_EQ(shortest_way(room(3.0), forks, {1.0, 1.0, 0.0}, kGoal),
-            shortest_way(room(3.0), kRobot, {1.0, 1.0, 0.0}, kGoal));
+  EXPECT_EQ(shortest_path(room(3.0), forks, {1.0, 1.0, 0.0}, kGoal),
+            shortest_path(room(3.0), kRobot, {1.0, 1.0, 0.0}, kGoal));
 }
 
 TEST(ShortestWay, IsNoneWithoutAPlaceOrAWay) {
-  EXPECT_FALSE(shortest_way(room(0.0), kRobot, {1.0, 1.0, 0.0}, RoamGoal{}).has_value());
-  EXPECT_FALSE(shortest_way(room(6.0), kRobot, {1.0, 1.0, 0.0}, kGoal).has_value());
+  EXPECT_FALSE(shortest_path(room(0.0), kRobot, {1.0, 1.0, 0.0}, RoamGoal{}).has_value());
+  EXPECT_FALSE(shortest_path(room(6.0), kRobot, {1.0, 1.0, 0.0}, kGoal).has_value());
 }
 
 }  // namespace

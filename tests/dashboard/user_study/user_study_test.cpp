@@ -27,28 +27,28 @@ std::string text_of(const fs::path& path) {
   return text.str();
 }
 
-TEST(UserTest, IsOneRowForEachTrial) {
-  const auto test = parse_user_test(kTest);
+TEST(UserStudy, IsOneRowForEachTrial) {
+  const auto test = parse_user_study(kTest);
   EXPECT_EQ(to_csv(test, true), std::string{kHeading} + kRow);
   EXPECT_EQ(to_csv(test, false), kRow);
 }
 
-TEST(UserTest, IsSavedBesideThoseBeforeIt) {
+TEST(UserStudy, IsSavedBesideThoseBeforeIt) {
   char name[] = "/tmp/tandem_user_test_XXXXXX";
   const fs::path folder = fs::path{mkdtemp(name)} / "new";
-  const auto test = parse_user_test(kTest);
+  const auto test = parse_user_study(kTest);
   EXPECT_EQ(save(test, folder), folder / "user_test_1.json");
   EXPECT_EQ(save(test, folder), folder / "user_test_2.json");
   EXPECT_EQ(text_of(folder / "user_tests.csv"), std::string{kHeading} + kRow + kRow);
-  EXPECT_EQ(to_csv(parse_user_test(text_of(folder / "user_test_2.json")), false), kRow);
+  EXPECT_EQ(to_csv(parse_user_study(text_of(folder / "user_test_2.json")), false), kRow);
   fs::remove_all(folder.parent_path());
 }
 
-TEST(UserTest, ThatCannotBeSavedSaysSo) {
-  EXPECT_THROW((void)save(parse_user_test(kTest), "/proc/nowhere"), std::runtime_error);
+TEST(UserStudy, ThatCannotBeSavedSaysSo) {
+  EXPECT_THROW((void)save(parse_user_study(kTest), "/proc/nowhere"), std::runtime_error);
 }
 
-TEST(UserTest, RefusesWhatIsNone) {
+TEST(UserStudy, RefusesWhatIsNone) {
   const std::string good = kTest;
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = good;
@@ -58,17 +58,17 @@ TEST(UserTest, RefusesWhatIsNone) {
        {std::string{}, std::string{"[]"}, std::string{R"({"person":1,"trials":[]})"},
         with("\"task\":2", "\"task\":3"), with("shared", "=cmd()"), with("18.25", "-1"),
         with("18.25", "1e999"), with("true", "1"), with("\"person\":3", "\"person\":\"Ann\"")})
-    EXPECT_THROW((void)parse_user_test(text), std::invalid_argument) << text;
+    EXPECT_THROW((void)parse_user_study(text), std::invalid_argument) << text;
 }
 
 // What is read is a sound test, and what is not is refused in the one way there is.
-TEST(UserTest, TakesAnyBytes) {
+TEST(UserStudy, TakesAnyBytes) {
   const std::vector<std::string> texts{kTest};
   std::mt19937 random{7};
   for (int i = 0; i < 20'000; ++i) {
     const std::string text = test::damaged(texts, random);
     try {
-      for (const auto& trial : parse_user_test(text).trials) EXPECT_LE(trial.time, 3600.0);
+      for (const auto& trial : parse_user_study(text).trials) EXPECT_LE(trial.time, 3600.0);
     } catch (const std::invalid_argument&) {
     }
   }

@@ -18,7 +18,7 @@ namespace {
 // The four begins of a case. Warm ones follow from a cold solution.
 std::vector<StartingPoint> begins(unsigned seed) {
   const PlanningCase c = random_case(seed);
-  StructuredSolver solver;
+  RiccatiSolver solver;
   std::vector<StartingPoint> all{first_problem(c, false), first_problem(c, true)};
   const Iterate end = solver.solve(all[0].ocp, all[0].guess, {.iterations = 300}).point;
   const Solved last{all[0].ocp, end, 0.0};

@@ -24,12 +24,12 @@ class PairsAtRandom {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-TEST(PairLanes, GiveTheTermsOfEachPairWhereItsStageEnds) {
+TEST(PairBatch, GiveTheTermsOfEachPairWhereItsStageEnds) {
   PairsAtRandom random;
   for (int i = 0; i < 2000; ++i) {
     const std::vector<Placed> X{random.place(), random.place()};
-    const std::size_t count = 1 + static_cast<std::size_t>(i) % PairLanes::kLanes;
-    PairLanes lanes;
+    const std::size_t count = 1 + static_cast<std::size_t>(i) % PairBatch::kLanes;
+    PairBatch lanes;
     std::vector<PairTerms> expected, got(count);
     for (std::size_t k = 0; k < count; ++k) {
       ASSERT_TRUE(lanes.has_room());
@@ -38,7 +38,7 @@ TEST(PairLanes, GiveTheTermsOfEachPairWhereItsStageEnds) {
       lanes.add(pair, stage);
       expected.push_back(pair_terms(pair, X[stage]));
     }
-    EXPECT_EQ(lanes.has_room(), count < PairLanes::kLanes);
+    EXPECT_EQ(lanes.has_room(), count < PairBatch::kLanes);
     lanes.terms(X, got);
     for (std::size_t k = 0; k < count; ++k) {
       EXPECT_NEAR(got[k].value, expected[k].value, 1e-12);

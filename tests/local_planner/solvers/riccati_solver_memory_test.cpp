@@ -33,12 +33,12 @@ void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); 
 namespace tandem::test {
 namespace {
 
-TEST(StructuredSolver, AllocatesNothingOnceItHasSolvedALargerProblem) {
+TEST(RiccatiSolver, AllocatesNothingOnceItHasSolvedALargerProblem) {
   std::vector<StartingPoint> starts;
   for (unsigned seed = 0; seed < 100; ++seed)
     for (const bool blind : {false, true})
       starts.push_back(first_problem(random_case(seed), blind));
-  StructuredSolver solver;
+  RiccatiSolver solver;
   const SolveLimits limits{.iterations = 300};
   for (const StartingPoint& start : starts) (void)solver.solve(start.ocp, start.guess, limits);
   for (const StartingPoint& start : starts) {

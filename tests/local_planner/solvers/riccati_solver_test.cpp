@@ -28,7 +28,7 @@ void for_each_begin(unsigned seed, Visit&& visit) {
   const StartingPoint cold = first_problem(c, false);
   visit(Begin::kCold, cold);
   visit(Begin::kBlind, first_problem(c, true));
-  StructuredSolver solver;
+  RiccatiSolver solver;
   const Solved last{cold.ocp, solver.solve(cold.ocp, cold.guess, {.iterations = 300}).point, 0.0};
   visit(Begin::kWarm, next_problem(c, last, false, seed));
   visit(Begin::kMoved, next_problem(c, last, true, seed));
@@ -60,8 +60,8 @@ TEST(RandomCases, AreOfEveryMethodAndPathsHaveATrail) {
   EXPECT_GT(trails, 0.9 * drawn[Method::kPath]);
 }
 
-TEST(StructuredSolver, EndsInAnOptimumFromWarmColdAndInfeasibleStarts) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, EndsInAnOptimumFromWarmColdAndInfeasibleStarts) {
+  RiccatiSolver solver;
   std::array<std::vector<int>, 4> iterations;
   int optimal = 0, solves = 0;
   for (unsigned seed = 0; seed < samples(2500, 80); ++seed)
@@ -106,7 +106,7 @@ bool are_same(const Ocp& ocp, const Solution& a, const Solution& b) {
 
 // Whether each solver takes the other's end for an optimum: from there it goes nowhere.
 bool confirm_each_other(const Ocp& ocp, const Solution& ours, const Solution& theirs) {
-  StructuredSolver solver;
+  RiccatiSolver solver;
   const Solution of_ours = ipopt_solve(ocp, ours.point, {.iterations = 300});
   const Solution of_theirs = solver.solve(ocp, theirs.point, {.iterations = 300});
   return of_ours.status == SolveStatus::kConverged && of_theirs.status == SolveStatus::kConverged &&
@@ -116,8 +116,8 @@ bool confirm_each_other(const Ocp& ocp, const Solution& ours, const Solution& th
 // Two solvers may end in two minima of a problem that has several: then both are optimal, and each
 // solver says so of the other's. That is counted, and neither may be worse more often than chance
 // and start explain. Where one of them does not converge, it is asked again from the other's end.
-TEST(StructuredSolver, AgreesWithIpopt) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, AgreesWithIpopt) {
+  RiccatiSolver solver;
   int agree = 0, better = 0, worse = 0, asked_again = 0, unjudged = 0, unexplained = 0, missed = 0;
   for (unsigned seed = 10000; seed < 10000 + samples(2500, 80); ++seed)
     for_each_begin(seed, [&](Begin begin, const StartingPoint& start) {
@@ -162,8 +162,8 @@ TEST(StructuredSolver, AgreesWithIpopt) {
 }
 
 // Another frame than the map's for the position's weights, as along a trail.
-TEST(StructuredSolver, EndsInAnOptimumWherePositionsAreWeighedInATurnedFrame) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, EndsInAnOptimumWherePositionsAreWeighedInATurnedFrame) {
+  RiccatiSolver solver;
   Random random{std::mt19937(17)};
   int iterations = 0;
   for (unsigned seed = 0; seed < samples(300, 20); ++seed) {
@@ -182,11 +182,11 @@ TEST(StructuredSolver, EndsInAnOptimumWherePositionsAreWeighedInATurnedFrame) {
   EXPECT_LE(iterations, 20 * static_cast<int>(samples(300, 20)));  // Newton, with the exact Hessian
 }
 
-TEST(StructuredSolver, EqualCallsGiveEqualResultsBitForBit) {
-  StructuredSolver used;
+TEST(RiccatiSolver, EqualCallsGiveEqualResultsBitForBit) {
+  RiccatiSolver used;
   for (unsigned seed = 0; seed < samples(50, 10); ++seed)
     for_each_begin(seed, [&](Begin, const StartingPoint& start) {
-      StructuredSolver fresh;
+      RiccatiSolver fresh;
       const Solution& a = used.solve(start.ocp, start.guess, {});
       const Solution& b = fresh.solve(start.ocp, start.guess, {});
       EXPECT_EQ(a.status, b.status);
@@ -196,8 +196,8 @@ TEST(StructuredSolver, EqualCallsGiveEqualResultsBitForBit) {
     });
 }
 
-TEST(StructuredSolver, StartedFromItsOwnSolutionNeedsNoIterationOrOne) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, StartedFromItsOwnSolutionNeedsNoIterationOrOne) {
+  RiccatiSolver solver;
   for (unsigned seed = 0; seed < 200; ++seed) {
     const StartingPoint start = first_problem(random_case(seed), false);
     const Iterate end = solver.solve(start.ocp, start.guess, {.iterations = 300}).point;
@@ -205,8 +205,8 @@ TEST(StructuredSolver, StartedFromItsOwnSolutionNeedsNoIterationOrOne) {
   }
 }
 
-TEST(StructuredSolver, StopsAtItsLimits) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, StopsAtItsLimits) {
+  RiccatiSolver solver;
   const StartingPoint start = first_problem(random_case(1), true);
   EXPECT_EQ(solver.solve(start.ocp, start.guess, {.iterations = 3}).iterations, 3);
   const SolveLimits late{.deadline = std::chrono::steady_clock::now()};
@@ -216,10 +216,10 @@ TEST(StructuredSolver, StopsAtItsLimits) {
   EXPECT_EQ(solution.point.z.size(), start.guess.z.size());
 }
 
-TEST(StructuredSolver, FailsOnWhatIsNotFinite) {
+TEST(RiccatiSolver, FailsOnWhatIsNotFinite) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  StructuredSolver solver;
+  RiccatiSolver solver;
   const StartingPoint good = first_problem(random_case(1), false);
   for (const double broken : {kNaN, kInfinite, -kInfinite}) {
     for (const int place : {0, 5, 7, 20}) {
@@ -239,8 +239,8 @@ TEST(StructuredSolver, FailsOnWhatIsNotFinite) {
   EXPECT_EQ(solver.solve(good.ocp, good.guess, {}).status, SolveStatus::kConverged);
 }
 
-TEST(StructuredSolver, SurvivesMultipliersWithoutMeaning) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, SurvivesMultipliersWithoutMeaning) {
+  RiccatiSolver solver;
   Random random{std::mt19937(3)};
   for (unsigned seed = 0; seed < 100; ++seed) {
     const StartingPoint start = first_problem(random_case(seed), false);
@@ -289,8 +289,8 @@ StartingPoint full_of_zeros(unsigned seed) {
 // Denormal numbers are to be what they stand for, zeros: the same iterations to the same end. The
 // processor's own way to take them so, FTZ and DAZ, is not asked for: it is a setting of the whole
 // thread, Ipopt's arithmetic included, and there would be nothing for it to do, as shown below.
-TEST(StructuredSolver, TakesDenormalsForZeros) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, TakesDenormalsForZeros) {
+  RiccatiSolver solver;
   constexpr double kTiny = 1e-310;
   static_assert(kTiny > 0.0 && kTiny < std::numeric_limits<double>::min());
   for (unsigned seed = 0; seed < samples(300, 20); ++seed) {
@@ -319,10 +319,10 @@ unsigned denormals_of(F&& f) {
   return _mm_getcsr() & (kDenormal | kUnderflow);
 }
 
-TEST(StructuredSolver, ComesToNoDenormalByItself) {
+TEST(RiccatiSolver, ComesToNoDenormalByItself) {
   volatile double tiny = 1e-310;
   ASSERT_EQ(denormals_of([&] { tiny = 3.0 * tiny; }) & kDenormal, kDenormal) << "is not seen";
-  StructuredSolver solver;
+  RiccatiSolver solver;
   int solves = 0, denormal = 0;
   for (unsigned seed = 0; seed < samples(1000, 50); ++seed)
     for_each_begin(seed, [&](Begin, const StartingPoint& start) {
@@ -335,8 +335,8 @@ TEST(StructuredSolver, ComesToNoDenormalByItself) {
 }
 #endif
 
-TEST(StructuredSolver, TakesDenormalMultipliersForZeros) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, TakesDenormalMultipliersForZeros) {
+  RiccatiSolver solver;
   for (unsigned seed = 0; seed < samples(300, 20); ++seed) {
     const StartingPoint start = first_problem(random_case(seed), false);
     const Iterate end = solver.solve(start.ocp, start.guess, {.iterations = 300}).point;
@@ -356,8 +356,8 @@ TEST(StructuredSolver, TakesDenormalMultipliersForZeros) {
   }
 }
 
-TEST(StructuredSolver, KeepsAVariableWhoseBoundsMeet) {
-  StructuredSolver solver;
+TEST(RiccatiSolver, KeepsAVariableWhoseBoundsMeet) {
+  RiccatiSolver solver;
   StartingPoint start = first_problem(random_case(2), false);
   for (Interval& range : start.ocp.w) range = {0.0, 0.0};
   start.ocp.command.w = 0.0;

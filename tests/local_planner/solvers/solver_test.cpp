@@ -21,7 +21,7 @@ TEST(Solver, EachKindIsKnownByItsName) {
 
 TEST(Solver, IpoptConfirmsTheStructuredSolversOptimaWithHardlyAnIteration) {
   Solver certified{SolverKind::kCertified};
-  StructuredSolver structured;
+  RiccatiSolver structured;
   int confirmed = 0, all = 0;
   for (unsigned seed = 20000; seed < 20300; ++seed)
     for (const bool blind : {false, true}) {

@@ -30,9 +30,10 @@ struct Hall {
     map = std::make_unique<StaticMap>(std::move(grid));
   }
 
-  [[nodiscard]] Ways ways(double width = 0.43) const { return past({wall}, width); }
-  [[nodiscard]] Ways past(const std::vector<std::vector<CellIndex>>& clusters, double width) const {
-    return {*map, Places{*map, 0.42}, {0, 0, 120, 80}, 0, width, clusters};
+  [[nodiscard]] Passages ways(double width = 0.43) const { return past({wall}, width); }
+  [[nodiscard]] Passages past(const std::vector<std::vector<CellIndex>>& clusters,
+                              double width) const {
+    return {*map, FreeRegions{*map, 0.42}, {0, 0, 120, 80}, 0, width, clusters};
   }
 
   std::vector<CellIndex> wall;
@@ -46,9 +47,9 @@ Obstacle across(double y_low, double y_high) {
           .angle = 1.5707963267948966};
 }
 
-TEST(Ways, ADoorThatCoarserShapesCloseIsFound) {
+TEST(Passages, ADoorThatCoarserShapesCloseIsFound) {
   const Hall hall(0.8);
-  const Ways ways = hall.ways();
+  const Passages ways = hall.ways();
   const std::vector<Obstacle> fine{across(-0.6, 0.55), across(1.25, 4.0)};
   const std::vector<Obstacle> coarse{across(-0.6, 0.70), across(1.15, 4.0)};
   const auto cells = ways.closed(fine, coarse);
@@ -58,14 +59,14 @@ TEST(Ways, ADoorThatCoarserShapesCloseIsFound) {
   EXPECT_EQ(cells[ways.window().index(10, 40)], 0);  // in a room
 }
 
-TEST(Ways, ADoorThatIsOnlyNarrowerIsNot) {
+TEST(Passages, ADoorThatIsOnlyNarrowerIsNot) {
   const Hall hall(0.8);
   const std::vector<Obstacle> fine{across(-0.6, 0.55), across(1.25, 4.0)};
   const std::vector<Obstacle> coarse{across(-0.6, 0.60), across(1.25, 4.0)};
   EXPECT_TRUE(hall.ways().closed(fine, coarse).empty());
 }
 
-TEST(Ways, AWiderRobotNeedsAWiderDoor) {
+TEST(Passages, AWiderRobotNeedsAWiderDoor) {
   const Hall hall(0.8);
   const std::vector<Obstacle> fine{across(-0.6, 0.5), across(1.3, 4.0)};
   const std::vector<Obstacle> coarse{across(-0.6, 0.6), across(1.25, 4.0)};
@@ -73,19 +74,19 @@ TEST(Ways, AWiderRobotNeedsAWiderDoor) {
   EXPECT_FALSE(hall.ways(0.60).closed(fine, coarse).empty());
 }
 
-TEST(Ways, WhatWasTooNarrowBeforeIsNoWay) {
+TEST(Passages, WhatWasTooNarrowBeforeIsNoWay) {
   const Hall hall(0.5);
   EXPECT_TRUE(
       hall.ways().closed({across(-0.6, 0.5), across(1.0, 4.0)}, {across(-0.6, 4.0)}).empty());
 }
 
-TEST(Ways, AWayRoundIsAWay) {
+TEST(Passages, AWayRoundIsAWay) {
   const Hall hall(0.8, {0.5, 2.5});
   EXPECT_TRUE(hall.ways().closed({across(-0.6, 0.5)}, {across(-0.6, 1.5)}).empty());
 }
 
 // Without the wall the shape would close a way that is there before.
-TEST(Ways, WhatTheShapesDoNotCoverIsInTheWay) {
+TEST(Passages, WhatTheShapesDoNotCoverIsInTheWay) {
   const Hall hall(0.55);
   EXPECT_TRUE(hall.past({}, 0.43).closed({}, {across(0.3, 1.4)}).empty());
 }
