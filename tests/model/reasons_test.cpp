@@ -105,8 +105,8 @@ std::string row(const ReasonText& reason) {
   return std::string{"| "} + reason.text + " | " + reason.remedy + " |";
 }
 
-TEST(Reasons, StandInTheReadmeAsInTheTable) {
-  std::ifstream file{test::source_path("README.md")};
+TEST(Reasons, AreDocumentedAsInTheTable) {
+  std::ifstream file{test::source_path("bringup/ROS2.md")};
   std::vector<std::string> rows, wanted;
   bool in_table = false;
   for (std::string line; std::getline(file, line);) {
