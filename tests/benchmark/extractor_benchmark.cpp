@@ -58,7 +58,7 @@ void field(benchmark::State& state, const World& world) {
 
 // The places a robot can be in, once per map; on the fitting thread.
 void places(benchmark::State& state, const World& world) {
-  for (auto _ : state) benchmark::DoNotOptimize(Places(*world, 0.42).radius());
+  for (auto _ : state) benchmark::DoNotOptimize(FreeRegions(*world, 0.42).radius());
 }
 
 // All tiles about a place, never seen before; on the fitting thread.
