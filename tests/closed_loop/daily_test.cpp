@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,15 +13,6 @@
 
 namespace tandem {
 namespace {
-
-std::vector<std::string> daily_scenarios() {
-  std::vector<std::string> files;
-  for (const auto& entry :
-       std::filesystem::directory_iterator{test::source_path("bringup/scenarios")})
-    if (entry.path().filename().string().starts_with("daily_")) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 class Daily : public ::testing::TestWithParam<std::string> {};
 
@@ -45,7 +35,8 @@ TEST_P(Daily, IsDoneWithThePlannerToo) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Tasks, Daily, ::testing::ValuesIn(daily_scenarios()),
+INSTANTIATE_TEST_SUITE_P(Tasks, Daily,
+                         ::testing::ValuesIn(test::yaml_files("bringup/scenarios", "daily_")),
                          [](const auto& test) {
                            return std::filesystem::path{test.param}.stem().string();
                          });
@@ -56,7 +47,7 @@ TEST(DailyTasks, AreAllInTheStudiesWithTheirDriver) {
     std::set<std::string> driven;
     for (const StudyCell& cell : study.cells)
       if (cell.scenario.driver == "script") driven.insert(cell.scenario.path);
-    EXPECT_EQ(driven.size(), daily_scenarios().size()) << file;
+    EXPECT_EQ(driven.size(), test::yaml_files("bringup/scenarios", "daily_").size()) << file;
   }
 }
 

@@ -3,11 +3,17 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace tandem::test {
 
 /// Absolute path of `file` in the checkout ("maps/forest.bt"); of the checkout itself if empty.
 [[nodiscard]] std::string source_path(const std::string& file = {});
+
+/// Absolute paths of the YAML files in `folder` of the checkout whose names begin with `prefix`,
+/// sorted.
+[[nodiscard]] std::vector<std::string> yaml_files(const std::string& folder,
+                                                  const std::string& prefix = {});
 
 /// The same in the build folder.
 [[nodiscard]] std::string binary_path(const std::string& file = {});

@@ -300,8 +300,8 @@ TEST_F(ScenarioFile, RobotMayNameWhatOnlyAnotherMethodOrNodeUses) {
 }
 
 TEST(ShippedScenarios, HaveRobotsWithoutAMisspeltKey) {
-  for (const auto& file : fs::directory_iterator{test::source_path("bringup/scenarios")})
-    EXPECT_NO_THROW(check_robot(load_scenario(file.path().string()))) << file.path();
+  for (const auto& file : test::yaml_files("bringup/scenarios"))
+    EXPECT_NO_THROW(check_robot(load_scenario(file))) << file;
 }
 
 // Beside tests/bringup/system/system_test.cpp, which is of how systems run.

@@ -129,10 +129,10 @@ void expect_filter_to_know(const std::string& parameter, const System& system) {
 TEST(ShippedFiles, LetTheFilterBelieveOfTheBaseWhatTheBaseDoes) {
   for (const char* parameter :
        {"base_timeout", "command_delay", "sensor_delay", "motor_lag", "a_brake", "alpha_brake"}) {
-    for (const auto& file : fs::directory_iterator{test::source_path("bringup/systems")})
-      expect_filter_to_know(parameter, load_system(file.path().string()));
-    for (const auto& file : fs::directory_iterator{test::source_path("bringup/scenarios")})
-      expect_filter_to_know(parameter, system_of(load_scenario(file.path().string()), {}));
+    for (const auto& file : test::yaml_files("bringup/systems"))
+      expect_filter_to_know(parameter, load_system(file));
+    for (const auto& file : test::yaml_files("bringup/scenarios"))
+      expect_filter_to_know(parameter, system_of(load_scenario(file), {}));
   }
 }
 
