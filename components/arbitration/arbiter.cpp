@@ -10,16 +10,16 @@
 namespace tandem {
 namespace {
 
-// Finite for all finite twists: a.v + share_of_b * (b.v - a.v) is not.
+// std::lerp is finite for all finite twists; a.v + share_of_b * (b.v - a.v) can overflow.
 Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
   return {std::lerp(a.v, b.v, share_of_b), std::lerp(a.w, b.w, share_of_b)};
 }
 
-// [s] without steering after which the stick is let go. Less does not count: a stick passes its
-// centre, and a key is released between two presses.
+// [s] without steering that counts as letting go. Shorter rests occur while driving: a stick passes
+// its centre, and a key is released between two presses.
 constexpr double kLetsGo = 1.0;
 constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
-constexpr double kGone = 0.5;  // [s] of silence after which a node is gone, not late
+constexpr double kGone = 0.5;  // [s] of silence after which a node is gone rather than late
 
 bool is_rest(const Twist2& twist, double threshold) {
   return std::abs(twist.v) <= threshold && std::abs(twist.w) <= threshold;
@@ -167,7 +167,7 @@ bool Arbiter::steers(double now) const {
 }
 
 Decision Arbiter::choose(double now) {
-  // The stop ends autonomy: if it is the policy, it was chosen anew.
+  // Pressing the stop ends autonomy, so kAutonomous here was chosen after it.
   switch (stop_.awaits(now, policy_ == Policy::kAutonomous)) {
     case EmergencyStop::Awaits::kRelease:
       return stop(ArbitrationReason::kEmergencyStop);
@@ -197,7 +197,8 @@ Decision Arbiter::choose_by_policy(double now) {
   return blend(now, params_.blend.min, disagreement);
 }
 
-// Danger still gives the planner all of it; a person's errors only over time.
+// Low clearance still gives the planner full authority at once; the person's errors act only over
+// time.
 Decision Arbiter::adapt(double now) {
   performance_.update(shared_.twist, params_.blend.disagreement, now, params_.adaptive);
   return blend(now, performance_.share(params_.adaptive), 0.0);
@@ -212,8 +213,8 @@ Decision Arbiter::choose_autonomous(double now) const {
   return stop(ArbitrationReason::kAllSilent);
 }
 
-// The planner's share grows with danger (little clearance) and with disagreement: where the planner
-// departs from the person it has seen what the person has not.
+// The planner's share grows with danger (little clearance) and with disagreement: a planner that
+// departs from the person's command has probably seen something the person has not.
 Decision Arbiter::blend(double now, double least, double disagreement) {
   const bool known = clearance_heard_ && now - clearance_time_ <= params_.shared_timeout;
   const double danger = known ? 1.0 - clearance_ / params_.blend.clearance : 1.0;
@@ -224,7 +225,7 @@ Decision Arbiter::blend(double now, double least, double disagreement) {
           ArbitrationReason::kFollowsSource, alpha_};
 }
 
-// A stop never waits, and a robot that stood starts with the command as it is.
+// A stop is never ramped, and a robot that stood starts at the command itself.
 Decision Arbiter::ramp(Decision decision, double now) {
   if (decision.source == Source::kNone) {
     handover_.stop();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Selects the command in force among those of the person, the planner and an outside autonomy, and
-// says why the robot moves or stands.
+// gives the reason why the robot moves or stands.
 #pragma once
 
 #include <string>
@@ -15,36 +15,37 @@
 
 namespace tandem {
 
-/// Who may drive. kShared: the planner for the person. kBlend: a mixture of both. kAdaptive: a
-/// mixture in which the planner's part follows how well the person drives. kAutonomous: the outside
-/// autonomy, else the planner's own goal; the person takes over by steering.
+/// Who may drive. kManual: the person alone. kShared: the planner on the person's behalf. kBlend: a
+/// mixture of both. kAdaptive: a mixture in which the planner's share follows how well the person
+/// drives. kAutonomous: the outside autonomy, else the planner with its own goal; the person takes
+/// over by steering.
 enum class Policy { kManual, kShared, kBlend, kAdaptive, kAutonomous };
 
-/// Whose command goes on.
+/// Whose command is passed on.
 enum class Source { kNone, kUser, kShared, kBlend, kNav };
 
-/// Why the decision is what it is.
+/// Reason for a decision.
 enum class ArbitrationReason {
   kFollowsSource,
-  kHandover,       ///< authority just changed: ramping up to the new command
+  kHandover,       ///< authority has just changed: ramping up to the new command
   kUserTakesOver,  ///< autonomous, but the person steers
   kEmergencyStop,
-  kLetGoFirst,  ///< an emergency stop was released, and the person was not seen to let go yet
-  kSteerFirst,  ///< they let go, and hold the stick at rest since
+  kLetGoFirst,  ///< emergency stop released, but the person has not let go of the stick yet
+  kSteerFirst,  ///< the person has let go and the stick is still at rest
   kUserSilent,
   kSharedSilent,
   kAllSilent,
-  kClockSilent,  ///< the age of a command cannot be told
+  kClockSilent,  ///< /clock is silent, so the age of a command is unknown
 };
 
 [[nodiscard]] const char* name(Policy policy);
 [[nodiscard]] const char* name(Source source);
 [[nodiscard]] const char* name(ArbitrationReason reason);
 
-/// Throws std::invalid_argument that lists the policies if `text` is none of them.
+/// Throws std::invalid_argument, listing the policies, if `text` is none of them.
 [[nodiscard]] Policy policy_from(const std::string& text);
 
-/// How policy `blend` mixes: may change while it drives.
+/// Weights of policy `blend`; may change while the robot drives.
 struct BlendParams {
   double clearance = 0.8;
   double disagreement = 0.5;
@@ -93,12 +94,12 @@ struct Decision {
   Source source = Source::kNone;
   ArbitrationReason reason = ArbitrationReason::kAllSilent;
   double alpha = 0.0;        ///< the planner's share of the command, 0 … 1
-  double performance = 1.0;  ///< of the person, 0 … 1, as policy adaptive measures it
+  double performance = 1.0;  ///< of the person, 0 … 1, as measured by policy adaptive
 };
 
-/// Decides whose command goes on. Times are seconds on one monotonic clock; a command counts from
-/// the moment it arrived. Never throws after construction. A command that is not finite is ignored;
-/// any finite one gives a finite decision.
+/// Decides whose command is passed on. Times are seconds on one monotonic clock; the age of a
+/// command is counted from its arrival. Never throws after construction, except where stated. A
+/// non-finite command is ignored; finite commands give a finite decision.
 class Arbiter {
  public:
   /// Throws std::invalid_argument on parameters out of range.
@@ -110,44 +111,45 @@ class Arbiter {
   void on_user(const Twist2& twist, double t);
   void on_shared(const Twist2& twist, double t);
   void on_nav(const Twist2& twist, double t);
-  /// Distance of the robot to the nearest obstacle [m], which drives `blend`.
+  /// Distance from the robot to the nearest obstacle [m]; policy blend uses it.
   void on_clearance(double clearance, double t);
-  /// Why the stick that somebody holds moves nothing; empty: nothing hinders it.
+  /// Why a held stick does not move the robot; empty: nothing prevents it.
   void on_stick(std::string trouble, double t) { stick_ = {std::move(trouble), t, true}; }
   /// Why the planner has no plan; empty: it has one.
   void on_planner(std::string trouble, double t) { planner_ = {std::move(trouble), t, true}; }
-  /// Why the safety filter lets nothing pass; empty: something passes.
+  /// Why the safety filter passes nothing; empty: it passes something.
   void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t, true}; }
 
-  /// Latches: only release_emergency_stop() frees, and only after the last signal was `false`. It
-  /// ends policy kAutonomous (kShared follows). After the release the robot stands until the person
-  /// has let go of the stick for 1 s (or `user_timeout`, if that is longer) and then steers, or
-  /// kAutonomous is chosen. A stick that falls silent is not let go of: see EmergencyStop.
+  /// Latches; only release_emergency_stop() releases it, and only if the last signal was `false`.
+  /// Pressing ends policy kAutonomous (kShared follows). After the release the robot stands until
+  /// the person has let go of the stick for 1 s (or `user_timeout` if longer) and then steers, or
+  /// until kAutonomous is chosen. A stick that falls silent does not count as let go: see
+  /// EmergencyStop.
   void on_emergency_stop(bool pressed);
-  /// Whether the stop is released now.
+  /// Releases the stop if the last signal was `false`. Returns whether it is released now.
   [[nodiscard]] bool release_emergency_stop() { return stop_.release(); }
   [[nodiscard]] bool emergency_stopped() const { return stop_.latched(); }
 
-  /// False, having changed nothing, for kAutonomous while the emergency stop is not released: it
-  /// would start the robot with the release.
+  /// Returns false, changing nothing, for kAutonomous while the emergency stop is latched: the
+  /// release would start the robot.
   [[nodiscard]] bool set_policy(Policy policy);
   [[nodiscard]] Policy policy() const { return policy_; }
 
   [[nodiscard]] Decision decide(double now);
-  /// Why the robot moves or stands after `decision`: the first that holds of
+  /// Why the robot moves or stands after `decision`: the first that applies of
   ///
-  /// * why it is stopped here, unless it is because nobody steers,
-  /// * if nobody steers: why the stick of the person who tries to moves nothing,
+  /// * the reason it is stopped here, unless it is that nobody steers,
+  /// * if nobody steers: why the stick of a person who tries to does not move the robot,
   /// * why the safety filter would stop any command,
   /// * that nobody steers,
-  /// * what hinders the planner, if its command is in force,
+  /// * the planner's trouble, if its command is in force,
   /// * the decision's own reason.
   [[nodiscard]] std::string why(const Decision& decision, double now) const;
-  /// Whether somebody is at the stick: their command is new.
+  /// Whether a person is at the stick: the last user command is fresh.
   [[nodiscard]] bool hears_person(double now) const {
     return user_.fresh(now, params_.user_timeout);
   }
-  /// Names of the inputs that were heard once and are silent now.
+  /// Topics of the inputs that were received once and are silent now.
   [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
 
  private:

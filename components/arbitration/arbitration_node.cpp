@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-// The topic of the node whose trouble `why` repeats; null if it is arbitration's own.
+// Topic of the node whose trouble `why` repeats; null if the reason is arbitration's own.
 const char* topic_behind(const std::string& why) {
   if (why.starts_with("planner: ")) return topics::planner_status.name;
   if (why.starts_with("safety filter: ")) return topics::filter_status.name;
@@ -55,7 +55,7 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
         arbiter_.on_filter(nothing_passes ? msg.reason() : "", node_.now());
       })} {
   for (TwistInput* input : {&user_, &shared_, &nav_}) input->set_frames(params_->frames);
-  // As if a sender had pressed it and left; sequence numbers begin at 1.
+  // As if a sender had pressed and left; sequence numbers begin at 1.
   if (params_->start_stopped) on_stop(rt::PublisherId{}, 1, true);
   subscribe_emergency_stop();
   offer_services();
@@ -71,9 +71,10 @@ void ArbitrationNode::on_command(const Twist2& twist, Source source) {
   decide(source);
 }
 
-// A reader hears no sender that offers less than it requests, and one that requests less loses what
-// was sent before it knew the sender; so three read. The first is matched first: a program that
-// presses once sends as soon as one is.
+// A reader receives nothing from a sender that offers a weaker QoS than it requests, and a reader
+// that requests less misses samples sent before discovery; hence three readers. The order matters:
+// a program that presses once sends as soon as one reader is matched, and the first is matched
+// first.
 void ArbitrationNode::subscribe_emergency_stop() {
   using enum rt::Reliability;
   using enum rt::Durability;
@@ -87,7 +88,7 @@ void ArbitrationNode::subscribe_emergency_stop() {
 }
 
 void ArbitrationNode::on_stop(const rt::PublisherId& sender, std::uint64_t sequence, bool pressed) {
-  update_stop_senders();  // a `false` takes back the presses of those that have left
+  update_stop_senders();  // first, because a `false` cancels the presses of departed senders
   if (!stop_words_.on_word(sender, sequence, pressed)) return;
   if (pressed && !arbiter_.emergency_stopped()) node_.log().warn("emergency stop");
   if (pressed) arbiter_.on_emergency_stop(true);
@@ -120,7 +121,7 @@ void ArbitrationNode::offer_services() {
       });
 }
 
-// A command goes on when the source that arrived is in charge; whatever stops goes on at once.
+// Publishes if the source that arrived is in charge; a stop is published immediately.
 void ArbitrationNode::decide(Source arrived) {
   if (stands_without_clock()) return;
   const Decision decision = arbiter_.decide(node_.now());
@@ -138,7 +139,7 @@ void ArbitrationNode::decide(Source arrived) {
   published_ = node_.steady_now();
 }
 
-// A reason that comes and goes is one event, and the next line says how often it came.
+// An alternating reason is logged as one event; the next line gives the count.
 void ArbitrationNode::log_reason(rt::LogLevel level) {
   if (std::exchange(logged_, decision_.reason) == decision_.reason) return;
   const std::string what =
@@ -146,7 +147,7 @@ void ArbitrationNode::log_reason(rt::LogLevel level) {
   node_.log().write_every(kReminder, level, what, what);
 }
 
-// While time stands nothing grows old: what was said before it stood must not count as new.
+// While the clock stands still nothing ages, so old messages would count as fresh.
 bool ArbitrationNode::stands_without_clock() {
   if (node_.clock_silence() <= kClockSilence) return false;
   cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
@@ -166,7 +167,7 @@ void ArbitrationNode::watch() {
   say_why();
 }
 
-// Why, and what would mend it: of the first cause, if other nodes' troubles lead to one.
+// Reason and remedy: those of the first cause, if other nodes' troubles lead to one.
 Causes::Cause ArbitrationNode::explain() {
   std::string why = arbiter_.why(decision_, node_.now());
   if (const char* topic = topic_behind(why))
@@ -186,7 +187,7 @@ void ArbitrationNode::say_why() {
     diagnostics_.report_cause(why, remedy_);
   if (std::exchange(why_, why) == why) return;
   publish_status();
-  // What decide() has said is not said again; counts in brackets make no other reason.
+  // decide() has already logged its own reason; a changed count in brackets is not a new reason.
   if (!is_own)
     node_.log().write_every(
         kReminder, rt::LogLevel::kInfo, why.substr(0, why.find('(')),

@@ -36,22 +36,22 @@ struct ArbitrationNodeParams {
 /// cmd_vel_user, cmd_vel_shared, cmd_vel_nav, e_stop, teleop/status, planner/status,
 /// safety_filter/status, /diagnostics → cmd_vel_arbitrated, arbitration/status, /diagnostics.
 ///
-/// Passes a command on when it arrives; in between it repeats the command in force, and publishes
-/// zero as soon as the source in charge is silent. Status and diagnostics say at once why the robot
-/// stands, also if teleop, planner or safety filter stopped it, or a node before them: of nodes
-/// that wait for each other's topics the first cause is named. Services: ~/set_policy,
+/// Passes a command on when it arrives, repeats the command in force in between, and publishes zero
+/// as soon as the source in charge is silent. Status and diagnostics report immediately why the
+/// robot stands, including causes in teleop, planner, safety filter or a node upstream of them:
+/// when nodes wait for each other's topics, the first cause is reported. Services: ~/set_policy,
 /// ~/release_emergency_stop.
 class ArbitrationNode {
  public:
-  static constexpr double kWatchdog = 0.0125;    // [s]
-  static constexpr double kRepeat = 0.025;       // [s] silence that is broken by a repetition
+  static constexpr double kWatchdog = 0.0125;  // [s]
+  static constexpr double kRepeat = 0.025;     // [s] output gap after which the command is repeated
   static constexpr double kStatusPeriod = 0.05;  // [s]
   static constexpr double kClockSilence = 0.5;   // [s] of steady time
 
-  static constexpr int kStopDepth = 100;  // words that may wait while the process is stalled
+  static constexpr int kStopDepth = 100;  // messages queued while the process is stalled
 
-  static constexpr double kReminder = 10.0;        // [s] between two log lines of one reason
-  static constexpr double kTellPerformance = 0.1;  // change that is logged
+  static constexpr double kReminder = 10.0;        // [s] between two log lines with the same reason
+  static constexpr double kTellPerformance = 0.1;  // [1] smallest change that is logged
 
   explicit ArbitrationNode(rt::Node& node);
 
@@ -73,11 +73,11 @@ class ArbitrationNode {
   rt::Parameters<ArbitrationNodeParams> params_;
   Arbiter arbiter_;
   Decision decision_;
-  double performance_ = 1.0;  ///< as last logged
-  double published_ = -1.0;   ///< steady time of the last command [s]
+  double performance_ = 1.0;  ///< last logged value
+  double published_ = -1.0;   ///< time of the last command, steady time [s]
   std::optional<ArbitrationReason> logged_;
-  std::string why_;     ///< as last published
-  std::string remedy_;  ///< of that
+  std::string why_;     ///< last published reason
+  std::string remedy_;  ///< remedy for why_
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;

@@ -7,7 +7,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kAtRest = 0.02;  // [m/s, rad/s] more is steering
+constexpr double kAtRest = 0.02;  // [m/s, rad/s] a larger command is steering
 
 }  // namespace
 
@@ -35,8 +35,8 @@ EmergencyStop::Awaits EmergencyStop::awaits(double now, bool autonomous) {
   if (latched_) return Awaits::kRelease;
   if (autonomous && (has_let_go(now) || !heard_person_)) must_restart_ = false;
   if (!must_restart_) return Awaits::kNothing;
-  // Letting go alone starts nothing: while a person holds the dead-man button with the stick at
-  // rest, a planner with a goal would drive at once.
+  // Letting go alone does not start the robot: with the dead-man button held and the stick at rest,
+  // a planner with a goal would drive at once.
   return has_let_go(now) ? Awaits::kSteering : Awaits::kLettingGo;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The latch of the emergency stop, and what must happen after its release before the robot moves.
+// Latches the emergency stop and decides when the robot may move again after its release.
 #pragma once
 
 #include <optional>
@@ -8,35 +8,35 @@
 
 namespace tandem {
 
-/// Latches until it is released. The release is no command to start (ISO 13850, 4.1.4): the person
-/// must let go of the stick and then steer, or choose autonomy anew.
+/// Latches until released. The release is not a command to start (ISO 13850, 4.1.4): the person
+/// must let go of the stick and then steer, or choose autonomy again.
 ///
-/// Letting go must be seen: a command at rest arrived, and for `rest_time` after it none that
-/// steers. What was seen before the release counts too. Silence alone does not count, because a
-/// stick that is held through a lost link is silent as well; but after a command at rest it does,
-/// because most devices say zero once when they are let go, and nothing more. A device must
-/// therefore never say zero merely because it does not know where its stick is.
+/// Letting go must be observed: a command at rest arrived, and none that steers for `rest_time`
+/// after it. A rest that began before the release counts too. Silence alone does not count, because
+/// a stick held through a lost link is silent too. Silence after a command at rest counts, because
+/// most devices send a single zero when they are let go. A device must therefore never send zero
+/// merely because it does not know where its stick is.
 ///
 /// Times are seconds on one monotonic clock.
 class EmergencyStop {
  public:
-  /// What is still missing before the robot may move.
+  /// What is still required before the robot may move.
   enum class Awaits { kNothing, kRelease, kLettingGo, kSteering };
 
-  /// `rest_time`: how long the person must not steer [s].
+  /// `rest_time`: time without steering that counts as letting go [s].
   explicit EmergencyStop(double rest_time) : rest_time_{rest_time} {}
 
   void on_signal(bool pressed);
-  /// Only after the last signal was `false`. Whether the stop is released now.
+  /// Releases the latch if the last signal was `false`. Returns whether the stop is released now.
   [[nodiscard]] bool release();
   [[nodiscard]] bool latched() const { return latched_; }
 
-  /// A person's command, finite.
+  /// Takes the person's command, which must be finite.
   void on_user(const Twist2& twist, double t);
-  /// `autonomous`: autonomy was chosen since the stop was pressed. It then needs no steering, and
-  /// no letting go either if no person has ever been heard.
+  /// `autonomous`: autonomy was chosen after the stop was pressed. Then no steering is required,
+  /// and no letting go either if no person has ever sent a command.
   [[nodiscard]] Awaits awaits(double now, bool autonomous);
-  /// The clock was set back to `now`: a rest that is under way begins there.
+  /// Call when the clock was set back to `now`: a rest in progress restarts there.
   void set_clock_back(double now);
 
  private:
@@ -48,7 +48,7 @@ class EmergencyStop {
   bool pressed_ = false, latched_ = false;
   bool must_restart_ = false;
   bool heard_person_ = false;
-  std::optional<double> rest_since_;  // the first command at rest since the last that steered
+  std::optional<double> rest_since_;  // first command at rest since the last steering one
 };
 
 }  // namespace tandem

@@ -7,17 +7,18 @@
 namespace tandem {
 namespace {
 
-// The value nearest to `value` that is not faster than `target` and not of the other sign.
+// The value nearest to `value` that is not faster than `target` and does not have the opposite
+// sign.
 double between_rest_and(double target, double value) {
   return std::clamp(value, std::min(0.0, target), std::max(0.0, target));
 }
 
 }  // namespace
 
-// The two are not scaled together, which would keep the chosen arc: a robot that goes straight
-// would then come to a halt at every handover to a command that turns, because its yaw rate begins
-// at zero. A driver expects the speed to be kept. The arc differs from the chosen one while the
-// ramp lasts.
+// The components are not scaled together, although that would keep the chosen arc: a robot that
+// goes straight would then halt at every handover to a command that turns, because its yaw rate
+// starts at zero. A driver expects the speed to be kept. The arc differs from the chosen one during
+// the ramp.
 Twist2 Handover::follow(const Twist2& chosen, bool changed, double now) {
   return {v_.follow(chosen.v, changed, now, duration_),
           w_.follow(chosen.w, changed, now, duration_)};
@@ -30,7 +31,7 @@ double Handover::Ramp::follow(double target, bool changed, double now, double du
   if (changed) start(growth, now, duration);
   if (now >= end || growth == 0.0) return finish(target, now);
   const double dt = now - time;
-  // The second term brings a target that grows meanwhile to its end in time, too.
+  // The second term reaches a growing target in time, too.
   const double step = std::max(pace * (dt / duration), growth * (dt / (end - time)));
   if (step >= growth) return finish(target, now);
   time = now;

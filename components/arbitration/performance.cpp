@@ -8,8 +8,8 @@ namespace tandem {
 namespace {
 
 constexpr double kChangeTime = 0.5;  // [s] over which the change of the command is averaged
-constexpr double kLongestGap = 0.5;  // [s] after which a command is a new beginning
-constexpr double kSteers = 0.02;     // [m/s, rad/s] below it the person asks for nothing
+constexpr double kLongestGap = 0.5;  // [s] after a longer gap the average does not continue
+constexpr double kSteers = 0.02;     // [m/s, rad/s] a smaller command is not steering
 
 double difference(const Twist2& a, const Twist2& b) { return std::hypot(a.v - b.v, a.w - b.w); }
 

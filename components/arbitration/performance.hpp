@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures from the person's and the planner's commands how well the person drives, and derives the
-// planner's authority from it.
+// Measures how well the person drives, from the person's and the planner's commands, and derives
+// the planner's share from it.
 #pragma once
 
 #include "tandem/config/params.hpp"
@@ -8,7 +8,7 @@
 
 namespace tandem {
 
-/// How policy `adaptive` gives authority: may change while it drives.
+/// Parameters of policy `adaptive`; may change while the robot drives.
 struct AdaptiveParams {
   double base = 0.3;
   double range = 0.7;
@@ -38,13 +38,14 @@ struct AdaptiveParams {
 ///   P = p averaged over `time`, while the person steers                  (2)
 ///   K = base + range (1 − P), at most 1, moved only by more than `hysteresis`   (3)
 ///
-/// (3) is the wheelchair's rule K = K0 + Kr (1 − performance); (1) is our measure: a person drives
-/// well if the planner need not correct them and their hand is steady.
+/// (3) is the wheelchair's rule K = K0 + Kr (1 − performance); (1) is our own measure: a person
+/// drives well if the planner does not need to correct the command and the hand is steady.
 class Performance {
  public:
-  /// A person's command at time t [s].
+  /// Takes the person's command at time t [s].
   void on_user(const Twist2& user, double t, const AdaptiveParams& params);
-  /// Takes in how far both agree now. `disagreement`: the difference that counts as all [m/s].
+  /// Updates P from the current agreement of both commands. `disagreement`: difference that counts
+  /// as complete [m/s, rad/s].
   void update(const Twist2& shared, double disagreement, double t, const AdaptiveParams& params);
 
   [[nodiscard]] double performance() const { return performance_; }
@@ -56,7 +57,7 @@ class Performance {
   double user_time_ = -1.0, time_ = -1.0;
   double change_ = 0.0;  // mean of |u̇_user|
   double performance_ = 1.0;
-  double held_ = 1.0;  // the performance that the share follows
+  double held_ = 1.0;  // performance with hysteresis, from which the share is computed
 };
 
 }  // namespace tandem

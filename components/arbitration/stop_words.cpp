@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-constexpr std::uint64_t kWindow = 64;          // samples before the newest that are told apart
+constexpr std::uint64_t kWindow = 64;          // samples before the newest that are distinguished
 constexpr std::size_t kMostRemembered = 1000;  // senders
 
 }  // namespace
@@ -45,7 +45,7 @@ void StopWords::drop_presses_of_departed() {
   for (auto& [sender, word] : words_) word.pressed = word.pressed && word.present;
 }
 
-// Senders that have left and whose last word was `false`.
+// Removes senders that have left and whose last message was `false`.
 void StopWords::forget_departed() {
   std::erase_if(words_,
                 [](const auto& entry) { return !entry.second.present && !entry.second.pressed; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the senders of the emergency stop say, together.
+// Combines the emergency stop messages of all senders.
 #pragma once
 
 #include <array>
@@ -8,37 +8,38 @@
 
 namespace tandem {
 
-/// The last word of each sender of the emergency stop. While one that is present says `true`, the
-/// `false` of another takes nothing back. The `true` of a sender that has left stays until any
-/// sender says `false`.
+/// The last message of each emergency stop sender. While a present sender's last message is `true`,
+/// `false` from another sender does not cancel it. A `true` from a sender that has left stays until
+/// any sender sends `false`.
 ///
-/// A sample may be heard several times, and after younger ones of its sender: several readers hear
-/// each sender. Samples of one sender are therefore ordered by their sequence number.
+/// A sample may be received several times, and after newer ones of its sender, because several
+/// readers receive from each sender. Samples of one sender are therefore ordered by sequence
+/// number.
 class StopWords {
  public:
   using Sender = std::array<std::uint8_t, 16>;
 
-  /// Whether this sample is new, that is not a repetition. One that is older than the sender's last
-  /// does not change their word.
+  /// Returns whether this sample is new rather than a repetition. A sample older than the sender's
+  /// newest does not change the sender's state.
   bool on_word(const Sender& sender, std::uint64_t sequence, bool pressed);
-  /// `is_present(sender)` is asked for every sender that has been heard. A sender that returns
-  /// after it had left counts by what it sends then, even if that was heard before.
+  /// Calls `is_present(sender)` for every known sender. For a sender that has left and returned,
+  /// all its samples count as new, even those received before.
   template <class IsPresent>
   void update_presence(IsPresent is_present) {
     for (auto& [sender, word] : words_) set_present(word, is_present(sender));
   }
 
-  /// Whether somebody's word is `true`.
+  /// Whether the last message of any sender is `true`.
   [[nodiscard]] bool pressed() const;
 
  private:
   struct Word {
-    std::uint64_t newest = 0;  // sequence number of the last word; 0: none
-    std::uint64_t heard = 0;   // bit i: whether newest − i was heard
+    std::uint64_t newest = 0;  // highest sequence number received; 0: none
+    std::uint64_t heard = 0;   // bit i: whether sample newest − i was received
     bool pressed = false;
     bool present = true;
 
-    // Whether that sample was not heard before; marks it as heard.
+    // Marks the sample as received; returns whether it is new.
     bool mark(std::uint64_t sequence);
   };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: JSON from a file or a client. Out: its value, nested no deeper than code that recurses
-// stands.
+// Parses JSON from files and clients, with a limit on nesting that recursive code can handle.
 #pragma once
 
 #include <istream>
@@ -14,7 +13,7 @@
 namespace tandem {
 
 /// Throws std::invalid_argument if arrays and objects are nested deeper than 64 levels: copying and
-/// writing a value recurse, and 10⁵ levels overflow the stack. The text need not be JSON.
+/// writing a value recurse, and 10⁵ levels overflow the stack. Accepts any text, JSON or not.
 inline void check_json_depth(std::string_view text) {
   constexpr int kMaxDepth = 64;
   int depth = 0;
@@ -33,9 +32,9 @@ inline void check_json_depth(std::string_view text) {
   }
 }
 
-/// Throws Json::exception for what is no JSON and std::invalid_argument for a value nested deeper
-/// than 64 levels. Takes time in proportion to the text: the library's own parser with a callback
-/// looks at all elements of an array again after each object in it.
+/// Throws Json::exception if the text is not JSON and std::invalid_argument if it is nested deeper
+/// than 64 levels. Takes linear time; the library's own parser with a callback revisits all
+/// elements of an array after each object in it.
 template <class Json = nlohmann::json>
 [[nodiscard]] Json parse_json(std::string_view text) {
   check_json_depth(text);
@@ -46,7 +45,7 @@ template <class Json = nlohmann::json>
   return parse_json<Json>(std::string{std::istreambuf_iterator<char>{file}, {}});
 }
 
-/// The same, null for what is no JSON or nested too deep.
+/// As parse_json, but returns null if the text is not JSON or nested too deep.
 template <class Json = nlohmann::json, class Input>
 [[nodiscard]] Json parse_json_or_null(Input&& input) {
   try {

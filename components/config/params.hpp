@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a parameter struct is: plain members and one `visit` that names each of them with its range
-// and meaning. YAML files, command lines and `tandem describe` all walk that one declaration.
+// Defines a parameter struct: plain members and one `visit` that names each of them with its range
+// and meaning. YAML files, command lines and `tandem describe` all use that one declaration.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ struct OneOf {
   std::vector<std::string> names;
 };
 
-/// A name that meant different things in one node, and the names that took its place.
+/// A parameter name that had several meanings in one node, and the names that replace it.
 struct RetiredName {
   std::string_view name;
   const char* instead;
@@ -34,15 +34,15 @@ inline constexpr RetiredName kRetiredNames[]{
      "silence of cmd_vel_arbitrated after which safety_filter stops, in_force_timeout the age of "
      "cmd_vel after which local_planner takes it as zero"}};
 
-/// What to write instead of a retired name; null if the name is not retired.
+/// The replacement for a retired name; null if the name is not retired.
 [[nodiscard]] constexpr const char* instead_of(std::string_view name) {
   for (const RetiredName& retired : kRetiredNames)
     if (retired.name == name) return retired.instead;
   return nullptr;
 }
 
-/// Visitor that throws std::invalid_argument for the first field outside its declaration.
-/// A visitor of parameters has these six overloads of operator().
+/// Visitor that throws std::invalid_argument for the first field outside its declaration. Every
+/// visitor of parameters has these six overloads of operator().
 struct Checker {
   void operator()(const char* name, double value, const Range& range, const char* meaning) const {
     if (value >= range.min && value <= range.max) return;  // false for NaN

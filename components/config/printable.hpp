@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: text from a file or from another program. Out: text that is safe in one line of a terminal.
+// Makes text from a file or another program safe to print on one line of a terminal.
 #pragma once
 
 #include <string>
 
 namespace tandem {
 
-/// `text` with '?' for every control character: C0, DEL and, in UTF-8, C1. A line stays a line, and
-/// no text that came from outside moves the cursor, changes colours or forges a line of the log.
+/// `text` with every control character (C0, DEL and, in UTF-8, C1) replaced by '?', so that
+/// external text cannot break a line, move the cursor, change colours or forge a log line.
 [[nodiscard]] inline std::string printable(std::string text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);

@@ -22,9 +22,9 @@ constexpr const char* kTooDeep = "nested deeper than 64 levels; is there an alia
 constexpr const char* kTooMany = "more than a million values; are there aliases of aliases?";
 constexpr const char* kTooLong = "longer than 16 MiB";
 
-// Reads the events and keeps nothing of them. yaml-cpp finds documents without end where a line
-// begins with a comma or a closing bracket (jbeder/yaml-cpp, up to 0.8), and YAML::LoadAll would
-// keep them all.
+// Counts events without storing them. yaml-cpp (jbeder/yaml-cpp, up to 0.8) yields endless
+// documents where a line starts with a comma or a closing bracket, and YAML::LoadAll would store
+// them all.
 class EventCounter : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -71,7 +71,7 @@ void check_events(const std::string& text) {
   }
 }
 
-// Counts values as often as aliases name them.
+// Counts values, once per alias that refers to them.
 class ValueCounter {
  public:
   void visit(const YAML::Node& node, int depth = 0) {
@@ -90,7 +90,7 @@ class ValueCounter {
   std::size_t values_ = 0;
 };
 
-// Also of what is no regular file, such as a pipe. One byte more than allowed at most.
+// Also reads files that are not regular, such as pipes. Reads at most one block more than allowed.
 std::string read_text(const std::string& file) {
   if (std::filesystem::is_directory(file))
     throw std::invalid_argument(file + " is a folder; name a file in it");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: nodes of one YAML file. Out: their values, or an error that names the file and the line.
+// Reads values from the nodes of one YAML file, with errors that name the file and the line.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -10,24 +10,24 @@
 
 namespace tandem {
 
-/// Reads values out of one file. Every function throws std::invalid_argument naming the file, the
-/// line and what is wrong there.
+/// Reads values from one file. Every function throws std::invalid_argument naming the file, the
+/// line and the error.
 class YamlReader {
  public:
-  static constexpr double kHuge = 1e4;  ///< bound of coordinates and lengths [m]
+  static constexpr double kHuge = 1e4;  ///< largest magnitude of coordinates and lengths [m]
 
   explicit YamlReader(std::string name) : name_{std::move(name)} {}
 
-  /// The root of the text, or of the file that the reader is named after; see yaml_document.hpp.
+  /// The root of `text`, or of the file given by the reader's name; see yaml_document.hpp.
   [[nodiscard]] YAML::Node parse(const std::string& text) const;
   [[nodiscard]] YAML::Node load() const;
 
   [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const;
 
-  /// Refuses what is no map, and a key that is given twice: the reader would see only the first.
+  /// Rejects a node that is not a map, and duplicate keys: the reader would see only the first.
   void each_once(const YAML::Node& map) const;
 
-  /// As each_once; refuses keys that are none of these too.
+  /// As each_once; also rejects keys not in `keys`.
   void allow(const YAML::Node& map, std::initializer_list<const char*> keys) const;
 
   [[nodiscard]] YAML::Node required(const YAML::Node& map, const char* key) const;

@@ -16,8 +16,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kHeight = 1.0;       // [m] of a cylinder
-constexpr double kAround = 1.0;       // [m] free about start and goal
-constexpr double kLargest = 100.0;    // [m] side of a world; BARN's are 5 m by 10 m
+constexpr double kAround = 1.0;       // [m] free space around start and goal
+constexpr double kLargest = 100.0;    // [m] largest side of a world; BARN's are 5 m by 10 m
 constexpr double kResolution = 0.05;  // [m]
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
@@ -71,7 +71,7 @@ MapDescription world(const Json& meta, const Json& cylinders) {
   return map;
 }
 
-// From start along the way to the goal; nullopt without one.
+// Length of the path from start to goal [m]; nullopt without a reference path.
 std::optional<double> way_length(const Json& meta, const Json& entry) {
   const auto way = entry.find("reference_path");
   if (way == entry.end() || way->empty()) return std::nullopt;
@@ -92,7 +92,7 @@ std::optional<double> way_length(const Json& meta, const Json& entry) {
   return length;
 }
 
-// Numbers have gaps.
+// The existing numbers next to `number`; the numbering has gaps.
 std::string nearest_to(int number, const std::vector<int>& numbers) {
   const auto above = std::upper_bound(numbers.begin(), numbers.end(), number);
   std::string text;
@@ -101,7 +101,7 @@ std::string nearest_to(int number, const std::vector<int>& numbers) {
   return text.empty() ? "" : ", next to it " + text;
 }
 
-// What `read` makes of the file's meta and its world of that number.
+// Applies `read` to the file's meta data and the world of that number.
 template <class Read>
 auto of_world(const std::filesystem::path& file, int number, const Read& read) {
   const Json root = load(file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a file of BARN worlds and a number. Out: that world as a map description.
+// Reads one world of the BARN data set as a map description.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +12,19 @@ namespace tandem {
 
 /// The worlds of BARN (Perille et al., "Benchmarking Metric Ground Navigation", 2020) in one JSON
 /// file: `{"meta": {"cylinder_radius_m": r, "start": {x, y}, "goal": {x, y}}, "worlds": {"17":
-/// {"cylinders": [[x, y], …], "reference_path": [[x, y], …]}, …}}`. The bounds hold every cylinder,
-/// and 1 m around start and goal. Throws std::runtime_error: one line with the file and what is
-/// wrong in it.
+/// {"cylinders": [[x, y], …], "reference_path": [[x, y], …]}, …}}`. The bounds enclose every
+/// cylinder and 1 m around start and goal. Throws std::runtime_error: one line with the file and
+/// the error.
 [[nodiscard]] MapDescription load_barn_world(const std::filesystem::path& file, int number);
 
-/// The numbers of the worlds in the file, rising. Throws as load_barn_world.
+/// The numbers of the worlds in the file, in ascending order. Throws as load_barn_world.
 [[nodiscard]] std::vector<int> barn_world_numbers(const std::filesystem::path& file);
 
-/// The number of the seed-th world of the file, counted round. Throws as load_barn_world.
+/// The number of the world with index `seed` in the file, modulo the number of worlds. Throws as
+/// load_barn_world.
 [[nodiscard]] int barn_world_number(const std::filesystem::path& file, unsigned seed);
 
-/// Length of BARN's reference way [m]: from the start along the world's `reference_path` to the
+/// Length of BARN's reference path [m]: from the start along the world's `reference_path` to the
 /// goal; nullopt if the file has none. Throws as load_barn_world.
 [[nodiscard]] std::optional<double> barn_way_length(const std::filesystem::path& file, int number);
 

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// One axis of a walk from cell to cell (Amanatides and Woo 1987); lengths in cells.
+// One axis of the cell-by-cell traversal (Amanatides and Woo 1987); lengths in cells.
 struct Axis {
   double start, direction;
   int cell = 0;
 
-  // Part [t0, t1] of the ray within [0, size]; empty if t0 > t1.
+  // Interval [t0, t1] of the ray within [0, size]; empty if t0 > t1.
   [[nodiscard]] std::pair<double, double> within(double size) const {
     if (direction == 0.0)
       return start >= 0.0 && start <= size ? std::pair{0.0, kInfinity} : std::pair{1.0, 0.0};

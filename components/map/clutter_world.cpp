@@ -12,7 +12,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kPitch = 0.15;  // [m] of the lattice, and diameter of a cylinder
+constexpr double kPitch = 0.15;  // [m] of the lattice; also the diameter of a cylinder
 constexpr int kColumns = 30, kRows = 93;
 constexpr int kFirst = 31, kLast = 61;  // rows of clutter
 constexpr int kTries = 200;
@@ -23,7 +23,7 @@ bool is_wall(int row, int column) {
   return row < kLast && (row == 0 || column == 0 || column == kColumns - 1);
 }
 
-// The same on every machine, unlike the standard library's distributions.
+// Gives the same result on every machine, unlike the standard library's distributions.
 bool happens(std::mt19937& random, double chance) {
   return static_cast<double>(random()) < chance * 4294967296.0;
 }
@@ -75,7 +75,7 @@ MapDescription describe(const Lattice& cells) {
   return map;
 }
 
-// The plane of that world, every cylinder the square around it.
+// The plane of that world, with each cylinder as its bounding square.
 StaticMap plane(const Lattice& cells) {
   constexpr int kFine = 3;
   Grid grid{kPitch / kFine, {-kPitch * kColumns, 0.0}, kFine * kColumns, kFine * kRows, {}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a seed. Out: a world of clutter like those of BARN, that a robot can pass.
+// Generates a cluttered world like those of BARN, passable for a robot, from a seed.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,15 +22,15 @@ struct ClutterParams {
   }
 };
 
-/// Where a robot starts, heading +y, and where it must come to [m]: those of BARN.
+/// Start of the robot, heading +y, and its goal [m], as in BARN.
 inline const Eigen::Vector2d kClutterStart{-2.25, 3.0}, kClutterGoal{-2.25, 13.0};
 
-/// A corridor 4.5 m wide with cylinders of ⌀ 0.15 m on a lattice of 0.15 m from y = 4.65 to 9.15,
-/// made as the worlds of BARN (Perille et al. 2020) were: cells filled at random, then smoothed by
-/// a cellular automaton (five or more filled neighbours fill a cell, two or fewer empty it), and
-/// taken only if the goal can be reached; else the next world of the same seed is tried. Equal
-/// seeds and parameters give equal worlds. Throws std::runtime_error if no try of many can be
-/// passed.
+/// A corridor 4.5 m wide with cylinders of ⌀ 0.15 m on a lattice of 0.15 m from y = 4.65 to 9.15.
+/// It is generated like the worlds of BARN (Perille et al. 2020): cells are filled at random, then
+/// smoothed by a cellular automaton (five or more filled neighbours fill a cell, two or fewer empty
+/// it). Worlds whose goal cannot be reached are discarded, and the next world of the same seed is
+/// tried. Equal seeds and parameters give equal worlds. Throws std::runtime_error if none of 200
+/// tries can be passed.
 [[nodiscard]] MapDescription clutter_world(unsigned seed, const ClutterParams& params);
 
 }  // namespace tandem

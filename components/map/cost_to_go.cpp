@@ -12,9 +12,9 @@ namespace tandem {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSlopeReach = 0.2;  // [m] to either side, over which a slope is measured
+constexpr double kSlopeReach = 0.2;  // [m] to either side, for measuring a slope
 
-// Cells leave the heap in the order of their cost and are final then.
+// Cells leave the heap in order of cost and are then final.
 class FastMarching {
  public:
   FastMarching(const StaticMap& map, double radius, double narrow_cost)
@@ -41,7 +41,7 @@ class FastMarching {
   }
 
  private:
-  // The cells round the place have their distance to it.
+  // Initialises the cells around the goal with their distance to it.
   void begin_at(const Eigen::Vector2d& p_MZ) {
     const Eigen::Vector2d cell = (p_MZ - grid_.origin) / grid_.resolution;
     const int x = static_cast<int>(std::floor(cell.x())),
@@ -63,7 +63,7 @@ class FastMarching {
                                                                  : kInfinity;
   }
 
-  // The upwind difference: (V − a)² + (V − b)² = (resolution · cost of a metre)².
+  // Upwind difference: (V − a)² + (V − b)² = (resolution · cost of a metre)².
   void update(int ix, int iy) {
     if (!grid_.contains(ix, iy)) return;
     const double f =
@@ -71,7 +71,7 @@ class FastMarching {
     if (std::isinf(f)) return;
     const double a = std::min(known(ix - 1, iy), known(ix + 1, iy));
     const double b = std::min(known(ix, iy - 1), known(ix, iy + 1));
-    const bool one_sided = std::abs(a - b) >= f;  // also where one of them is infinite
+    const bool one_sided = std::abs(a - b) >= f;  // also if one of them is infinite
     reach(ix, iy,
           one_sided ? std::min(a, b) + f
                     : 0.5 * (a + b + std::sqrt(2.0 * f * f - (a - b) * (a - b))));
@@ -102,7 +102,7 @@ double CostToGo::cost(int ix, int iy) const {
                static_cast<std::size_t>(ix)];
 }
 
-// Beside cells without a way, of the corners that have one.
+// Next to cells without a path, only the corners with a path are used.
 double CostToGo::at(const Eigen::Vector2d& p_MQ) const {
   const Eigen::Vector2d q = (p_MQ - origin_) / resolution_ - Eigen::Vector2d{0.5, 0.5};
   if (!(q.array().abs() < 1e9).all()) return kInfinity;

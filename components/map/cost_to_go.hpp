@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a static map and a place. Out: how far it is from anywhere to there, round what stands about.
+// Computes the cost of the cheapest path from anywhere in a static map to one point.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,20 +10,20 @@
 
 namespace tandem {
 
-/// Cost for the centre of a disc to come from any cell of the grid to one place [m], a metre
-/// counted by cost_of_a_metre. Solves |∇V| = cost of a metre by the fast marching method (Sethian
-/// 1996, first order), so that V is smooth and favours no direction of the grid.
+/// Cost for the centre of a disc to move from any cell of the grid to one point [m]; each metre is
+/// weighted by cost_of_a_metre. Solves |∇V| = cost of a metre by the fast marching method (Sethian
+/// 1996, first order), so V is smooth and has no preferred direction of the grid.
 class CostToGo {
  public:
-  /// No way leads anywhere if the place is outside of the grid. Cost O(n log n) of the grid's
-  /// cells.
+  /// The goal p_MZ; every cost is infinite if it is outside the grid. Takes O(n log n) in the
+  /// number of cells.
   CostToGo(const StaticMap& map, const Eigen::Vector2d& p_MZ, double radius,
            double narrow_cost = kNarrowCost);
 
-  /// V at a point, linear between the cells' centres [m]; infinite where no way is known.
+  /// V at a point, interpolated linearly between cell centres [m]; infinite where no path is known.
   [[nodiscard]] double at(const Eigen::Vector2d& p_MQ) const;
 
-  /// Heading in M in which V falls fastest; 0 where it is flat or not known.
+  /// Heading in M of the steepest descent of V [rad]; 0 where V is flat or unknown.
   [[nodiscard]] double downhill(const Eigen::Vector2d& p_MQ) const;
 
  private:

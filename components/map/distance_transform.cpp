@@ -32,7 +32,7 @@ std::vector<double> squared_column_gaps(const std::vector<std::uint8_t>& is_obst
   return steps;
 }
 
-// Lower envelope of parabolas (x − foot)² + height with rising feet.
+// Lower envelope of parabolas (x − foot)² + height, added with ascending feet.
 class Envelope {
  public:
   explicit Envelope(std::size_t most) {
@@ -57,7 +57,7 @@ class Envelope {
     parabolas_.push_back({foot, height});
     starts_.push_back(start);
   }
-  // Value at x; call with rising x and a cursor that began at 0.
+  // Value at x; call with ascending x and a cursor that starts at 0.
   [[nodiscard]] double at(double x, std::size_t& cursor) const {
     if (parabolas_.empty()) return kInfinity;
     while (cursor + 1 < parabolas_.size() && starts_[cursor + 1] <= x) ++cursor;
@@ -70,7 +70,7 @@ class Envelope {
     double foot, height;
   };
   std::vector<Parabola> parabolas_;
-  std::vector<double> starts_;  // from where each is the lowest
+  std::vector<double> starts_;  // x from which each parabola is the lowest
 };
 
 }  // namespace

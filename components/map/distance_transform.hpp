@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: which cells of a plane are obstacles. Out: how far every cell's centre is from their squares.
+// Computes the exact distance from every cell's centre to the nearest obstacle square.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace tandem {
 /// infinite if there is none. Exact, in time linear in the cells (Felzenszwalb and Huttenlocher,
 /// "Distance Transforms of Sampled Functions", 2012).
 ///
-/// The point of a square nearest to another cell's centre is its corner or the middle of a side.
-/// So each column adds parabolas to the envelope at its two edges only; its own cells are as far as
-/// the gap along it says, if no edge is nearer:
+/// The point of a square nearest to another cell's centre is a corner or the middle of a side. So
+/// each column contributes parabolas to the envelope at its two edges only; its own cells use the
+/// gap along the column, unless an edge of another column is nearer:
 ///
 ///   D²(x, y) = min over columns i of g(x − i) + h_i(y)²,   g(k) = max(0, |k| − ½)²         (1)
 ///

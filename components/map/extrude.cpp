@@ -18,12 +18,12 @@ namespace {
 
 constexpr int kKeyBits = 16;
 constexpr int kMiddleKey = 1 << (kKeyBits - 1);  // key of the voxel that starts at 0
-constexpr double kAligned = 1e-3;                // of a cell: so little off is not off
+constexpr double kAligned = 1e-3;                // of a cell; smaller offsets count as aligned
 
-// What a square of voxels holds.
+// Contents of a square of voxels.
 enum class Square : std::uint8_t { kFree, kOccupied, kUnknown, kMixed };
 
-// Squares of 2^level voxels, from (x, y) on in their own size.
+// Squares of 2^level voxels; (x, y) is the first, in units of their size.
 struct Level {
   int x = 0, y = 0, width = 0, height = 0;
   std::vector<Square> squares;
@@ -65,8 +65,8 @@ Level coarser(const Level& fine) {
   return level;
 }
 
-// Writes the tree as a .bt file holds it: for each inner node two bits per child, then its inner
-// children one by one.
+// Writes the tree in the format of a .bt file: for each inner node two bits per child, then its
+// inner children one by one.
 class TreeWriter {
  public:
   TreeWriter(Level voxels, int layers) : layers_{layers} {
@@ -80,8 +80,8 @@ class TreeWriter {
   }
 
  private:
-  using Cube = std::array<int, 3>;  // place, in cubes of its own size
-  static constexpr unsigned kNone = 0, kFree = 1, kOccupied = 2, kInner = 3;  // of a child
+  using Cube = std::array<int, 3>;  // position, in cubes of its own size
+  static constexpr unsigned kNone = 0, kFree = 1, kOccupied = 2, kInner = 3;  // kind of a child
 
   [[nodiscard]] unsigned kind(int level, const Cube& cube) const {
     const int low = cube[2] << level, high = low + (1 << level);
@@ -115,7 +115,7 @@ class TreeWriter {
   std::string out_;
 };
 
-// The cells where OctoMap has its voxels.
+// The grid resampled onto OctoMap's voxels.
 Grid on_voxels(const Grid& grid) {
   const Eigen::Array2d low = grid.origin.array() / grid.resolution;
   if ((low - low.round()).abs().maxCoeff() < kAligned) return grid;

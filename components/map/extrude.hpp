@@ -10,11 +10,11 @@
 
 namespace tandem {
 
-/// Every occupied cell becomes a column of occupied voxels from z = 0 to `height` [m], a free one
-/// of free voxels; unknown cells stay unknown. Where cells do not lie as OctoMap's voxels do, a
-/// voxel is occupied if it overlaps an occupied cell, else free if it overlaps a free one. Costs
-/// memory by the outlines in the plane, not by its area. Throws std::runtime_error if the plane is
-/// farther from the origin than an OctoMap reaches or nothing in it is known.
+/// Every occupied cell becomes a column of occupied voxels from z = 0 to `height` [m], and every
+/// free cell one of free voxels; unknown cells stay unknown. If the cells are not aligned with
+/// OctoMap's voxels, a voxel is occupied if it overlaps an occupied cell, else free if it overlaps
+/// a free one. Memory grows with the outlines in the plane, not with its area. Throws
+/// std::runtime_error if the plane lies beyond OctoMap's range or contains no known cell.
 [[nodiscard]] std::unique_ptr<octomap::OcTree> extrude(const Grid& grid, double height);
 
 }  // namespace tandem

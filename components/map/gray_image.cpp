@@ -20,7 +20,7 @@ namespace tandem {
 namespace {
 
 constexpr int kByte = 255, kWord = 65535;
-constexpr std::size_t kMostDeflated = 1032;  // bytes that one byte of a PNG can hold at most
+constexpr std::size_t kMostDeflated = 1032;  // largest expansion of one byte of a PNG [bytes]
 
 std::string too_large(std::int64_t width, std::int64_t height) {
   return std::to_string(width) + " × " + std::to_string(height) +
@@ -33,12 +33,12 @@ bool is_size(std::int64_t width, std::int64_t height) {
 
 // --- PGM ---
 
-// The bytes of a PGM file; throws what is wrong with them.
+// The bytes of a PGM file; throws on errors in them.
 class PgmStream {
  public:
   explicit PgmStream(std::ifstream& stream) : in_{stream} {}
 
-  // A number of the header or of a plain file. Comments run from # to the end of their line.
+  // A number in the header or in a plain file. Comments run from # to the end of the line.
   int number(int most) {
     skip_space();
     int value = 0, digits = 0;
@@ -92,7 +92,7 @@ std::vector<std::uint16_t> plain_row(PgmStream& stream, int width, int white) {
 GrayImage read_pgm(std::ifstream& file, bool is_binary) {
   PgmStream stream{file};
   GrayImage image;
-  constexpr int kMostDigits = 100'000'000;  // no overflow, and more than kMostCells allows
+  constexpr int kMostDigits = 100'000'000;  // more than kMostCells allows, and no overflow
   image.width = stream.number(kMostDigits);
   image.height = stream.number(kMostDigits);
   const int white = stream.number(kWord);
@@ -101,7 +101,7 @@ GrayImage read_pgm(std::ifstream& file, bool is_binary) {
   if (is_binary) stream.skip_one();
   std::vector<std::uint8_t> bytes(
       is_binary ? static_cast<std::size_t>(image.width) * (white > kByte ? 2 : 1) : 0);
-  for (int y = 0; y < image.height; ++y) {  // grows as the file does, whatever the header says
+  for (int y = 0; y < image.height; ++y) {  // grows with the file, whatever the header claims
     const auto row =
         is_binary ? binary_row(stream, bytes, white) : plain_row(stream, image.width, white);
     image.shade.insert(image.shade.end(), row.begin(), row.end());
@@ -111,8 +111,8 @@ GrayImage read_pgm(std::ifstream& file, bool is_binary) {
 
 // --- PNG ---
 
-// What libpng needs and says. It leaves by longjmp, so nothing with a destructor lives in the
-// frames that it jumps over.
+// State and error of libpng. It exits by longjmp, so no object with a destructor may live in the
+// frames that it skips.
 struct PngReader {
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -123,7 +123,7 @@ struct PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 
-  // Whether libpng came through.
+  // Return whether libpng succeeded.
   [[nodiscard]] bool read_header(std::FILE* file);
   [[nodiscard]] bool read_pixels(png_bytepp rows);
 };
@@ -147,7 +147,7 @@ bool PngReader::read_header(std::FILE* file) {
                       static_cast<png_uint_32>(kMostCells));
   png_init_io(png, file);
   png_read_info(png, info);
-  png_set_expand(png);  // palettes and few bits become 8 bits a channel; 16 stay
+  png_set_expand(png);  // palettes and small depths become 8 bits per channel; 16 bits stay
   (void)png_set_interlace_handling(png);
   png_read_update_info(png, info);
   return true;
@@ -161,7 +161,7 @@ bool PngReader::read_pixels(png_bytepp rows) {
 }
 
 struct PixelLayout {
-  std::size_t channels = 1, bytes = 1;  // of a channel
+  std::size_t channels = 1, bytes = 1;  // bytes per channel
 
   [[nodiscard]] bool has_opacity() const { return channels % 2 == 0; }
   [[nodiscard]] std::uint16_t channel(const png_byte* pixel, std::size_t i) const {

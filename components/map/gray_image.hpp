@@ -8,7 +8,7 @@
 
 namespace tandem {
 
-/// Rows from the top, `width` pixels each.
+/// Pixels row by row from the top, `width` per row.
 struct GrayImage {
   static constexpr std::uint16_t kWhite = 65535;
 
@@ -17,9 +17,9 @@ struct GrayImage {
   std::vector<std::uint16_t> opacity;  ///< 0 transparent, kWhite opaque; empty: all is opaque
 };
 
-/// Reads a .pgm (P2, P5) or .png, told apart by their first bytes. Gamma is not applied. Throws
+/// Reads a .pgm (P2, P5) or .png file, recognised by its first bytes. Gamma is not applied. Throws
 /// std::runtime_error, one line that names the file, if it is damaged or has more than kMostCells
-/// pixels; memory is taken only for as many pixels as the header promises and never for more.
+/// pixels. Never allocates memory for more pixels than the header declares.
 [[nodiscard]] GrayImage read_gray_image(const std::filesystem::path& file);
 
 }  // namespace tandem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the part of an OctoMap that the robot's body sweeps. Out: a plane of cells in the map frame.
+// A plane of free, occupied and unknown cells in the map frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@ namespace tandem {
 
 enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
 
-/// Grids are never larger: what asks for more is an error, not a machine without memory.
+/// Largest number of cells of a grid; larger requests are errors instead of exhausting memory.
 inline constexpr std::int64_t kMostCells = 100'000'000;
 
 /// Row-major cells, row 0 at the lowest y. Cell (ix, iy) is the square of side `resolution` whose
@@ -24,7 +24,7 @@ struct Grid {
   [[nodiscard]] bool contains(int ix, int iy) const {
     return ix >= 0 && iy >= 0 && ix < width && iy < height;
   }
-  /// Place of a contained cell in `cells`.
+  /// Index in `cells` of a cell inside the grid.
   [[nodiscard]] std::size_t index(int ix, int iy) const {
     return static_cast<std::size_t>(iy) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(ix);

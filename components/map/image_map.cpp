@@ -18,7 +18,7 @@ constexpr std::int8_t kUnknown = -1, kFree = 0, kOccupied = 100;  // [%]
 
 enum class Mode { kTrinary, kScale, kRaw };
 
-// How an image is read.
+// How pixels map to occupancy.
 struct Legend {
   Mode mode = Mode::kTrinary;
   bool negate = false;
@@ -33,7 +33,7 @@ Mode mode_of(const YamlReader& reader, const YAML::Node& node) {
   reader.fail(node, "mode must be trinary, scale or raw");
 }
 
-// 0 and 1, as map_server has it, or false and true.
+// Accepts 0 and 1, as map_server does, or false and true.
 bool negate_of(const YamlReader& reader, const YAML::Node& root) {
   const YAML::Node node = root["negate"];
   if (node && node.IsScalar() && (node.Scalar() == "0" || node.Scalar() == "1"))
@@ -75,8 +75,8 @@ std::int8_t raw(double shade) {
   return percent <= kOccupied ? static_cast<std::int8_t>(percent) : kUnknown;
 }
 
-// As map_server, which counts how opaque a pixel is among its colours in trinary mode, and takes
-// none that lets anything through for known in scale mode.
+// As map_server, which averages the opacity with the colours in trinary mode, and treats pixels
+// that are not opaque as unknown in scale mode.
 std::int8_t percent_of(const GrayImage& image, std::size_t i, const Legend& legend) {
   constexpr std::uint32_t kColors = 3;
   std::uint32_t shade = image.shade[i];
@@ -91,7 +91,7 @@ std::int8_t percent_of(const GrayImage& image, std::size_t i, const Legend& lege
   return legend.mode == Mode::kScale ? scale(occupancy, legend) : trinary(occupancy, legend);
 }
 
-// From the lowest row on, which is the image's last.
+// Rows in ascending y; the lowest row is the image's last.
 std::vector<std::int8_t> percents_of(const GrayImage& image, const Legend& legend) {
   const auto width = static_cast<std::size_t>(image.width);
   std::vector<std::int8_t> percents;

@@ -10,10 +10,10 @@
 
 namespace tandem {
 
-/// Whether the root of a YAML file is that of such a map.
+/// Whether `root`, the root of a YAML file, describes such a map.
 [[nodiscard]] bool is_image_map(const YAML::Node& root);
 
-/// Reads one as map_server does:
+/// Reads such a map as map_server does:
 ///
 ///     image: room.pgm                  # or .png; beside the YAML file
 ///     resolution: 0.05                 # [m] of a pixel
@@ -23,8 +23,8 @@ namespace tandem {
 ///     negate: 0                        # default; 1: white is occupied
 ///     mode: trinary                    # default; scale, raw
 ///
-/// Keys that map_server does not know are ignored, as there. Throws std::invalid_argument for what
-/// is wrong in the YAML and std::runtime_error for the image, each one line that names the file.
+/// Keys unknown to map_server are ignored, as it does. Throws std::invalid_argument for errors in
+/// the YAML and std::runtime_error for errors in the image, each one line that names the file.
 [[nodiscard]] OccupancyPlane load_image_map(const std::filesystem::path& file);
 
 }  // namespace tandem

@@ -16,7 +16,7 @@ namespace {
 constexpr double kMostVoxels = 5e7;
 constexpr double kHuge = YamlReader::kHuge;
 
-// The solid's heights, from `height` or `z`.
+// Reads the solid's heights from `height` or `z`.
 void read_heights(const YamlReader& reader, const YAML::Node& map, Solid& solid) {
   if (static_cast<bool>(map["height"]) == static_cast<bool>(map["z"]))
     reader.fail(map, "give one of 'height' and 'z: [low, high]'");
@@ -39,7 +39,7 @@ Eigen::Vector2d half_extent(const Solid& solid) {
 }
 
 bool contains(const Solid& solid, const Eigen::Vector2d& p_MQ) {
-  constexpr double kRounding = 1e-9;  // [m], so that a centre on the edge counts on every side
+  constexpr double kRounding = 1e-9;  // [m] so that a centre on the edge counts on every side
   const Eigen::Vector2d d = p_MQ - solid.p_MC;
   if (solid.shape == Solid::Shape::kDisc) return d.norm() <= 0.5 * solid.size.x() + kRounding;
   const double c = std::cos(solid.angle), s = std::sin(solid.angle);
@@ -74,7 +74,7 @@ void add_wall(const YamlReader& reader, const YAML::Node& node, MapDescription& 
     const Eigen::Vector2d to = reader.vector<2>(points[(i + 1) % count]);
     const double length = (to - from).norm();
     if (!(length > 0.0)) reader.fail(points[i], "two points of a wall coincide");
-    // At a joint the piece goes on by half the thickness, so that the corner is full.
+    // At a joint the piece extends by half the thickness, so that the corner is filled.
     const double before = closed || i > 0 ? 0.5 * thickness : 0.0;
     const double after = closed || i + 1 < pieces ? 0.5 * thickness : 0.0;
     const Eigen::Vector2d along = (to - from) / length;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a map written down in YAML (maps/*.yaml). Out: the OctoMap it describes.
+// Reads a map written in YAML (maps/*.yaml) and builds its OctoMap.
 #pragma once
 
 #include <octomap/OcTree.h>
@@ -12,22 +12,22 @@
 
 namespace tandem {
 
-/// Upright solid between two heights: a rectangle turned by `angle`, or a disc.
+/// Upright solid between two heights [m]: a rectangle rotated by `angle`, or a disc.
 struct Solid {
   enum class Shape { kRectangle, kDisc };
 
   Shape shape = Shape::kRectangle;
   Eigen::Vector2d p_MC{0.0, 0.0};  ///< centre [m]
-  Eigen::Vector2d size{0.0, 0.0};  ///< length and width; a disc's diameter twice [m]
+  Eigen::Vector2d size{0.0, 0.0};  ///< length and width; for a disc its diameter in both [m]
   double angle = 0.0;              ///< heading of the length [rad]
   double z_low = 0.0, z_high = 0.0;
 };
 
-/// A world of solids. Everything else inside of the bounds is known to be free.
+/// A world of solids. Inside the bounds everything else is free, or unknown without `free_space`.
 struct MapDescription {
   double resolution = 0.05;                     ///< side of a voxel [m]
   Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};  ///< bounds [m]
-  bool free_space = true;                       ///< false: what is not solid stays unknown
+  bool free_space = true;                       ///< false: space that is not solid stays unknown
   bool floor = false;                           ///< one layer of voxels below z = 0
   std::vector<Solid> solids;
 };
@@ -42,13 +42,13 @@ struct MapDescription {
 ///     boxes:     [{center: [x, y], size: [along, across], angle: radians, height: h}, …]
 ///     cylinders: [{center: [x, y], diameter: d, height: h}, …]
 ///
-/// where `z: [low, high]` may stand for `height: h` (z from 0 to h). A wall follows its points;
-/// its free ends are flat and end at the point. Throws std::invalid_argument naming `name`, the
-/// line and what is wrong there; an unknown key is wrong.
+/// where `z: [low, high]` may replace `height: h` (z from 0 to h). A wall follows its points; its
+/// free ends are flat and end at the point. Throws std::invalid_argument naming `name`, the line
+/// and the error; an unknown key is an error.
 [[nodiscard]] MapDescription parse_map_description(const std::string& text,
                                                    const std::string& name);
 
-/// parse_map_description of a file's text.
+/// parse_map_description() for a file.
 [[nodiscard]] MapDescription load_map_description(const std::filesystem::path& file);
 
 /// A voxel is occupied if its centre lies in a solid. Equal descriptions give equal trees.

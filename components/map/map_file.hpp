@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a map from a file of any kind that Tandem knows.
+// Reads a map from a file of any supported kind.
 #pragma once
 
 #include <octomap/OcTree.h>
@@ -9,16 +9,16 @@
 
 namespace tandem {
 
-/// How high the walls of a map without heights are [m]: higher than robots.
+/// Wall height for maps without heights [m]; taller than robots.
 inline constexpr double kWallHeight = 2.0;
 
-/// An OctoMap (.bt, .ot), or in YAML a map of Nav2's map_server, whose walls become `wall_height`
-/// [m] high, or a description. Throws std::invalid_argument for what is wrong in the YAML and
-/// std::runtime_error for a tree or an image, each one line that names the file.
+/// Reads an OctoMap (.bt, .ot) or a YAML file: a map of Nav2's map_server, whose walls become
+/// `wall_height` [m] high, or a map description. Throws std::invalid_argument for errors in the
+/// YAML and std::runtime_error for errors in a tree or an image, each one line that names the file.
 [[nodiscard]] std::unique_ptr<octomap::OcTree> load_map(const std::filesystem::path& file,
                                                         double wall_height = kWallHeight);
 
-/// Whether the file is YAML by its name.
+/// Whether the file's extension is that of YAML.
 [[nodiscard]] bool is_yaml(const std::filesystem::path& file);
 
 }  // namespace tandem

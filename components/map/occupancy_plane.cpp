@@ -10,10 +10,10 @@ namespace tandem {
 namespace {
 
 constexpr int kOccupiedFrom = 50, kMost = 100;               // [%]
-constexpr double kSmallestCell = 1e-3, kLargestCell = 10.0;  // resolution [m], as of an OctoMap
+constexpr double kSmallestCell = 1e-3, kLargestCell = 10.0;  // resolution [m], as in an OctoMap
 constexpr double kFarthest = 1e6;                            // [m]
-constexpr double kTouching = 1e-6;  // of a cell: a common edge is no overlap
-constexpr double kStraight = 0.01;  // of a cell: so little turned is not turned
+constexpr double kTouching = 1e-6;  // of a cell; a common edge is not an overlap
+constexpr double kStraight = 0.01;  // of a cell; smaller rotations count as none
 
 Cell cell_of(std::int8_t percent) {
   if (percent < 0 || percent > kMost) return Cell::kUnknown;
@@ -26,12 +26,12 @@ std::vector<Cell> cells_of(const OccupancyPlane& plane) {
   return cells;
 }
 
-// The plane's cells in O, so that a Grid's own functions tell what is where.
+// The plane as a Grid in O, to use Grid's functions.
 Grid in_own_frame(const OccupancyPlane& plane) {
   return {plane.resolution, {0.0, 0.0}, plane.width, plane.height, cells_of(plane)};
 }
 
-// All unknown, over the plane's bounding box in M, where OctoMap has its voxels.
+// An unknown grid over the plane's bounding box in M, aligned with OctoMap's voxels.
 Grid around(const OccupancyPlane& plane) {
   const double r = plane.resolution, w = r * plane.width, h = r * plane.height;
   Eigen::Array2d low = plane.X_MO.position(), high = low;
@@ -49,8 +49,7 @@ Grid around(const OccupancyPlane& plane) {
   return grid;
 }
 
-// Marks every cell of `out` that a square cell of the plane, at p_MC and turned by c and s,
-// overlaps.
+// Marks every cell of `out` that overlaps a square cell of the plane at p_MC, rotated by c and s.
 void mark(Grid& out, const Eigen::Vector2d& p_MC, double c, double s) {
   const double half = 0.5 * (1.0 + std::abs(c) + std::abs(s)) - kTouching;  // [cells]
   const Eigen::Vector2d p = (p_MC - out.origin) / out.resolution - Eigen::Vector2d{0.5, 0.5};

@@ -11,7 +11,7 @@ namespace {
 constexpr int kTreeDepth = 16;
 constexpr std::size_t kLogOdds = sizeof(float);
 
-// Walks the records of a tree depth first, as OctoMap writes them.
+// Traverses the records of a tree depth first, as OctoMap writes them.
 class Walk {
  public:
   explicit Walk(std::string_view data, std::size_t payload = 0) : data_{data}, payload_{payload} {}
@@ -21,7 +21,7 @@ class Walk {
     if (depth >= kTreeDepth || data_.size() < 2) return false;
     const unsigned record = byte(0) | byte(1) << 8U;
     data_.remove_prefix(2);
-    if (record == 0) return false;  // an inner node has children
+    if (record == 0) return false;  // an inner node has at least one child
     for (unsigned child = 0; child < 8; ++child) {
       const unsigned kind = record >> (2 * child) & 3U;
       if (kind != 0) ++nodes_;

@@ -26,7 +26,7 @@ const std::string kWrongContent = "the bytes are cut off or damaged";
 struct Header {
   OctomapFormat format;
   std::size_t nodes = 0;
-  std::string_view data;  // what follows the header
+  std::string_view data;  // bytes after the header
 };
 
 // Reads a header word by word, as OctoMap does: keys may share a line.
@@ -34,7 +34,7 @@ class Words {
  public:
   explicit Words(std::string_view text) : rest_{text} {}
 
-  // Empty at the end.
+  // The next word; empty at the end.
   std::string_view next() {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kSpace), rest_.size()));
     const std::size_t end = std::min(rest_.find_first_of(kSpace), rest_.size());
@@ -61,7 +61,7 @@ bool parse(std::string_view text, Number& value) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-// Before OctoMap 1.0 a binary file began with these fields; nullopt if this one does not.
+// Binary files from before OctoMap 1.0 start with these fields; nullopt if this one does not.
 std::optional<Header> parse_legacy_header(std::string_view bytes) {
   std::int32_t tree_type = 0;
   Header header;
@@ -78,7 +78,7 @@ std::optional<Header> parse_legacy_header(std::string_view bytes) {
   return header;
 }
 
-// Header of a .bt or .ot file; nullopt if it is none.
+// Header of a .bt or .ot file; nullopt if there is none.
 std::optional<Header> parse_header(std::string_view bytes) {
   Header header;
   header.format.id.clear();
@@ -103,7 +103,7 @@ std::optional<Header> parse_header(std::string_view bytes) {
     else if (word == "res")
       resolved = parse(words.next(), header.format.resolution);
     else
-      words.skip_line();  // a comment, or a key of other programs
+      words.skip_line();  // a comment, or another program's key
   }
   return std::nullopt;
 }
@@ -131,17 +131,17 @@ bool has_occupied(const octomap::OcTree& tree) {
                      [&](const octomap::OcTreeNode& leaf) { return tree.isNodeOccupied(leaf); });
 }
 
-// Bytes of a node beside its log-odds and children, by the type of the tree; nullopt for a tree
-// that holds no log-odds.
+// Bytes per node besides log-odds and children, by the tree's type; nullopt for a tree without
+// log-odds.
 std::optional<std::size_t> payload_of(const std::string& id) {
   if (id == "ColorOcTree") return kColor;
-  // OcTreeStamped keeps its stamps to itself; "1" is what OcTree was called first.
+  // OcTreeStamped does not write its timestamps; "1" is an old name of OcTree.
   if (id == "OcTree" || id == "OcTreeStamped" || id == "1") return 0;
   return std::nullopt;
 }
 
 std::string format_error(const OctomapFormat& format) {
-  // Binary data say the same in trees of any type; OctoMap's reader does not ask for it either.
+  // Binary data have the same meaning for every tree type; OctoMap's reader ignores the type too.
   if (!format.binary && !payload_of(format.id))
     return "holds a tree of type '" + format.id.substr(0, 40) +
            "', not OcTree, ColorOcTree or OcTreeStamped; save it as binary (.bt)";
@@ -154,7 +154,7 @@ std::string format_error(const OctomapFormat& format) {
   return {};
 }
 
-// The tree of a good format; null if the bytes are damaged.
+// Reads a tree of a valid format; null if the bytes are damaged.
 std::unique_ptr<octomap::OcTree> read_tree(const OctomapFormat& format, std::string_view data) {
   auto tree = std::make_unique<octomap::OcTree>(format.resolution);
   if (format.binary) {
@@ -222,7 +222,7 @@ std::unique_ptr<octomap::OcTree> load_octomap(const std::filesystem::path& file)
 }
 
 std::string bt_file_bytes(const octomap::OcTree& tree) {
-  // What OcTree::writeBinaryConst writes, without its chatter on stderr.
+  // Writes the same as OcTree::writeBinaryConst, without its messages on stderr.
   std::ostringstream stream;
   stream << kBinaryFirstLine << "\n"
          << "# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
@@ -233,7 +233,7 @@ std::string bt_file_bytes(const octomap::OcTree& tree) {
 }
 
 void save_octomap(const octomap::OcTree& tree, const std::filesystem::path& file) {
-  const std::filesystem::path part = file.string() + ".part";  // never half a map
+  const std::filesystem::path part = file.string() + ".part";  // so that no truncated map is left
   std::ofstream stream(part, std::ios::binary);
   stream << bt_file_bytes(tree);
   stream.close();

@@ -9,14 +9,15 @@
 namespace tandem {
 namespace {
 
-constexpr double kStep = 1.0;       // [m]
-constexpr double kTouching = 1e-6;  // of a cell: a common edge is no overlap
+constexpr double kStep = 1.0;       // [m] step by which the square moves
+constexpr double kTouching = 1e-6;  // of a cell; a common edge is not an overlap
 
 struct Span {
   int begin = 0, end = 0;
 };
 
-// For each of `count` cells of side `r` from `low` on: the cells of another axis that it overlaps.
+// For each of `count` cells of side `r`, starting at `low`: the cells of the other axis that it
+// overlaps.
 std::vector<Span> overlaps(double low, double r, int count, double other_low, double other_r,
                            int other_count) {
   std::vector<Span> spans(static_cast<std::size_t>(count));

@@ -11,9 +11,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kSpacing = 0.25;  // [m] between the points of a way
+constexpr double kSpacing = 0.25;  // [m] between the points of a path
 
-// Dijkstra's search over the cells whose centres the disc can stand on.
+// Dijkstra's algorithm over the cells on whose centres the disc fits.
 class Search {
  public:
   Search(const StaticMap& map, double radius, double narrow_cost)

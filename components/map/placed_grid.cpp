@@ -9,12 +9,12 @@
 namespace tandem {
 namespace {
 
-constexpr double kTurned = 1e-3;   // of a cell: a turn that moves no corner farther is none
-constexpr double kMeeting = 1e-6;  // of a cell: a common edge is no overlap
+constexpr double kTurned = 1e-3;   // of a cell; rotations that move no corner farther are ignored
+constexpr double kMeeting = 1e-6;  // of a cell; a common edge is not an overlap
 
 double diameter(const Grid& grid) { return grid.resolution * std::hypot(grid.width, grid.height); }
 
-// All of the grid, in M, from a corner where a cell of OctoMap begins.
+// An empty grid of M that contains the whole placed grid, aligned with OctoMap's cells.
 Grid frame_of(const Grid& grid, const Pose2& X_MF, double spread) {
   const double r = grid.resolution;
   const Eigen::Vector2d size = r * Eigen::Vector2d(grid.width, grid.height);
@@ -38,7 +38,7 @@ Grid frame_of(const Grid& grid, const Pose2& X_MF, double spread) {
   return out;
 }
 
-// Looks up what the cells of a grid of M meet in the grid of F. Lengths in cells, of F's axes.
+// Finds what the cells of a grid of M overlap in the grid of F. Lengths in cells, along F's axes.
 class Overlap {
  public:
   Overlap(const Grid& grid, const Pose2& X_MF, double spread)
@@ -50,7 +50,7 @@ class Overlap {
         half_{0.5 + spread / grid.resolution},
         X_FM_{inverse(X_MF)} {}
 
-  // The strongest of what reaches into the cell with this centre in M.
+  // The state with the highest precedence among the cells that overlap the cell with this centre.
   [[nodiscard]] Cell of(const Eigen::Vector2d& p_MC) const {
     const Eigen::Vector2d p = (transform(X_FM_, p_MC) - grid_.origin) / grid_.resolution;
     const double reach = half_ + 0.5 * (c_ + s_) - kMeeting;
@@ -74,7 +74,8 @@ class Overlap {
   static int first(double p, double reach) { return static_cast<int>(std::ceil(p - 0.5 - reach)); }
   static int last(double p, double reach) { return static_cast<int>(std::floor(p - 0.5 + reach)); }
 
-  // Whether the grown square at (dx, dy) and the turned one overlap, by M's axes; by F's they do.
+  // Whether the grown square at (dx, dy) and the rotated one overlap along M's axes; along F's axes
+  // they do.
   [[nodiscard]] bool meets(double dx, double dy) const {
     const double reach = 0.5 + half_ * (c_ + s_) - kMeeting;
     return std::abs(cosine_ * dx - sine_ * dy) < reach &&

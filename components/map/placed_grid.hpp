@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a grid whose frame is not the map's. Out: the same in the map, with no obstacle lost.
+// Transforms a grid into the map frame without losing an obstacle.
 #pragma once
 
 #include "tandem/map/grid.hpp"
@@ -8,11 +8,11 @@
 namespace tandem {
 
 /// The grid whose frame F lies at X_MF, as a grid of M with the same resolution. A cell is occupied
-/// if an occupied cell of F, grown by `spread` [m] to each side, reaches into it; else unknown if
-/// an unknown one does, or what lies beyond the grid; else free. So the result holds for each pose
-/// that moves no point of it by more than `spread`.
+/// if an occupied cell of F, grown by `spread` [m] to each side, overlaps it; else unknown if an
+/// unknown one or space beyond the grid does; else free. The result therefore holds for every pose
+/// that moves no point of the grid by more than `spread`.
 ///
-/// Without a turn and a spread the grid is shifted and nothing is lost or added. Throws
+/// Without rotation and spread the grid is shifted, and nothing is lost or added. Throws
 /// std::runtime_error if the result would have more than kMostCells.
 [[nodiscard]] Grid placed(Grid grid, const Pose2& X_MF, double spread = 0.0);
 

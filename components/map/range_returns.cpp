@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::uint8_t kFloat32 = 7, kFloat64 = 8;  // of sensor_msgs/PointField
 constexpr std::size_t kMostPoints = 10'000'000;
-constexpr double kFarthest = 1000.0;       // [m] a way without end is free this far
+constexpr double kFarthest = 1000.0;       // [m] longest free ray
 constexpr double kLongestScan = 1.0;       // [s]
-constexpr double kScanTimeAccuracy = 1.1;  // drivers round scan_time
+constexpr double kScanTimeAccuracy = 1.1;  // factor, because drivers round scan_time
 
 RangeReturns refused(std::string error) { return {{}, {}, std::move(error)}; }
 
@@ -35,14 +35,14 @@ double read(const CloudField& field, const std::uint8_t* point, bool swap) {
                                     : read_float<double>(bytes, swap);
 }
 
-// Why the layout cannot be that of these bytes; empty if it can.
+// Why the layout does not match the bytes; empty if it does.
 std::string layout_error(const CloudLayout& layout, std::size_t bytes) {
   const std::uint64_t row = std::uint64_t{layout.width} * layout.point_step;
   if (layout.point_step == 0) return "point_step is 0";
   if (layout.height > 1 && layout.row_step < row)
     return "row_step = " + std::to_string(layout.row_step) +
            " is less than width × point_step = " + std::to_string(row);
-  // Both factors are below 2³², so that neither product overflows.
+  // Both factors are below 2³², so neither product overflows.
   if (std::uint64_t{layout.height} * layout.width > kMostPoints)
     return "more than " + std::to_string(kMostPoints) + " points";
   const std::uint64_t needed = std::uint64_t{layout.height - 1} * layout.row_step + row;

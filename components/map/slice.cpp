@@ -14,9 +14,9 @@ namespace {
 constexpr int kTreeDepth = 16;
 constexpr int kMiddleKey = 1 << (kTreeDepth - 1);  // key of the voxel that starts at 0
 constexpr int kLastKey = (1 << kTreeDepth) - 1;
-constexpr double kTouching = 1e-6;  // of a voxel: a common face is no overlap
+constexpr double kTouching = 1e-6;  // of a voxel; a common face is not an overlap
 
-// Voxels [begin, end) along x and y, as keys of OctoMap.
+// Voxels [begin, end) along x and y, as OctoMap keys.
 struct KeyBox {
   std::array<int, 2> begin{kLastKey + 1, kLastKey + 1}, end{0, 0};
 };
@@ -52,7 +52,7 @@ Grid unknown_grid(double resolution, const KeyBox& box) {
   return grid;
 }
 
-// Gives every cell under a voxel its state; occupied wins.
+// Sets every cell under a voxel to its state; occupied wins.
 void stamp(Grid& grid, std::array<int, 2> first, int size, Cell state) {
   for (int iy = first[1]; iy < first[1] + size; ++iy)
     for (int ix = first[0]; ix < first[0] + size; ++ix) {
@@ -62,7 +62,7 @@ void stamp(Grid& grid, std::array<int, 2> first, int size, Cell state) {
     }
 }
 
-// Visits every leaf that reaches into the heights (low, high) [m] with the key of its lowest voxel
+// Visits every leaf that reaches into the heights (low, high) [m], with the key of its lowest voxel
 // and whether it reaches down to `low`.
 template <class Visit>
 void for_leaves_between(const octomap::OcTree& tree, double low, double high, const Visit& visit) {
@@ -75,12 +75,12 @@ void for_leaves_between(const octomap::OcTree& tree, double low, double high, co
   const octomap::OcTreeKey from(0, 0, key(from_voxel)), to(kLastKey, kLastKey, key(to_voxel));
   for (auto leaf = tree.begin_leafs_bbx(from, to); leaf != tree.end_leafs_bbx(); ++leaf) {
     const octomap::OcTreeKey first = leaf.getIndexKey();
-    // The iterator also gives large leaves that end just below the band.
+    // The iterator also yields large leaves that end just below the band.
     if (first[2] + voxels(leaf.getDepth()) > from[2]) visit(leaf, first, first[2] <= from[2]);
   }
 }
 
-// Cells that one can see through to the depth of a drop-off, with no floor above.
+// Marks cells that are known free at the depth of a drop-off, with no floor above.
 void stamp_drop_offs(const octomap::OcTree& tree, const SliceParams& params, const KeyBox& box,
                      Grid& grid) {
   Grid below = unknown_grid(grid.resolution, box);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: an OctoMap and a band of heights. Out: the plane of cells that a body in that band meets.
+// Projects a band of heights of an OctoMap onto the plane of cells that a body in that band can
+// hit.
 #pragma once
 
 #include <octomap/OcTree.h>
@@ -28,11 +29,11 @@ struct SliceParams {
 };
 
 /// Cells at the tree's resolution over its bounding box. A cell is occupied if any occupied voxel
-/// of its column, pruned ones included, reaches into the open band (z_min, z_max); else free if
-/// any voxel there is known free; else unknown. With `drop_off` > 0 a cell is occupied as well if
-/// its floor is missing: nothing occupied reaches into (−drop_off, z_min), and the voxel `drop_off`
-/// below the floor is known to be free. What nobody has seen is no drop-off.
-/// Throws std::invalid_argument if z_min ≥ z_max, or with a drop_off if z_min ≤ −drop_off;
+/// of its column, including pruned ones, reaches into the open band (z_min, z_max); else free if
+/// any voxel there is known to be free; else unknown. With `drop_off` > 0 a cell is also occupied
+/// if its floor is missing: nothing occupied reaches into (−drop_off, z_min), and the voxel
+/// `drop_off` below the floor is known to be free. Unseen ground is not a drop-off. Throws
+/// std::invalid_argument if z_min ≥ z_max, or with a drop_off if z_min ≤ −drop_off;
 /// std::runtime_error if the plane would have more than 10⁸ cells.
 [[nodiscard]] Grid slice(const octomap::OcTree& tree, const SliceParams& params);
 

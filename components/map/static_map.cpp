@@ -30,7 +30,7 @@ bool counts(Cell cell, bool unknown_is_obstacle) {
   return cell == Cell::kOccupied || (unknown_is_obstacle && cell == Cell::kUnknown);
 }
 
-// The greatest float that is not above the value.
+// The largest float that does not exceed the value.
 float round_down(double value) {
   const auto rounded = static_cast<float>(value);
   return static_cast<double>(rounded) <= value ? rounded : std::nextafter(rounded, 0.0F);
@@ -51,7 +51,8 @@ struct Box {
   }
 };
 
-// Indices of the cells that an interval [low, high] of cell coordinates touches, cut to [0, size).
+// Indices of the cells that an interval [low, high] of cell coordinates touches, clipped to [0,
+// size).
 struct Span {
   int begin, end;
 };
@@ -62,14 +63,14 @@ Span cells_between(double low, double high, int size) {
   return {std::max(0, limit(low)), std::min(size, limit(high) + 1)};
 }
 
-// Cells along each side of the smallest block, a power of two, that holds both spans.
+// Side length in cells, a power of two, of the smallest block that holds both spans.
 int block_of(const Span& columns, const Span& rows) {
   int cells = 1;
   while (cells < columns.end - columns.begin || cells < rows.end - rows.begin) cells *= 2;
   return cells;
 }
 
-// A part of the outline at a pose, ready to be asked for many squares.
+// A part of the outline at a pose, prepared for distance queries to many squares.
 class PlacedPart {
  public:
   PlacedPart(const ConvexPolygon& part, const Pose2& X_MB)
@@ -82,7 +83,7 @@ class PlacedPart {
 
   [[nodiscard]] const Box& box() const { return in_map_; }
 
-  // Lower bound on the clearance, by three discs along the longer side of the box in B.
+  // Lower bound on the clearance, from three discs along the longer side of the box in B.
   [[nodiscard]] double bound(const StaticMap& map) const {
     const Eigen::Vector2d size = in_body_.high - in_body_.low;
     const int axis = size.x() >= size.y() ? 0 : 1;
@@ -97,8 +98,8 @@ class PlacedPart {
     return bound;
   }
 
-  // Lower bound on the distance to the square of side `side` around p_MC: between the boxes of
-  // both in B's axes. Exact for a rectangle that stands parallel to the grid.
+  // Lower bound on the distance to the square of side `side` around p_MC: the distance between both
+  // bounding boxes in B's axes. Exact for a rectangle parallel to the grid.
   [[nodiscard]] double bound(const Eigen::Vector2d& p_MC, double side) const {
     const double x = p_MC.x() - X_MB_.x, y = p_MC.y() - X_MB_.y;
     const double reach = 0.5 * side * (std::abs(c_) + std::abs(s_));
@@ -124,14 +125,14 @@ class PlacedPart {
   Box in_body_, in_map_;
 };
 
-// Branch and bound over square blocks of cells: which obstacle is nearest to an outline.
+// Branch and bound over square blocks of cells for the obstacle nearest to an outline.
 struct NearestCell {
   const StaticMap& map;
   const PlacedPart& outline;
-  double best;    // [m] so far
-  double search;  // [m] what is farther cannot be nearest
+  double best;    // [m] smallest distance so far
+  double search;  // [m] cells farther than this cannot be nearest
 
-  // The block of `cells` × `cells` whose first is (ix, iy).
+  // Visits the block of `cells` × `cells` that starts at (ix, iy).
   void visit(int ix, int iy, int cells) {
     if (!map.may_hold_obstacle(ix, iy, cells)) return;
     const double side = map.grid().resolution, half = 0.5 * (cells - 1) * side;
@@ -226,7 +227,7 @@ double StaticMap::part_clearance(const ConvexPolygon& part, const Pose2& X_MB, d
   const Eigen::Vector2d low = (outline.box().low - grid_.origin) * cells_per_metre_;
   const Eigen::Vector2d high = (outline.box().high - grid_.origin) * cells_per_metre_;
   double best = cap;
-  if (unknown_is_obstacle_) {  // everything outside of the grid is an obstacle too
+  if (unknown_is_obstacle_) {  // everything outside the grid is an obstacle too
     const double gap =
         std::min({low.x(), low.y(), grid_.width - high.x(), grid_.height - high.y()});
     best = std::min(best, grid_.resolution * std::max(0.0, gap));
@@ -296,7 +297,7 @@ bool StaticMap::can_pass(const Eigen::Vector2d& p_MA, const Eigen::Vector2d& p_M
   std::vector<std::uint8_t> seen(grid_.cells.size());
   std::vector<std::pair<int, int>> open;
   const auto visit = [&](int ix, int iy) {
-    // Halfway to the next cell's centre the disc is half a cell nearer to what is near.
+    // Halfway to the next cell's centre the disc can be half a cell nearer to an obstacle.
     if (!grid_.contains(ix, iy) ||
         static_cast<double>(field(ix, iy)) < radius + 0.5 * grid_.resolution)
       return;

@@ -32,7 +32,7 @@ double distance_to_edge(const Vector2d& p, const Vector2d& from, const Vector2d&
   return (p - from - s * edge).norm();
 }
 
-// Inside by the crossings of a ray along x, or at most `slack` from an edge.
+// Whether p is inside (by crossings of a ray along x) or at most `slack` from an edge.
 bool reaches(const ForbiddenRegion& region, const Vector2d& p, double slack) {
   bool inside = false;
   for (std::size_t i = 0; i < region.p_MV.size(); ++i) {
@@ -45,7 +45,7 @@ bool reaches(const ForbiddenRegion& region, const Vector2d& p, double slack) {
   return inside;
 }
 
-// The same cells in a grid that also holds the box.
+// The grid extended to contain the box.
 Grid grown(const Grid& grid, const Box& box) {
   const double r = grid.resolution;
   const Vector2d below = ((grid.origin - box.low) / r).array().ceil().max(0.0);
@@ -106,7 +106,7 @@ GuidanceLine read_line(const YamlReader& reader, const YAML::Node& node) {
   return line;
 }
 
-// The list under `key`; none if it is absent.
+// The list under `key`; empty if the key is absent.
 template <class Read>
 auto read_list(const YamlReader& reader, const YAML::Node& root, const char* key, Read read) {
   std::vector<decltype(read(reader, root))> all;

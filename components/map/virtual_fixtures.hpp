@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what somebody drew on a map that is not there: regions that are forbidden, lines that guide.
-// Out: the same, and a grid in which the regions stand.
+// Reads virtual fixtures (forbidden regions and guidance lines) and adds the regions to a grid.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +12,8 @@
 
 namespace tandem {
 
-/// Part of the plane where the robot must not go although nothing stands there: a stairhead, a
-/// therapy mat. Corners in M [m], in either order, the last joined to the first.
+/// Part of the plane that the robot must not enter although no obstacle is there: a stairhead, a
+/// therapy mat. Corners in M [m], in either orientation; the last is joined to the first.
 struct ForbiddenRegion {
   std::string name;
   std::vector<Eigen::Vector2d> p_MV;
@@ -33,14 +32,13 @@ struct VirtualFixtures {
 ///     guidance:
 ///       - {name: lane, line: [[x, y], [x, y]], reach: 0.5, strength: 0.5}
 ///
-/// in metres in the map frame; either list may be absent, reach and strength too. Throws
-/// std::invalid_argument naming the file, the line and what is wrong there; an unknown key is
-/// wrong.
+/// in metres in the map frame. Both lists, reach and strength are optional. Throws
+/// std::invalid_argument naming the file, the line and the error; an unknown key is an error.
 [[nodiscard]] VirtualFixtures load_virtual_fixtures(const std::filesystem::path& file);
 
-/// The grid with every cell occupied that a forbidden region reaches into (and some whose square
-/// it misses by less than half a diagonal). Grows, by unknown cells, to hold the regions whole.
-/// Throws std::runtime_error if it would have more than 10⁸ cells.
+/// The grid with every cell occupied that a forbidden region overlaps (and some that it misses by
+/// less than half a cell's diagonal). Extends the grid with unknown cells to contain the regions
+/// completely. Throws std::runtime_error if it would have more than 10⁸ cells.
 [[nodiscard]] Grid with_forbidden(Grid grid, const VirtualFixtures& fixtures);
 
 }  // namespace tandem

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: whether a stick is at rest, sample by sample. Out: whether the rest is meant as one.
+// Decides whether a stick at rest is meant as a stop or is the pause between two pulses.
 #pragma once
 
 namespace tandem {
 
-/// Tells a stick at rest from the pause between two pulses. A person who drives by pulses (sip and
-/// puff, a key that is tapped) lets the stick rest after each and does not mean to stop: a rest
+/// Distinguishes a stick at rest from the pause between two pulses. A person who drives by pulses
+/// (sip and puff, a tapped key) releases the stick after each one without meaning to stop: a rest
 /// after a push shorter than kBrief counts only once it has lasted kPause.
 class BriefPush {
  public:
   static constexpr double kBrief = 0.8;  ///< [s]
   static constexpr double kPause = 0.4;  ///< [s]
 
-  /// Whether the stick, at rest or not at time t [s], is at rest and is meant to be.
+  /// Takes a sample at time t [s]; returns whether the stick is at rest and the rest counts.
   [[nodiscard]] bool rests(bool at_rest, double t) {
     if (at_rest != resting_) {
       brief_ = at_rest && since_ >= 0.0 && t >= since_ && t - since_ < kBrief;
@@ -24,7 +24,7 @@ class BriefPush {
 
  private:
   bool resting_ = true, brief_ = false;
-  double since_ = -1.0;  // [s]; below 0: nothing was said yet
+  double since_ = -1.0;  // [s] start of the current rest or push; below 0: no sample yet
 };
 
 }  // namespace tandem

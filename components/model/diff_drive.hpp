@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: body twists, wheel speeds, limits. Out: one from the other, and commands within limits.
+// Converts between body twists and wheel speeds, and keeps commands within limits.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,8 @@ struct WheelSpeeds {
   return value + std::clamp(target - value, -step, step);
 }
 
-/// The same after `time` seconds: toward rest by `braking`, away from it by `gaining` per second.
+/// `value` moved toward `target` for `time` [s]: its magnitude falls by `braking` and rises by
+/// `gaining` per second.
 [[nodiscard]] inline double approach(double value, double target, double gaining, double braking,
                                      double time) {
   const double slower = std::clamp(target, std::min(0.0, value), std::max(0.0, value));

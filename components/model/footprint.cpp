@@ -46,8 +46,8 @@ bool contains(const ConvexPolygon& polygon, const Eigen::Vector2d& p) {
   return true;
 }
 
-// From a convex polygon to a point, 0 inside. Only the edges that the point lies outside of are
-// measured: one of them is the nearest.
+// Squared distance from a convex polygon to a point, 0 inside. Only edges that have the point on
+// their outer side are measured: one of them is the nearest.
 double squared_distance_to_point(const ConvexPolygon& polygon, const Eigen::Vector2d& p) {
   double d2 = kInfinity;
   bool inside = true;
@@ -61,8 +61,7 @@ double squared_distance_to_point(const ConvexPolygon& polygon, const Eigen::Vect
   return inside ? 0.0 : d2;
 }
 
-// What of the polygon lies at least `depth` to the left of the line through a along the unit
-// vector.
+// The part of the polygon at least `depth` to the left of the line through a along the unit vector.
 ConvexPolygon clip(const ConvexPolygon& polygon, const Eigen::Vector2d& a,
                    const Eigen::Vector2d& along, double depth) {
   ConvexPolygon left;
@@ -105,7 +104,7 @@ bool crosses_square(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double h
   throw std::invalid_argument("footprint: " + where + ": " + why);
 }
 
-// `part` and `vertex` count from 0 here and from 1 in the text.
+// `part` and `vertex` are counted from 0 here and from 1 in the text.
 std::string place(std::size_t part, std::size_t vertex, const Eigen::Vector2d& p_BV) {
   std::ostringstream text;
   text << "part " << part + 1 << ", vertex " << vertex + 1 << " at (" << p_BV.x() << ", "
@@ -113,7 +112,7 @@ std::string place(std::size_t part, std::size_t vertex, const Eigen::Vector2d& p
   return text.str();
 }
 
-// What is wrong with the corner b between its neighbours a and c; empty if nothing is.
+// The fault of the corner b between its neighbours a and c; empty if there is none.
 std::string fault(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const double turn = cross(b - a, c - b);
   if (a == b) return "repeats the vertex before it; give each vertex once, the first not again";
@@ -124,7 +123,7 @@ std::string fault(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eige
   return "";
 }
 
-// Left turns alone do not make a polygon convex: those of a pentagram add up to two circles.
+// Left turns alone do not make a polygon convex: those of a pentagram add up to two full turns.
 void check_part(const ConvexPolygon& part, std::size_t index) {
   const std::size_t size = part.size();
   if (size < 3)
@@ -161,7 +160,7 @@ void check_origin(const std::vector<ConvexPolygon>& parts) {
   throw std::invalid_argument(text.str());
 }
 
-// The slices of one part's bounding box along `axis` (0: x, 1: y).
+// Covers one part by slices of its bounding box along `axis` (0: x, 1: y).
 std::vector<Disc> cover_part(const ConvexPolygon& part, Eigen::Index axis, double overhang) {
   const Box box(part);
   const Eigen::Index across = 1 - axis;
@@ -252,7 +251,7 @@ double distance_to_square(const ConvexPolygon& part, const Pose2& X_MB, const Ei
     d2 = std::min(d2, squared_distance_to_square(b, half));
     a = b;
   }
-  // No edge meets the square: apart, or the square lies wholly inside. Corners settle both.
+  // No edge meets the square: it is either apart or wholly inside. The corners decide.
   for (const double x : {-half, half})
     for (const double y : {-half, half}) {
       const Eigen::Vector2d q{x - p_CB.x(), y - p_CB.y()};

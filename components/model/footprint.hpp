@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the robot's outline in its own frame B. Out: exact distances to it, discs that cover it.
+// The robot's outline in its own frame B, exact distances to it, and discs that cover it.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,12 +14,12 @@ namespace tandem {
 using ConvexPolygon = std::vector<Eigen::Vector2d>;
 
 /// The robot's outline in body frame B: the union of convex parts, which may overlap or lie apart.
-/// Made by the three functions below.
+/// Build it with rectangle(), polygons() or polygon().
 struct Footprint {
   std::vector<ConvexPolygon> parts;
 };
 
-/// Disc that covers a part of the footprint: centre on B's x axis or anywhere in B [m].
+/// Disc that covers a part of the footprint: centre in B [m] and radius [m].
 struct Disc {
   Eigen::Vector2d p_BC;
   double radius;
@@ -28,12 +28,12 @@ struct Disc {
 /// Rectangle `length` × `width` whose centre lies at (center_x, 0) in B.
 [[nodiscard]] Footprint rectangle(double length, double width, double center_x);
 
-/// Checks that each part is a convex, counter-clockwise polygon that does not cross itself, and
-/// that at least one part contains B's origin. Throws std::invalid_argument otherwise; the message
-/// names part and vertex, both counted from 1.
+/// A footprint of the given parts. Throws std::invalid_argument unless each part is a convex,
+/// counter-clockwise polygon that does not cross itself, and at least one part contains B's origin;
+/// the message names part and vertex, both counted from 1.
 [[nodiscard]] Footprint polygons(std::vector<ConvexPolygon> parts);
 
-/// The same for a single part.
+/// polygons() for a single part.
 [[nodiscard]] Footprint polygon(ConvexPolygon p_BV);
 
 /// Radius of the smallest disc about B's origin that contains the footprint [m].
@@ -59,20 +59,20 @@ struct Extent {
 [[nodiscard]] double distance_to_square(const ConvexPolygon& part, const Pose2& X_MB,
                                         const Eigen::Vector2d& p_MC, double side);
 
-/// The footprint with every edge of every part moved inwards by `depth` ≥ 0 [m]. Parts of which
-/// nothing is left are dropped, and B's origin may be outside of what is left.
+/// The footprint with every edge of every part moved inwards by `depth` ≥ 0 [m]. Parts that vanish
+/// are dropped, and B's origin may end up outside the result.
 [[nodiscard]] Footprint inset(const Footprint& footprint, double depth);
 
-/// Whether the footprint at X_MB overlaps the ellipse grown by nothing. Exact: the affine map that
-/// makes the ellipse a unit disc keeps each part a convex polygon.
+/// Whether the footprint at X_MB overlaps the obstacle's ellipse. Exact: the affine map that turns
+/// the ellipse into a unit disc keeps each part a convex polygon.
 [[nodiscard]] bool overlaps(const Footprint& footprint, const Pose2& X_MB,
                             const Obstacle& obstacle);
 
-/// The fewest equal slices of the bounding box along x whose discs, each the smallest about its
-/// slice's centre, reach at most `overhang` > 0 [m] beyond the box's sides; their union contains
-/// the footprint. Beyond the ends they reach as far as a disc as wide as the robot does. Of several
-/// parts each is covered by itself, sliced along the longer side of its box: across a wide part one
-/// disc would fill the space between the forks that the part joins.
+/// Discs that cover the footprint. The bounding box is cut along x into the fewest equal slices
+/// whose discs, each the smallest around its slice, extend at most `overhang` > 0 [m] beyond the
+/// box's sides. Beyond the ends they extend as far as a disc as wide as the robot does. With
+/// several parts each is covered separately, sliced along the longer side of its box: a single disc
+/// across a wide part would fill the space between the forks that the part joins.
 [[nodiscard]] std::vector<Disc> cover_by_discs(const Footprint& footprint, double overhang);
 
 }  // namespace tandem

@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-constexpr std::size_t kDeepest = 1'000;  // links of a chain, as in tf2: more are a ring
+constexpr std::size_t kDeepest = 1'000;  // links of a chain, as in tf2; a longer chain is a loop
 
 Eigen::Isometry3d isometry(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
   return Eigen::Translation3d(p) * q;
@@ -18,7 +18,7 @@ std::string quoted(std::string_view name) { return "`" + std::string{name} + "`"
 
 }  // namespace
 
-// A sender that starts anew, or a second one, may be earlier: its time begins then.
+// A restarted or second sender may have earlier stamps: the history restarts then.
 void FrameTree::Link::remember(const FrameLink& link) {
   X_PC = link.X_PC;
   sender = link.sender;
@@ -30,7 +30,7 @@ void FrameTree::Link::remember(const FrameLink& link) {
   if (past.size() > kSamples) past.pop_front();
 }
 
-// Between two samples by straight motion; before the first and after the newest they stay.
+// Interpolates between samples; constant before the first and after the newest.
 Eigen::Isometry3d FrameTree::Link::at(double t) const {
   if (!stamp || t >= *stamp || past.empty()) return X_PC;
   const auto after = std::find_if(past.begin(), past.end(),
@@ -43,7 +43,7 @@ Eigen::Isometry3d FrameTree::Link::at(double t) const {
   return isometry(from.q_PC.slerp(share, to.q_PC), from.p_PC + share * (to.p_PC - from.p_PC));
 }
 
-// [m/s] of the last samples, a turn counted as of a point 1 m off.
+// Speed over the last samples [m/s], rotation counted as that of a point 1 m away.
 double FrameTree::Link::speed() const {
   if (past.size() < 2 || !stamp) return 0.0;
   const Sample& from = past[past.size() - std::min<std::size_t>(past.size(), 4)];
@@ -88,7 +88,7 @@ void FrameTree::note_parents(const std::string& child, const Link& old, const Fr
                          .t = link.heard};
 }
 
-// Nothing for a ring.
+// nullopt for a loop.
 std::optional<FrameTree::Chain> FrameTree::chain_of(std::string_view frame) const {
   Chain chain;
   for (auto link = links_.find(frame); link != links_.end();
@@ -103,7 +103,7 @@ std::string_view FrameTree::root_of(const Chain& chain, std::string_view frame) 
   return chain.empty() ? frame : std::string_view{chain.back()->parent};
 }
 
-// X_RF in the root R, each dynamic link as it was at `t`; or all of them as they are now.
+// X_RF in the root R, with each dynamic link at time `t`, or at its newest value without `t`.
 Eigen::Isometry3d FrameTree::composed(const Chain& chain, std::optional<double> t) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   for (const Link* link : chain) X = (t && link->is_dynamic() ? link->at(*t) : link->X_PC) * X;
@@ -137,7 +137,7 @@ std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view
   return found;
 }
 
-// The newest time that all links have reached; nothing if none of them has stamps.
+// The newest time that all links have reached; nullopt if no link has stamps.
 std::optional<double> FrameTree::common_stamp(const Chain& links) {
   std::optional<double> common;
   for (const Link* link : links)
@@ -145,7 +145,7 @@ std::optional<double> FrameTree::common_stamp(const Chain& links) {
   return common;
 }
 
-// The oldest time that all links with stamps still know.
+// The oldest time for which all stamped links still have samples.
 double FrameTree::first_stamp(const Chain& links) {
   double first = -FramePose::kAlways;
   for (const Link* link : links)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the transforms of /tf and /tf_static, and says where one frame is, seen from another.
+// Keeps the transforms of /tf and /tf_static and computes the pose of one frame in another.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,7 +19,7 @@
 
 namespace tandem {
 
-/// The publisher of a transform.
+/// GUID of a transform's publisher.
 using FrameSender = std::array<std::uint8_t, 16>;
 
 /// A frame's name as tf2 compares it: without a leading slash.
@@ -37,74 +37,76 @@ struct FrameLink {
   std::string_view parent, child;
   Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();
   FrameSender sender = {};
-  double heard = 0.0;           ///< when it arrived [s]
-  std::optional<double> stamp;  ///< what its header says [s]; none: the message has no time
+  double heard = 0.0;           ///< arrival time [s]
+  std::optional<double> stamp;  ///< timestamp of its header [s]; nullopt if it has none
 };
 
-/// What became of a link.
+/// Result of adding a link.
 enum class LinkFate {
   kTaken,
-  kTwoParents,  ///< taken, but the child had another parent before
+  kTwoParents,  ///< accepted, but the child had another parent before
   kUnnamed,     ///< refused: a name is empty or longer than kLongest
   kLoop,        ///< refused: a frame is not its own parent
-  kFull,        ///< refused: there are kMost frames
+  kFull,        ///< refused: the tree already holds kMost frames
 };
 
-/// Where one frame is, seen from another.
+/// Pose of one frame F in another frame B.
 struct FramePose {
   static constexpr double kAlways = std::numeric_limits<double>::infinity();
 
   Eigen::Isometry3d X_BF;
-  double heard = kAlways;  ///< when the oldest dynamic link arrived [s]; kAlways: all are static
-  double speed = 0.0;      ///< of the links lately [m/s], a turn counted as of a point 1 m off
-  double drift = 0.0;      ///< how far it may have moved between the newest link and the stamp [m]
+  double heard = kAlways;  ///< arrival of the oldest dynamic link [s]; kAlways: all are static
+  double speed = 0.0;  ///< recent speed of the links [m/s]; rotation as that of a point 1 m away
+  double drift = 0.0;  ///< possible motion between the newest link and the stamp [m]
 
   [[nodiscard]] bool is_static() const { return heard == kAlways; }
 };
 
-/// A child that was given two parents, with the publisher of each; the newer is in force.
+/// A child that was given two parents, with the publisher of each; the newer one is used.
 struct TwoParents {
   std::string parent, other;
   FrameSender sender, other_sender;
-  double t;  ///< when that was noticed last [s]
+  double t;  ///< when this was last noticed [s]
 };
 
-/// Frames and the links between them, by the rules of tf2: a leading slash does not count; a frame
-/// has one parent, the one told last; two frames are joined if their chains of parents meet; chains
-/// of several dynamic links are composed at the newest stamp that all of them have reached.
+/// Frames and the links between them, by the rules of tf2: a leading slash is ignored; a frame has
+/// one parent, the last one received; two frames are connected if their chains of parents meet;
+/// chains of several dynamic links are composed at the newest stamp that all of them have reached.
 ///
-/// Dynamic links win over static ones of the same child. Times are those of arrival on one clock;
-/// stamps only relate links to each other, so that a sender's clock may differ from this one's.
+/// Dynamic links take precedence over static ones of the same child. `heard` and `now` are arrival
+/// times on one clock. Stamps only relate links to each other, so a sender's clock may differ from
+/// this one's.
 class FrameTree {
  public:
-  static constexpr std::size_t kMost = 2'000;     ///< frames; further ones are not kept
-  static constexpr std::size_t kLongest = 255;    ///< bytes of a name
-  static constexpr std::size_t kSamples = 64;     ///< kept of a dynamic link …
-  static constexpr double kSpacing = 0.03;        ///< [s] … at least so far apart
-  static constexpr double kMostApart = 0.5;       ///< [s] stamps of one chain beyond the samples
-  static constexpr std::size_t kMostListed = 12;  ///< links in a text
+  static constexpr std::size_t kMost = 2'000;   ///< frames; further ones are refused
+  static constexpr std::size_t kLongest = 255;  ///< longest name [bytes]
+  static constexpr std::size_t kSamples = 64;   ///< samples kept of a dynamic link …
+  static constexpr double kSpacing = 0.03;      ///< … at least this far apart [s]
+  static constexpr double kMostApart = 0.5;     ///< [s] lag of a link behind the samples of another
+  static constexpr std::size_t kMostListed = 12;  ///< links listed in a text
 
-  /// A link that holds for ever.
+  /// Adds a static link, valid forever.
   LinkFate set_static(const FrameLink& link);
-  /// A link that grows old.
+  /// Adds a dynamic link, which ages.
   LinkFate set(const FrameLink& link);
-  /// As set_static, from nobody in particular.
+  /// As set_static, without a sender.
   void set(const std::string& parent, const std::string& child, const Eigen::Isometry3d& X_PC) {
     set_static({.parent = parent, .child = child, .X_PC = X_PC, .stamp = {}});
   }
 
-  /// Where `frame` is in `base`, as far as both are joined: at `stamp` [s], or at the newest time
-  /// that all links have reached. A stamp beyond the samples gives the nearest one.
+  /// Pose of `frame` in `base`; nullopt if they are not connected or one link lags by more than
+  /// kMostApart. At `stamp` [s], or at the newest time that all links have reached. A stamp beyond
+  /// the samples uses the nearest sample.
   [[nodiscard]] std::optional<FramePose> find(std::string_view base, std::string_view frame,
                                               std::optional<double> stamp = {}) const;
-  /// X_BF of `find`.
+  /// X_BF of find() at the newest common time.
   [[nodiscard]] std::optional<Eigen::Isometry3d> pose(std::string_view base,
                                                       std::string_view frame) const;
 
-  /// Whether `frame` is an ancestor of `base` that a dynamic link lies below.
+  /// Whether `frame` is an ancestor of `base` with a dynamic link between them.
   [[nodiscard]] bool is_above(std::string_view frame, std::string_view base) const;
 
-  /// Why find() gives nothing, with the frames that are there.
+  /// Why find() returns nullopt, with a list of the known frames.
   [[nodiscard]] std::string why_not(std::string_view base, std::string_view frame) const;
   /// "map → odom, odom → base_link", at most kMostListed of them; "no frame" if there are none.
   [[nodiscard]] std::string listing() const;
@@ -118,7 +120,8 @@ class FrameTree {
   void for_each(const std::function<void(const std::string&, const std::string&, bool,
                                          const FrameSender&)>& visit) const;
 
-  /// The clock was set back to `now`: what was heard later is of no known age.
+  /// Call after the clock was set back to `now`: links that arrived later on the old clock have no
+  /// known age and are dropped.
   void forget_later_than(double now);
 
  private:
@@ -129,10 +132,10 @@ class FrameTree {
   };
   struct Link {
     std::string parent;
-    Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  // the newest
+    Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  // newest value
     FrameSender sender = {};
     double heard = FramePose::kAlways;
-    std::optional<double> stamp = {};  // of the newest
+    std::optional<double> stamp = {};  // of the newest value
     std::deque<Sample> past = {};      // oldest first
 
     [[nodiscard]] bool is_dynamic() const { return heard != FramePose::kAlways; }

@@ -7,12 +7,12 @@
 
 namespace tandem {
 
-/// A way that the robot is drawn to, as to a lane along a corridor. Points in M [m].
+/// A line that attracts the robot, such as a lane along a corridor. Points in M [m].
 struct GuidanceLine {
   std::string name;
   std::vector<Eigen::Vector2d> p_MV;
-  double reach = 0.5;     ///< [m] nothing is drawn from beyond it
-  double strength = 0.5;  ///< [0, 1] of the way to the line that is gained, near it
+  double reach = 0.5;     ///< [m] distance beyond which the line has no effect
+  double strength = 0.5;  ///< [0, 1] fraction of the distance to the line that is corrected near it
 };
 
 }  // namespace tandem

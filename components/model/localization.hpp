@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: odometry and the transform map → odom, with the times they arrived. Out: where the robot is.
+// Computes the robot's pose in the map from odometry and the transform map → odom.
 #pragma once
 
 #include <limits>
@@ -15,7 +15,7 @@ struct RobotState {
   Pose2 X_MB;
   Twist2 twist;
   double t = 0.0;
-  std::optional<Pose2> X_WB{};  ///< as odometry said, before the localiser's correction; if known
+  std::optional<Pose2> X_WB{};  ///< pose in odometry, without the localiser's correction; if known
 };
 
 struct LocalizationParams {
@@ -33,14 +33,14 @@ struct LocalizationParams {
   }
 };
 
-/// Composes X_MB = X_MW X_WB. Knows nothing (nullopt) while either part is missing or too old:
-/// then nobody may drive. A clock that is set back makes all old that was heard before.
+/// Composes X_MB = X_MW X_WB. Returns nullopt while either part is missing or too old: the robot
+/// must not be driven then. If the clock is set back, everything received before counts as too old.
 class Localization {
  public:
   explicit Localization(const LocalizationParams& params) : params_{params} {}
 
-  /// Stamped at time t, `late` seconds later than usual: it holds for so much earlier, and counts
-  /// for nothing if something newer was heard before.
+  /// Takes odometry that arrived at time t, `late` [s] later than usual, so it describes the time t
+  /// − late. Ignored if newer odometry was received before.
   void on_odom(const Pose2& X_WB, const Twist2& twist, double t, double late = 0.0) {
     watch_clock(t);
     if (!is_finite(X_WB) || !is_finite(twist)) return;
@@ -49,7 +49,7 @@ class Localization {
     twist_ = twist;
     odom_time_ = t - late;
   }
-  /// Stamped at time t, the oldest part of it `late` seconds earlier.
+  /// Takes a transform that arrived at time t; its oldest link is `late` [s] older.
   void on_transform(const Pose2& X_MW, double t, double late = 0.0) {
     watch_clock(t);
     if (!is_finite(X_MW)) return;
@@ -59,7 +59,7 @@ class Localization {
     is_static_ = false;
   }
 
-  /// One that holds for ever; it counts as long as no other was heard.
+  /// Takes a static transform, valid until a dynamic one is received.
   void on_static_transform(const Pose2& X_MW) {
     if (!is_finite(X_MW) || has_localiser_) return;
     X_MW_ = X_MW;
@@ -74,14 +74,14 @@ class Localization {
     return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_, X_WB_};
   }
 
-  /// X_WB of the newest odometry: what the wheels say, without the localiser.
+  /// X_WB of the newest odometry, without the localiser's correction.
   [[nodiscard]] const Pose2& odometry() const { return X_WB_; }
 
  private:
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-  // What is later than now is of before the clock was set back: it would be as good as new when the
-  // clock comes there again.
+  // After the clock jumps back, older timestamps lie in the future; discard them, or they would
+  // count as fresh once the clock reaches them again.
   void watch_clock(double now) {
     if (odom_time_ > now) odom_time_ = kNever;
     if (transform_time_ > now) transform_time_ = kNever;

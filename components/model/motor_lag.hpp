@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the twist a robot moves with, the twist it is told. Out: the one following the other in time.
+// Models a drive that follows its commanded twist with a first-order lag.
 #pragma once
 
 #include <cmath>
@@ -8,19 +8,19 @@
 
 namespace tandem {
 
-/// Time constants τ of a drive that follows its command by first order [s]; 0: at once.
+/// Time constants τ of a drive that follows its command with a first-order lag [s]; 0: no lag.
 struct MotorLag {
   double v = 0.0, w = 0.0;
 
   [[nodiscard]] bool any() const { return v > 0.0 || w > 0.0; }
 };
 
-/// A command u held for t seconds, from a twist a on. Of each component
+/// Response to a command u held for t seconds, starting at twist a. For each component, exactly,
 ///
 ///   a⁺ = E a + (1 − E) u,        E = exp(−t / τ)
 ///   mean of a over t = φ a + (1 − φ) u,   φ = (1 − E) τ / t                                 (1)
 ///
-/// exactly, and E = φ = 0 without a lag. The robot's pose moves by the mean.
+/// with E = φ = 0 without a lag. The pose is integrated with the mean.
 struct LagStep {
   double decay_v = 0.0, decay_w = 0.0;  ///< E
   double share_v = 0.0, share_w = 0.0;  ///< φ
@@ -43,13 +43,14 @@ struct LagStep {
   }
 };
 
-/// Where a robot is and how it moves: without a lag, `twist` is what it was told last.
+/// Pose and twist of a robot; without a lag, `twist` is the last command.
 struct Moving {
   Pose2 X_MB;
   Twist2 twist;
 };
 
-/// The same `t` seconds of the command `u` later: along the arc of the mean twist.
+/// State after the command `u` was held for `t` [s]; the pose moves along the arc of the mean
+/// twist.
 [[nodiscard]] inline Moving follow(const Moving& from, const Twist2& u, const MotorLag& lag,
                                    double t) {
   if (!lag.any()) return {integrate(from.X_MB, u, t), u};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: fitted shapes. Out: the obstacle every planner sees: an ellipse, moving or not.
+// The obstacle that planners and the safety filter use: an ellipse, moving or not.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@ struct Obstacle {
   Eigen::Vector2d v_MO = Eigen::Vector2d::Zero();  ///< velocity [m/s]
 };
 
-/// An obstacle that is given in frame F, in the map; F does not move.
+/// An obstacle given in the fixed frame F, expressed in M.
 [[nodiscard]] inline Obstacle transform(const Pose2& X_MF, Obstacle obstacle) {
   obstacle.p_MO = transform(X_MF, obstacle.p_MO);
   obstacle.v_MO = transform({0.0, 0.0, X_MF.theta}, obstacle.v_MO);

@@ -6,7 +6,7 @@ namespace {
 
 constexpr std::string_view kAny = "…";
 
-// Whether `written` begins with `text` and ends there or goes on with details.
+// Whether `written` starts with `text` and then ends or continues with details.
 bool begins(std::string_view written, std::string_view text) {
   if (!written.starts_with(text)) return false;
   const std::string_view rest = written.substr(text.size());

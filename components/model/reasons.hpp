@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every reason for which the robot stands or a node is unwell, and what would mend it.
+// Every reason for which the robot stands or a node is in trouble, and the remedy for it.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace tandem {
 
-/// What a node reports. The order is that of the data: sensors first, the base last.
+/// Reasons that nodes report, in the order of the data flow: sensors first, the base last.
 enum class Reason : std::size_t {
   kNothingSensed,
   kSensorMissing,
@@ -63,15 +63,15 @@ enum class Reason : std::size_t {
   kCount
 };
 
-/// A reason as nodes write it. "…" stands for what differs: other words may stand there. A reason
-/// without it may be followed by ": " or " (" and details.
+/// The text of a reason as nodes publish it. "…" stands for a variable part. A reason without it
+/// may be followed by ": " or " (" and details.
 struct ReasonText {
   const char* text;
   const char* remedy;
 };
 
-// The one table. A new reason does not compile without its words: the switch has no default, and
-// the assertion below wants a remedy.
+// The only table of texts. A new reason does not compile without its text and remedy: the switch
+// has no default, and the assertion below requires both.
 [[nodiscard]] constexpr ReasonText words(Reason reason) {
   switch (reason) {
     case Reason::kNothingSensed:
@@ -221,8 +221,8 @@ static_assert(
 
 [[nodiscard]] constexpr const char* text_of(Reason reason) { return words(reason).text; }
 
-/// The remedy of a reason as a node wrote it, behind "node: " or not; empty if the table has none.
-/// Where several reasons fit, that with most words counts.
+/// The remedy for a reason as a node published it, with or without a "node: " prefix; empty if the
+/// table has none. If several reasons match, the longest one is used.
 [[nodiscard]] std::string remedy_for(std::string_view written);
 
 }  // namespace tandem

@@ -10,7 +10,8 @@
 namespace tandem {
 namespace {
 
-// Vertices of each part. The counts are real numbers because a parameter's list has one type.
+// Number of vertices of each part. The counts are real numbers because a list parameter has one
+// element type.
 std::vector<std::size_t> counts_of(const std::vector<double>& footprint_parts,
                                    std::size_t vertices) {
   if (footprint_parts.empty()) return {vertices};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: one robot's YAML (bringup/robots/). Out: its geometry and limits, shared by all components.
+// One robot's geometry and limits (bringup/robots/), shared by all components.
 #pragma once
 
 #include <string>
@@ -62,8 +62,8 @@ struct RobotParams {
   }
 };
 
-/// The outline that the parameters describe. Throws std::invalid_argument, naming parameter, part
-/// and vertex, if they contradict each other or describe what polygons() refuses.
+/// The outline described by the parameters. Throws std::invalid_argument, naming parameter, part
+/// and vertex, if they contradict each other or polygons() rejects them.
 [[nodiscard]] Footprint footprint_of(const RobotParams& robot);
 
 }  // namespace tandem

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: poses and twists of the plane. Out: their composition and exact motion along an arc.
-// Frames: M = map, W = odom, B = base_link. REP-103: metres, radians, x forward, y left, CCW +.
+// Poses and twists in the plane, their composition, and exact motion along an arc. Frames: M = map,
+// W = odom, B = base_link. REP-103: metres, radians, x forward, y left, CCW +.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@ struct Twist2 {
   return std::isfinite(twist.v) && std::isfinite(twist.w);
 }
 
-/// The same angle in (−π, π].
+/// The equivalent angle in (−π, π].
 [[nodiscard]] inline double wrap_angle(double angle) {
   const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
   return wrapped <= -std::numbers::pi ? wrapped + 2.0 * std::numbers::pi : wrapped;

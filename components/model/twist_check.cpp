@@ -8,11 +8,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kShortestStep = 0.01;  // [s] between two samples that are kept
-constexpr double kRounding = 1e-6;      // [s] of times that are sums of periods
-constexpr Twist2 kStill{0.02, 0.05};    // a twist below has no sign
+constexpr double kShortestStep = 0.01;  // [s] between two stored samples
+constexpr double kRounding = 1e-6;      // [s] tolerance for times that are sums of periods
+constexpr Twist2 kStill{0.02, 0.05};    // [m/s, rad/s] a smaller twist has no sign
 
-// Along the robot's x axis, by the mean heading: the chord of an arc.
+// Distance along the mean heading: the chord of an arc.
 double way_between(const Pose2& a, const Pose2& b) {
   const double heading = a.theta + 0.5 * wrap_angle(b.theta - a.theta);
   return (b.x - a.x) * std::cos(heading) + (b.y - a.y) * std::sin(heading);
@@ -82,7 +82,7 @@ TwistCheck::Axis TwistCheck::judge(Ways Sample::*axis) const {
   return out;
 }
 
-// Of the shortest window; of the longest where there is none yet.
+// Duration of the shortest window, or of the longest if none is long enough yet.
 double TwistCheck::duration() const {
   for (auto from = samples_.rbegin(); from != samples_.rend(); ++from)
     if (const double duration = samples_.back().t - from->t;
@@ -94,7 +94,7 @@ double TwistCheck::duration() const {
 TwistDoubt TwistCheck::doubt(const Twist2& measured) const {
   if (samples_.empty()) return {};
   const double since = samples_.back().t - duration() - bounds_.age - bounds_.command_delay;
-  Twist2 lowest, highest;  // of the commands that can have been in force since then, and of zero
+  Twist2 lowest, highest;  // of zero and the commands that can have been in force since then
   for (std::size_t i = 0; i < commands_.size(); ++i) {
     if (i + 1 < commands_.size() && commands_[i + 1].t < since) continue;
     const Twist2& twist = commands_[i].twist;

@@ -7,16 +7,16 @@
 namespace tandem {
 namespace {
 
-constexpr double kLookAhead = 0.08;  // [m] measured beyond what is required, to skip checks later
-constexpr double kEnough = 0.02;     // [m] so much in hand needs no exact measurement
-constexpr double kShortLookAhead = 0.02;  // [m] … where that is done cell by cell
-constexpr double kDifference = 1e-6;      // [m] of the central difference for a direction
-constexpr double kRounding = 1e-6;        // [m] of g · u_i against gap_i at the start
-constexpr double kInset = 0.005;          // [m] step by which an outline is made smaller
+constexpr double kLookAhead = 0.08;  // [m] measured beyond the requirement, to skip later checks
+constexpr double kEnough = 0.02;     // [m] from this lower bound on, no exact measurement is needed
+constexpr double kShortLookAhead = 0.02;  // [m] the same as kLookAhead when measured cell by cell
+constexpr double kDifference = 1e-6;      // [m] step of the central difference for a direction
+constexpr double kRounding = 1e-6;        // [m] tolerance of g · u_i against gap_i at the start
+constexpr double kInset = 0.005;          // [m] step by which an outline is shrunk
 constexpr double kNone = -1e9;            // [m] no slack
 
-// Direction from the outline to a square `gap` away: moved that way, the outline comes nearer by
-// all of the way.
+// Unit vector from the outline to a square. Moving the outline that way reduces the gap by the full
+// distance moved.
 Eigen::Vector2d direction_to(const Eigen::Vector2d& p_MC, double side, const Pose2& X_MB,
                              const Footprint& footprint) {
   const auto gap = [&](double dx, double dy) {
@@ -27,8 +27,7 @@ Eigen::Vector2d direction_to(const Eigen::Vector2d& p_MC, double side, const Pos
   return slope.normalized();
 }
 
-// By how much the square around p_MC is further than (1) asks for; the near cell counts that allows
-// most.
+// Slack of the square around p_MC in (1), for the near cell that allows the most [m].
 double slack_behind(const std::vector<NearCell>& near, const Footprint& footprint,
                     const Eigen::Vector2d& p_MC, const Pose2& X_MB, const StaticMap& map,
                     double deviation) {
@@ -42,7 +41,7 @@ double slack_behind(const std::vector<NearCell>& near, const Footprint& footprin
   return slack;
 }
 
-// The outline moved inwards until it overlaps none of the squares. Without parts if it always does.
+// The outline shrunk until it overlaps none of the squares; without parts if it always does.
 Footprint inset_until_clear(const Footprint& footprint, const Pose2& X_MB,
                             const std::vector<Eigen::Vector2d>& squares, double side) {
   for (int i = 1;; ++i) {
@@ -54,7 +53,8 @@ Footprint inset_until_clear(const Footprint& footprint, const Pose2& X_MB,
   }
 }
 
-// Clearance in hand at a pose, cell by cell, for a motion that starts inside of the level.
+// Clearance in hand at a pose, computed cell by cell, for a motion that starts inside the level
+// [m].
 double in_hand_near(const Pose2& X_MB, const Body& body, const StaticMap& map,
                     const RequiredClearance& required, double deviation) {
   const double need = required.level + deviation, side = map.grid().resolution;
@@ -112,12 +112,12 @@ bool stays_clear(std::span<const TwistRange> envelope, const ShareCell& cell, co
                  const Body& body, const StaticMap& map, const RequiredClearance& required) {
   Pose2 X = X_MB;
   Deviation deviation{required.drift};
-  double budget = 0.0;  // travel that needs no check
+  double budget = 0.0;  // [m] travel that needs no check
   for (const auto& range : envelope) {
     const Twist2 twist = center_twist(range, cell), tolerance = half_width(range, cell);
     const double speed = std::abs(twist.v) + body.radius * std::abs(twist.w);
     for (double rest = range.dt; rest > 0.0;) {
-      // How fast clearance in hand is used up, at most.
+      // Upper bound on the rate at which the clearance in hand is used up [m/s].
       const double rate = speed + deviation.rate(twist, tolerance, rest);
       const bool enough = rate * rest <= budget;
       const double step = enough ? rest : std::min(rest, std::max(budget, kCheckSpacing) / rate);

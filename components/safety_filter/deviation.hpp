@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the robot can come away from a motion that was looked at.
+// Bounds how far the robot can depart from a motion that was checked.
 #pragma once
 
 #include <cmath>
@@ -9,18 +9,19 @@
 
 namespace tandem {
 
-/// What makes the robot leave its motion, and the sizes that matter.
+/// Causes of deviation and the dimensions that scale it.
 struct DriftBounds {
   double slip = 0.0;              ///< each wheel's travel is off by at most this fraction [1]
-  double heading_error = 0.0;     ///< of the pose that the motion starts from [rad]
+  double heading_error = 0.0;     ///< bound on the heading error of the initial pose [rad]
   double wheel_separation = 0.0;  ///< L [m]
   double radius = 0.0;            ///< R, circumradius of the outline [m]
 };
 
-/// Bound on how far any point of the outline is from where the motion puts it.
+/// Bound on the distance of any point of the outline from its place in the checked motion.
 ///
-/// Wheel speeds v_l, v_r are off by at most the fraction ε, always the same way if need be, and v
-/// and w themselves by at most Δv and Δw. Then heading and position are off by at most
+/// Wheel speeds v_l, v_r are off by at most the fraction ε, in the worst case always in the same
+/// direction, and v and w themselves by at most Δv and Δw. Then heading and position are off by at
+/// most
 ///
 ///   dψ/dt = ε (|v_l| + |v_r|) / L + Δw               ψ(0) = heading_error                    (1)
 ///   dδ/dt = ε (|v_l| + |v_r|) / 2 + Δv + |v| ψ       δ(0) = 0                                (2)
@@ -29,14 +30,14 @@ struct DriftBounds {
 ///
 ///   d = δ + R (ψ − ψ(0)).                                                                    (3)
 ///
-/// Straight on over the way s with slip opposite on the two wheels, ψ grows to 2 ε s / L and δ to
-/// ε s² / L: (2) contains the sideways drift that a heading drift causes. R ψ(0) and the error of
-/// the position that the motion starts from are parts of the margin, not of d.
+/// Driving straight over the distance s with opposite slip on the two wheels, ψ grows to 2 ε s / L
+/// and δ to ε s² / L: (2) includes the sideways drift caused by a heading drift. R ψ(0) and the
+/// error of the initial position are covered by the margin, not by d.
 class Deviation {
  public:
   explicit Deviation(const DriftBounds& bounds) : bounds_{bounds}, heading_{bounds.heading_error} {}
 
-  /// After dt of `twist`, of which each component may be off by `tolerance` ≥ 0.
+  /// Advances by dt [s] of `twist`, each component of which may be off by `tolerance` ≥ 0.
   void advance(const Twist2& twist, const Twist2& tolerance, double dt) {
     const double turning = heading_rate(twist, tolerance);
     position_ += dt * (position_rate(twist, tolerance) +
@@ -47,7 +48,7 @@ class Deviation {
   [[nodiscard]] double outline() const {
     return position_ + bounds_.radius * (heading_ - bounds_.heading_error);
   }
-  /// The fastest that (3) grows during the next dt [m/s].
+  /// Upper bound on the growth of (3) during the next dt [m/s].
   [[nodiscard]] double rate(const Twist2& twist, const Twist2& tolerance, double dt) const {
     const double turning = heading_rate(twist, tolerance);
     return position_rate(twist, tolerance) + std::abs(twist.v) * (heading_ + turning * dt) +
@@ -72,7 +73,8 @@ class Deviation {
   double heading_;         // ψ [rad]
 };
 
-/// Bound on Deviation::outline() at the end of all motions with that reach [m].
+/// Upper bound on Deviation::outline() [m] at the end of any motion with this path [m] and turn
+/// [rad], both absolute.
 [[nodiscard]] inline double largest_deviation(double path, double turn, const DriftBounds& bounds) {
   const double rims = 2.0 * path + bounds.wheel_separation * turn;
   const double turned = bounds.slip * rims / bounds.wheel_separation;

@@ -9,13 +9,13 @@
 namespace tandem {
 namespace {
 
-constexpr double kStep = 0.005;     // [s] between two checks where it gets narrow
-constexpr double kFarEnough = 0.5;  // [m] from here on a lower bound of the gap will do
-constexpr double kNoNearer = 1e-6;  // [m] rounding
+constexpr double kStep = 0.005;     // [s] between two checks when the gap is small
+constexpr double kFarEnough = 0.5;  // [m] beyond this a lower bound of the gap suffices
+constexpr double kNoNearer = 1e-6;  // [m] rounding tolerance
 
-// For a creep_speed below kTailSpeed: time by which the exponential tail of a motor reaches the
-// speed c later than the motion ends, which takes the way of the tail below kTailSpeed in one lag
-// [s].
+// For a creep_speed below kTailSpeed: how much later than the envelope's end the motor's
+// exponential tail reaches the speed c [s]. The envelope covers the travel of the tail below
+// kTailSpeed in one lag.
 double lateness(double lag, double c) {
   return lag * std::max(0.0, std::log(kTailSpeed / c) - 1.0);
 }
@@ -30,7 +30,7 @@ struct PeopleCheck::Discs {
   Disc goes_on, runs;  // (1)
 };
 
-// What keeps_away() is asked of every person.
+// Arguments of keeps_away() that are the same for every person.
 struct PeopleCheck::Look {
   const StoppingEnvelope& envelope;
   const ShareCell& cell;
@@ -43,7 +43,7 @@ struct PeopleCheck::Look {
 PeopleCheck::PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body)
     : params_{params}, body_{body} {
   check(params);
-  // Forward speed and turn share the speed that counts as standing.
+  // Half of creep_speed each for forward speed and for turning.
   const double half = 0.5 * std::max(1e-3, params.creep_speed);
   tail_ = lateness(robot.motor_lag, half / std::max(1.0, body.radius));
 }
@@ -71,7 +71,8 @@ PeopleCheck::Discs PeopleCheck::discs(const Obstacle& person, double tau) const 
           {person.p_MO, radius + fastest * age}};
 }
 
-// From the outline to where the person may be: they are in both discs, so the larger one counts.
+// Gap from the outline to where the person may be. The person is in both discs, so the larger gap
+// holds [m].
 double PeopleCheck::gap(const Pose2& X_MB, const Discs& discs) const {
   double gap = -1e9;
   for (const auto& disc : {discs.goes_on, discs.runs}) {
@@ -84,7 +85,7 @@ double PeopleCheck::gap(const Pose2& X_MB, const Discs& discs) const {
   return gap;
 }
 
-// How fast, up to tau, the edge of either disc may come nearer [m/s].
+// Upper bound until tau on the speed at which the edge of either disc approaches [m/s].
 double PeopleCheck::spreading(const Obstacle& person, double tau) const {
   const double v = person.v_MO.norm(), age = tau + params_.people_delay;
   return std::max(v + params_.person_speed_error + params_.person_acceleration * age,
@@ -111,8 +112,8 @@ bool PeopleCheck::keeps_away(const StoppingEnvelope& envelope, const ShareCell& 
   });
 }
 
-// The speeds of an envelope only fall toward its end, so that no speed in a range is above the mean
-// of the range before it.
+// Speeds only fall toward the end of an envelope, so no speed in a range exceeds the mean of the
+// range before it.
 std::span<const TwistRange> PeopleCheck::until_standing(const StoppingEnvelope& envelope) const {
   std::size_t count = envelope.size();
   const auto stands = [&](const TwistRange& range) {
@@ -136,11 +137,11 @@ bool PeopleCheck::keeps_away(const Look& look, const Obstacle& person) const {
   const auto in_hand = [&] {
     return gap(X, discs(person, std::max(0.0, tau))) - look.level - deviation.outline();
   };
-  // Conservative advancement in time; between two checks the gap may dip by half a step's worth.
-  double free = 0.0;  // [m] of the gap that needs no check
+  // Conservative advancement in time; between two checks the gap may drop by half a step's change.
+  double free = 0.0;  // [m] part of the gap that needs no check
   const auto advance = [&](const Twist2& twist, const Twist2& tolerance, double dt) {
     for (double rest = dt; rest > 0.0;) {
-      // How fast the gap is used up.
+      // Upper bound on the rate at which the gap closes [m/s].
       const double rate = fastest_point(twist) + deviation.rate(twist, tolerance, rest) + edge;
       const double step = std::min(rest, std::max(free / rate, kStep));
       X = integrate(X, twist, step);
@@ -168,7 +169,7 @@ bool PeopleCheck::does_not_near(const Look& look, const Obstacle& person) const 
   };
   const double least = std::min(gap_at(look.X_MB), look.level) - kNoNearer;
   Pose2 X = look.X_MB;
-  double strays = 0.0;  // the cell's other motions, from its centre [m]
+  double strays = 0.0;  // deviation of the cell's other motions from its centre [m]
   return std::all_of(look.envelope.begin(), look.envelope.end(), [&](const TwistRange& range) {
     X = integrate(X, center_twist(range, look.cell), range.dt);
     strays += fastest_point(half_width(range, look.cell)) * range.dt;

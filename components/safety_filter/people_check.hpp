@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a motion, the people near. Out: whether none of them can touch the robot while it moves.
+// Checks that a motion cannot touch a tracked person while the robot moves.
 #pragma once
 
 #include <limits>
@@ -14,7 +14,7 @@
 
 namespace tandem {
 
-/// What people may do, and how well they are known.
+/// Bounds on people's motion and on the errors of their tracks.
 struct PeopleParams {
   bool watched = false;
   double people_timeout = 0.2;
@@ -44,39 +44,42 @@ struct PeopleParams {
   }
 };
 
-/// People as a list said at time t [s]; there was none before t = −∞.
+/// People as reported by the list that arrived at time t [s]; t = −∞ if none has arrived.
 struct PeopleSeen {
-  std::vector<Obstacle> all;  ///< of an ellipse the larger semi-axis counts
+  std::vector<Obstacle> all;  ///< an ellipse counts as a disc of its larger semi-axis
   double t = -std::numeric_limits<double>::infinity();
 };
 
 /// Keeps motions away from where people may be: passive safety, no contact while the robot moves.
 ///
-/// A person of radius r, seen at p with velocity v by a list that arrived τ ago and was D old at
-/// most, is in both of the discs
+/// A person of radius r, reported at p with velocity v by a list that arrived τ ago and was at most
+/// D old on arrival, lies in both of the discs
 ///
 ///   centre p + v (τ + D/2)   radius r + e + |v| D/2 + e_v (τ + D) + ½ a (τ + D)²              (1)
 ///   centre p                 radius r + e + max(s, |v| + e_v) (τ + D)
 ///
 /// with e, e_v the errors, s and a the bounds on speed and acceleration. A motion that creeps from
-/// start to end may go on beside a person, but not nearer to where they are now.
+/// start to end may continue beside a person, as long as the gap to the person's predicted current
+/// position does not drop below the margin or, if smaller, its initial value.
 class PeopleCheck {
  public:
   PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body);
 
-  /// Whether so far from everybody that no such motion needs a look: `way` is the longest of them,
-  /// `duration` the longest time until the robot stands.
+  /// Whether everybody is so far away that no such motion needs a detailed check. `way` bounds the
+  /// travel of any point of the outline, margin and deviation included [m]; `duration` is the
+  /// longest time until the robot stands [s].
   [[nodiscard]] bool is_far(const PeopleSeen& people, const Pose2& X_MB, double way, double t_start,
                             double duration) const;
 
   /// Whether all motions of the cell, which start at X_MB at time t_start with the measured twist,
-  /// keep `level` [m] and their deviation away from all people until the robot stands.
+  /// stay at least `level` [m] plus their deviation away from all people until the robot stands.
   [[nodiscard]] bool keeps_away(const StoppingEnvelope& envelope, const ShareCell& cell,
                                 const Twist2& measured, const Pose2& X_MB, double t_start,
                                 const PeopleSeen& people, double level,
                                 const DriftBounds& drift) const;
 
-  /// How long after its motion's end the robot may still be faster than creep_speed [s].
+  /// Time after the end of the envelope during which the robot may still be faster than creep_speed
+  /// [s].
   [[nodiscard]] double tail() const { return tail_; }
 
  private:

@@ -14,15 +14,16 @@
 namespace tandem {
 namespace {
 
-constexpr double kClearanceCap = 1.0;  // [m] reported clearance ends here
-constexpr double kBlocked = 0.05;      // an arc of which less than this passes counts as blocked
+constexpr double kClearanceCap = 1.0;  // [m] largest clearance that is reported
+constexpr double kBlocked = 0.05;  // an arc counts as blocked if a smaller fraction of it passes
 constexpr int kBisections = 6;
-constexpr double kLittleMore = 1.0 / 64.0;  // as much as the bisection leaves open
-constexpr int kMaxSteps = 16;               // of odometry's age, and of the time at which zero acts
+constexpr double kLittleMore = 1.0 / 64.0;  // resolution of the bisection
+constexpr int kMaxSteps = 16;  // samples of odometry's age, and of the time at which zero acts
 
-constexpr double kMoves = 0.005;  // [m/s, rad/s] a command from here on moves the robot
+constexpr double kMoves = 0.005;  // [m/s, rad/s] smaller commands do not move the robot
 
-constexpr double kTooFastFactor = 1.5, kTooFastMore = 0.2;  // times the limit, and [m/s, rad/s]
+constexpr double kTooFastFactor = 1.5,
+                 kTooFastMore = 0.2;  // factor, offset [m/s, rad/s]
 
 constexpr Twist2 kRest{};
 
@@ -32,7 +33,7 @@ bool moves(const Twist2& twist) {
 
 Twist2 scaled(const Twist2& twist, double scale) { return {scale * twist.v, scale * twist.w}; }
 
-// Into how many steps `duration` is cut so that the robot moves in each by no more than
+// Number of steps to divide `duration` into so that the robot moves in each by no more than
 // neighbouring motions may be apart.
 int steps_of(double duration, const Twist2& twist, double lever) {
   if (duration <= 0.0) return 0;
@@ -49,14 +50,14 @@ double hard_margin_of(const SafetyFilterParams& params, double radius) {
 }  // namespace
 
 struct SafetyFilter::Scene {
-  Pose2 X_MB;          // measured …
-  double measured_by;  // … at this time at the latest, and sensor_delay before at the earliest [s]
+  Pose2 X_MB;          // measured pose
+  double measured_by;  // [s] latest time of the measurement; it may be sensor_delay older
   MotionStart start;
   const StaticMap* map;
   RequiredClearance required;
-  double clearance = 0.0;  // [m] of the whole body
+  double clearance = 0.0;  // [m] of the whole outline
   const StaticMap* unseen = nullptr;
-  double unseen_clearance = 0.0;  // [m] from unseen ground
+  double unseen_clearance = 0.0;  // [m] to unseen ground
 };
 
 SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot)
@@ -108,7 +109,8 @@ Filtered SafetyFilter::stop(FilterReason reason, double now) {
   return out;
 }
 
-// Where the clock was set back, what was heard before is of no known age; what was sent last acts.
+// After the clock jumps back, older timestamps lie in the future: discard them. The last command
+// sent is still acting.
 void SafetyFilter::watch_clock(double now) {
   if (std::exchange(updated_, now) <= now) return;
   if (command_ && command_->t > now) command_.reset();
@@ -118,8 +120,8 @@ void SafetyFilter::watch_clock(double now) {
   if (!sent_.empty()) sent_.assign(1, TimedTwist{sent_.back().twist, now});
 }
 
-// From one pose to the next the wheels must lead there, but for how late odometry may arrive, and
-// for what they may have done in a silence that was longer.
+// Detects a jump: the pose must move as the wheels predict, within tolerances for late odometry and
+// for what the wheels may have done during a longer gap.
 void SafetyFilter::on_state(const RobotState& state, double now) {
   if (!is_finite(state.X_MB) || !is_finite(state.twist)) return;
   if (state.X_WB) twist_check_.on_odometry(*state.X_WB, state.twist, state.t);
@@ -208,7 +210,8 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   return scene;
 }
 
-// Far beyond: a base may overshoot, and a lower limit may have been set than the base can do.
+// The threshold is well above the limit: a base may overshoot, and the configured limit may be
+// lower than what the base can do.
 bool SafetyFilter::is_too_fast(const Twist2& measured) const {
   const auto beyond = [](double speed, double limit) {
     return std::abs(speed) > kTooFastFactor * limit + kTooFastMore;
@@ -226,8 +229,8 @@ double SafetyFilter::required_level(const Twist2& wanted, double clearance) cons
   return clearance >= full && !manoeuvres ? full : hard_margin_;
 }
 
-// The command acts until zero does: at once if the next call sends it and it is not delayed, or
-// only after `hold` and the longest delay.
+// The command acts until zero does: at the earliest immediately, if the next call sends zero
+// without delay, at the latest after hold_ plus the longest command delay.
 bool SafetyFilter::is_safe(const Twist2& command, const Scene& scene) const {
   MotionStart start = scene.start;
   start.command = command;
@@ -250,7 +253,7 @@ bool SafetyFilter::is_safe(const Twist2& command, const Scene& scene) const {
   return true;
 }
 
-// Odometry may be of any age up to its bound.
+// The age of odometry is unknown up to its bound, so all ages are checked.
 bool SafetyFilter::is_safe_at_any_age(MotionStart start, int steps, const Scene& scene) const {
   for (int i = steps; i >= 0; --i) {
     start.t_measured = scene.measured_by - robot_.sensor_delay * i / std::max(1, steps);
@@ -298,7 +301,8 @@ bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) co
   return all_motions_clear(way, way.path + body_.radius, is_clear);
 }
 
-// What is slow enough for unseen ground is tried by itself, so that all of unseen_speed is used.
+// The fraction that is slow enough for unseen ground is tried first: bisection alone would not use
+// all of unseen_speed.
 double SafetyFilter::largest_safe_scale(const Twist2& command, const Scene& scene) const {
   if (is_safe(command, scene)) return 1.0;
   double safe = 0.0, unsafe = 1.0;
@@ -319,13 +323,13 @@ void SafetyFilter::reduce(Filtered& out, const Twist2& command, const Scene& sce
   if (scene.unseen) slow_down_for_unseen(out, command, scene);
 }
 
-// Unseen ground is so near that even zero comes too late for it: beams that covered it were
-// forgotten just now. Walls still count.
+// Called when even zero does not stop before unseen ground, because ground seen before has just
+// expired. Walls still limit the command.
 void SafetyFilter::slow_down_for_unseen(Filtered& out, const Twist2& command,
                                         const Scene& scene) const {
   Scene walls_only = scene;
   walls_only.unseen = nullptr;
-  if (!is_safe(kRest, walls_only)) return;  // zero now, or nobody knows where it ends
+  if (!is_safe(kRest, walls_only)) return;  // not even braking is known to be safe: send zero
   const double slow = unseen_check_->slow_share(command);
   reduce_to_safe(out, scaled(command, slow), walls_only);
   out.scale *= slow;
@@ -356,7 +360,8 @@ void SafetyFilter::reduce_to_safe(Filtered& out, const Twist2& command, const Sc
                                            : FilterReason::kClear;
 }
 
-// Whether a little more than what is safe of a command would be, were all ground seen.
+// Whether unseen ground is the limit: slightly more than the safe fraction would pass if all ground
+// were seen.
 bool SafetyFilter::is_unseen_in_the_way(const Twist2& command, double safe_scale,
                                         const Scene& scene) const {
   if (!scene.unseen || safe_scale >= 1.0) return false;

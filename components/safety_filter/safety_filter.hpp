@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a command, the robot's measured state, the map, people. Out: the command that cannot end in
-// contact.
+// Limits a command so that it cannot end in contact, given the robot's state, the map and tracked
+// people.
 #pragma once
 
 #include <limits>
@@ -21,20 +21,20 @@ namespace tandem {
 
 class UnseenCheck;
 
-/// The margin is a budget of what may be wrong (defaults, MiR 100, circumradius R = 0.56 m):
+/// The margin is an error budget (defaults, MiR 100, circumradius R = 0.56 m):
 ///
-///   position_error + R heading_error     localiser              0.010 + 0.006 m
-///   reserve                              what nobody modelled           0.005 m
+///   position_error + R heading_error     localiser                      0.010 + 0.006 m
+///   reserve                              unmodelled errors              0.005 m
 ///   kCheckSpacing / 2                    between two checked poses      0.004 m
 ///   hard margin                                                         0.025 m     (1)
-///   + band                               where approaching at speed ends 0.010 m
-///   + deviation                          grows with the way to rest, deviation.hpp (3)    (2)
+///   + band                               where fast approach ends       0.010 m
+///   + deviation                          grows with the distance to rest, deviation.hpp (3)    (2)
 ///
-/// Straight on over the way s, with L the wheel separation, the deviation is
+/// Driving straight over the distance s, with L the wheel separation, the deviation is
 ///
 ///   (slip (1 + 2 R / L) + heading_error) s + slip s² / L.
 ///
-/// A MiR fits a door 0.80 m wide with 0.11 m on either side.
+/// A MiR passes a door 0.80 m wide with 0.11 m on either side.
 struct SafetyFilterParams {
   bool enforce = true;
   double arbitrated_timeout = 0.1;
@@ -92,86 +92,85 @@ struct SafetyFilterParams {
   }
 };
 
-/// Why the command is what it is. From kNoCommand on: not driving at all.
+/// Why the filter returned this command. From kNoCommand on, the robot does not drive at all.
 enum class FilterReason {
   kClear,           ///< passed unchanged
-  kSlowed,          ///< a fraction of it, on the same arc
+  kSlowed,          ///< a fraction of the command, on the same arc
   kDeflected,       ///< the arc is blocked; a fraction of its turn or of its forward part passed
-  kBackingOut,      ///< inside the margin; it does not reduce clearance
-  kUnseen,          ///< a part of it, or nothing: more is too fast for unseen ground
-  kStopped,         ///< no part of it is safe
-  kStoppedInDoubt,  ///< no part of it is safe at the speed that odometry's twist or poses tell
-  kNoCommand,       ///< silent, or never heard
-  kNotFinite,       ///< the command is not a number
+  kBackingOut,      ///< inside the margin; the command does not reduce clearance
+  kUnseen,          ///< all or part of the command is too fast for unseen ground
+  kStopped,         ///< no part of the command is safe
+  kStoppedInDoubt,  ///< no part is safe at the speeds that odometry's twist or poses allow
+  kNoCommand,       ///< no command received, or it timed out
+  kNotFinite,       ///< the command is not finite
   kNotLocalized,
-  kPoseJumped,  ///< the pose is not where the wheels lead
+  kPoseJumped,  ///< the pose contradicts the wheel odometry
   kTooFast,     ///< odometry reports a speed beyond the robot's limits
   kNoMap,
-  kNoPeople,     ///< they are watched, and nobody says where they are
-  kClockSilent,  ///< the node's word: nobody knows what is old
+  kNoPeople,     ///< people are tracked, but no recent list arrived
+  kClockSilent,  ///< set by the node: /clock is silent, so ages are unknown
 };
 
 [[nodiscard]] const char* name(FilterReason reason);
 
 struct Filtered {
   Twist2 twist;      ///< to send now
-  Twist2 requested;  ///< what was asked for
-  Twist2 safe;       ///< what is safe: equals `twist` while enforcing
+  Twist2 requested;  ///< the command received
+  Twist2 safe;       ///< the safe part of it; equals `twist` while enforcing
   FilterReason reason = FilterReason::kNoCommand;
   double scale = 0.0;  ///< fraction of the requested command that is safe
-  /// Of the outline at the measured pose [m], at most 1; NaN where it was not looked.
+  /// Clearance of the outline at the measured pose [m], at most 1; NaN where it was not computed.
   double clearance = std::numeric_limits<double>::quiet_NaN();
-  bool refused = false;  ///< it would move the robot, and for what is near nothing of it passed
-  bool doubted = false;  ///< odometry's twist contradicts its poses: braking is for the worse
+  bool refused = false;  ///< the command would move the robot, and no part of it passed
+  bool doubted = false;  ///< odometry's twist contradicts its poses; the filter assumes the worse
 };
 
-/// The last word before the wheels: trusts nobody upstream.
+/// Last check before the wheels; trusts no upstream node.
 ///
 /// A command passes only if, acting for one control period (or, with survive_silence, until the
-/// base's own time-out) and then braked, it ends before contact plus margin whatever the delays,
-/// the age of odometry, the lag and the braking are within their bounds; else the largest safe
-/// fraction of it, else zero. Call update() on every command and at least every control_period, and
-/// send what it returns: by induction a robot that starts safe in a static world stays safe, and
-/// one that watches people touches nobody while it moves itself.
+/// base's own timeout) and then braked, the robot stops before contact plus margin, for all delays,
+/// ages of odometry, lags and braking within their bounds. Otherwise the largest safe fraction
+/// passes, else zero. Call update() on every command and at least every control_period, and send
+/// what it returns. By induction, a robot that starts safe in a static world stays safe, and one
+/// that tracks people touches nobody while it moves.
 ///
-/// Inside the margin only motion that gains clearance passes. Between the hard margin and the
-/// band's end the robot may come down to the hard margin, as a tail that swings out must; from
-/// beyond the band only a command that asks for a slow manoeuvre may, so that whoever pushes
-/// against a wall keeps the band for the way out. Unseen ground, if it is given, only adds a limit:
-/// of what is safe that passes of which no motion reaches it faster than unseen_speed. Times are
-/// seconds on one monotonic clock.
+/// Inside the margin only motion that does not reduce clearance passes. Between the hard margin and
+/// the end of the band the robot may approach down to the hard margin, as a tail that swings out
+/// must. From beyond the band only a slow manoeuvre may, so that a person who pushes against a wall
+/// keeps the band for the way out. Unseen ground, if given, adds a speed limit: no motion may reach
+/// it faster than unseen_speed. Times are seconds on one monotonic clock.
 class SafetyFilter {
  public:
   /// Throws std::invalid_argument on parameters out of range, and on survive_silence with a base
-  /// that never stops by itself.
+  /// that never stops by itself (base_timeout 0).
   SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot);
 
   void on_command(const Twist2& twist, double t);
-  /// The map, and ground that no beam has covered, as obstacles; null: all of it is known.
+  /// Sets the map and, as obstacles, the ground that no beam has covered; null: all ground is seen.
   void on_map(std::shared_ptr<const StaticMap> map,
               std::shared_ptr<const StaticMap> unseen = nullptr) {
     map_ = std::move(map);
     unseen_ = std::move(unseen);
   }
-  /// Everybody near, as a list said that arrived at time t.
+  /// Sets the people nearby, from the list that arrived at time t.
   void on_people(std::vector<Obstacle> people, double t) { people_ = {std::move(people), t}; }
 
-  /// Where the robot is said to be, as it is heard: with every odometry and every transform, also
-  /// between two commands. Two who tell of different places in turn are found out only so.
+  /// Takes the robot's state. Call it on every odometry message and every transform, also between
+  /// two commands: this is how two alternating pose sources are detected.
   void on_state(const RobotState& state, double now);
 
-  /// The command to send now; counts it as sent. `state`: Localization::state(now).
+  /// Returns the command to send now and records it as sent. `state`: Localization::state(now).
   [[nodiscard]] Filtered update(const std::optional<RobotState>& state, double now);
 
-  /// Zero, whatever was commanded, counted as sent: for a reason that its node knows.
+  /// Returns zero and records it as sent, for a reason that only the node knows.
   [[nodiscard]] Filtered stop(FilterReason reason, double now);
 
-  /// The check alone: what of `command` is safe on that map and the unseen ground of on_map, given
-  /// what was sent before. Reason and scale say what became of it.
+  /// The check alone: the safe part of `command` on this map and the unseen ground given to on_map,
+  /// given the commands already sent. `reason` and `scale` describe the result.
   [[nodiscard]] Filtered filter(const Twist2& command, const RobotState& state,
                                 const StaticMap& map, double now) const;
 
-  /// Clearance below which only outward motion passes, (1) [m].
+  /// Clearance below which only motion that does not reduce it passes, (1) [m].
   [[nodiscard]] double hard_margin() const { return hard_margin_; }
   [[nodiscard]] const SafetyFilterParams& params() const { return params_; }
 

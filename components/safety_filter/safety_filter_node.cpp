@@ -10,9 +10,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kLook = 1.0;  // [s] between looks at who publishes cmd_vel
+constexpr double kLook = 1.0;  // [s] between two checks for other publishers of cmd_vel
 
-// What the filter lacks where it does not drive for that reason.
+// The topic whose silence causes this reason; empty if none does.
 const char* topic_missing(FilterReason reason) {
   if (reason == FilterReason::kNoCommand) return topics::cmd_vel_arbitrated.name;
   if (reason == FilterReason::kNotLocalized) return topics::odom.name;
@@ -38,7 +38,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
   command_.set_frames(params_->input.frames);
-  command_.pass_not_finite();  // the core stops for it, and says so
+  command_.pass_not_finite();  // the core stops and reports the reason
   robot_.on_state([this](const RobotState& state) { filter_.on_state(state, node_.now()); });
   if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
@@ -69,7 +69,7 @@ void SafetyFilterNode::update() {
   diagnose();
 }
 
-// While time stands nothing grows old: what was said before it stood must not count as new.
+// While the clock stands still nothing ages, so old messages would count as fresh.
 Filtered SafetyFilterNode::next() {
   if (node_.clock_silence() > kClockSilence) {
     node_.log().warn_every(10.0, "/clock is silent: stopping");
@@ -93,7 +93,7 @@ std::string SafetyFilterNode::why(const Filtered& out) const {
   return blind_.empty() ? map_.missing() : blind_;
 }
 
-// The topic that there is no map for.
+// The topic whose absence leaves the filter without a map.
 const char* SafetyFilterNode::map_missing() const {
   return blind_.empty() ? map_.missing_topic() : topics::sensing_status.name;
 }
@@ -106,7 +106,8 @@ void SafetyFilterNode::send(const Twist2& twist) {
   cmd_vel_stamped_.publish(msg);
 }
 
-// Half a control period at the latest after the last word, so that one late beat breaks no promise.
+// Updates half a control period after the last output at the latest, so that one late timer tick
+// does not break the promised period.
 void SafetyFilterNode::watch() {
   if (node_.steady_now() - updated_ >= 0.5 * params_->filter.control_period) update();
 }
@@ -128,7 +129,7 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
   status_.publish(msg);
 }
 
-// Who else moves the base goes past this filter, and past all that it promises.
+// Another publisher on cmd_vel bypasses this filter.
 void SafetyFilterNode::look_for_others() {
   const std::size_t all = node_.count_publishers(topics::cmd_vel.name);
   others_ = all > 0 ? all - 1 : 0;

@@ -41,9 +41,9 @@ struct SafetyFilterNodeParams {
 /// cmd_vel_arbitrated, octomap_binary, octomap_local, sensing_status, people, odom, tf → cmd_vel,
 /// safety_filter/status, /diagnostics.
 ///
-/// The last node before the wheels. Answers every command when it arrives and speaks at least every
-/// control period; silence or doubt is zero. Refuses to start with enforce = false unless the clock
-/// is simulated: a real robot never runs without it.
+/// The last node before the wheels. Answers every command on arrival and publishes at least every
+/// control period; publishes zero if an input is silent or in doubt. Throws std::invalid_argument
+/// with enforce = false unless the clock is simulated: a real robot never runs without the filter.
 class SafetyFilterNode {
  public:
   static constexpr double kClockSilence = 0.5;  // [s] of steady time
@@ -53,7 +53,7 @@ class SafetyFilterNode {
  private:
   void update();
   [[nodiscard]] Filtered next();
-  [[nodiscard]] std::string why(const Filtered& out) const;  // in words
+  [[nodiscard]] std::string why(const Filtered& out) const;  // reason with its details
   [[nodiscard]] const char* map_missing() const;
   void send(const Twist2& twist);
   void watch();
@@ -67,18 +67,18 @@ class SafetyFilterNode {
   RobotStateInput robot_;
   MapInput map_;
   SensingInput sensing_;
-  std::string blind_;  // why no map of what is seen can be believed; empty if it can
-  std::unique_ptr<ObstacleTracksInput> people_;  ///< if they are watched
+  std::string blind_;  // why the sensed map cannot be trusted; empty if it can
+  std::unique_ptr<ObstacleTracksInput> people_;  ///< set if people are tracked
   Filtered last_;
   std::uint64_t interventions_ = 0;
-  double updated_ = 0.0;  ///< steady [s]
+  double updated_ = 0.0;  ///< last update, steady time [s]
 
-  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_;                 ///< either this
-  rt::Publisher<geometry_msgs::msg::TwistStamped> cmd_vel_stamped_;  ///< or this
+  rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_;                 ///< used unless `stamped`
+  rt::Publisher<geometry_msgs::msg::TwistStamped> cmd_vel_stamped_;  ///< used if `stamped`
   rt::Publisher<tandem_msgs::msg::FilterStatus> status_;
   Diagnostics diagnostics_;
   TwistInput command_;
-  std::size_t others_ = 0;  // who publish cmd_vel too
+  std::size_t others_ = 0;  // other publishers of cmd_vel
   rt::Timer watchdog_, looks_;
 };
 

@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-constexpr int kDivisions = 64;  // of each side of the square of shares, at most
+constexpr int kDivisions = 64;  // finest subdivision of each side of the square of shares
 constexpr int kMaxChecks = 400;
 
 // From (i0, j0) to (i1, j1) in units of 1 / kDivisions, i along v and j along w.
@@ -60,7 +60,7 @@ class Cover {
   bool check(const ShareCell& cell) { return ++checks_ <= kMaxChecks && is_clear_(cell); }
   static double share(int i) { return static_cast<double>(i) / kDivisions; }
 
-  double path_, turn_;  // of the whole square, in units of the gaps
+  double path_, turn_;  // spread of the whole square, in units of the gaps
   const std::function<bool(const ShareCell&)>& is_clear_;
   std::bitset<static_cast<std::size_t>((kDivisions + 1) * (kDivisions + 1))> known_clear_;
   int checks_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether all motions of an envelope are clear, by checking as few of them as it takes.
+// Decides whether all motions of an envelope are clear with as few checks as possible.
 #pragma once
 
 #include <functional>
@@ -8,17 +8,18 @@
 
 namespace tandem {
 
-/// How far the ends of two neighbouring motions that are checked may be apart.
-inline constexpr double kPathGap = 0.3;  ///< along their way [m]
-inline constexpr double kTurnGap = 0.1;  ///< across it [m]
+/// Largest distance between the ends of two neighbouring checked motions.
+inline constexpr double kPathGap = 0.3;  ///< along their path [m]
+inline constexpr double kTurnGap = 0.1;  ///< across their path [m]
 
-/// Whether the motions that keep their shares of both ranges, all of them, are clear. `lever` [m]
-/// is the distance over which a turn moves the outline sideways.
+/// Whether all motions with constant shares of both ranges are clear. `lever` [m] is the distance
+/// over which a turn moves the outline sideways.
 ///
-/// The square of shares is cut into cells. A cell is clear if all its motions are, by the bound on
-/// how far they differ from the one at its centre; else it is halved. Where the motions at its
-/// corners come apart by no more than kPathGap and kTurnGap, those four decide. False also if that
-/// takes cells too small, or more than 400 checks: then the robot is too fast for its bounds.
+/// The unit square of shares is subdivided into cells. A cell is clear if the check of its centre,
+/// widened by the bound on how far its other motions differ, succeeds; otherwise it is halved.
+/// Where the motions at a cell's corners are no farther apart than kPathGap and kTurnGap, those
+/// four decide. Also returns false if the cells would get too small or more than 400 checks are
+/// needed: the robot is then too fast for its bounds.
 [[nodiscard]] bool all_motions_clear(const Reach& reach, double lever,
                                      const std::function<bool(const ShareCell&)>& is_clear);
 

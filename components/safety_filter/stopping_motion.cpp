@@ -8,18 +8,17 @@
 namespace tandem {
 namespace {
 
-constexpr int kSteps = 10;         // a change of speed is cut into so many ranges …
-constexpr double kMinStep = 0.01;  // … but none shorter than this …
-constexpr double kMaxStep = 0.1;   // … and none longer [s]
+constexpr int kSteps = 10;         // a change of speed is divided into at most this many ranges …
+constexpr double kMinStep = 0.01;  // … none shorter than this [s] …
+constexpr double kMaxStep = 0.1;   // … and none longer than this, which takes precedence [s]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Bounds of one speed.
 struct SpeedBounds {
-  double weakest, strongest;  // braking
+  double weakest, strongest;  // braking [m/s², rad/s²]
   double lag;                 // [s]
 };
 
-// The high end of the range of one speed, (2). The low end is that of the mirrored speed.
+// High end of the range of one speed, (2). The low end is the high end of the negated speed.
 class HighEnd {
  public:
   HighEnd(double speed, const SpeedBounds& bounds) : speed_{speed}, bounds_{bounds} {}
@@ -28,7 +27,7 @@ class HighEnd {
   void add_target(double target) { target_ = std::max(target_, target); }
   [[nodiscard]] double speed() const { return speed_; }
 
-  // Time until nothing changes any more, but for the end of an exponential tail [s].
+  // Time until the speed settles, except for the end of an exponential tail [s].
   [[nodiscard]] double settling_time() const {
     if (speed_ < 0.0) return std::max(0.0, std::min(target_, 0.0) - speed_) / bounds_.strongest;
     const double gap = speed_ - std::max(target_, 0.0), knee = bounds_.weakest * bounds_.lag;
@@ -37,7 +36,7 @@ class HighEnd {
            (tail > kTailSpeed ? bounds_.lag * std::log(tail / kTailSpeed) : 0.0);
   }
 
-  // Goes on for dt; returns the way [m, rad].
+  // Advances by dt; returns the distance travelled [m, rad].
   double advance(double dt) {
     double way = 0.0;
     if (speed_ < 0.0) {
@@ -50,7 +49,7 @@ class HighEnd {
   }
 
  private:
-  // Uses up the part of dt that it takes.
+  // Subtracts the time it takes from dt.
   double slow_down_in_reverse(double& dt) {
     const double end = std::min(target_, 0.0), before = speed_;
     if (end <= speed_) return 0.0;
@@ -61,7 +60,7 @@ class HighEnd {
     return 0.5 * (before + speed_) * used;
   }
 
-  // By (1) in the header: at constant deceleration down to the knee, exponentially from there.
+  // (1) in the header: constant deceleration down to the knee, exponential decay from there.
   double slow_down(double dt) {
     const double end = std::max(target_, 0.0), knee = bounds_.weakest * bounds_.lag;
     const double t = std::clamp((speed_ - end - knee) / bounds_.weakest, 0.0, dt);
@@ -79,7 +78,6 @@ class HighEnd {
   double target_ = 0.0;
 };
 
-// The range of one speed.
 class SpeedRange {
  public:
   SpeedRange(double low, double high, const SpeedBounds& bounds)
@@ -96,7 +94,7 @@ class SpeedRange {
   [[nodiscard]] double settling_time() const {
     return std::max(high_.settling_time(), low_.settling_time());
   }
-  // Ends of the range: mean over dt, and now.
+  // Advances by dt; returns the means of both ends over dt.
   void advance(double dt, double& low, double& high) {
     high = high_.advance(dt) / dt;
     low = -low_.advance(dt) / dt;
@@ -126,7 +124,7 @@ class Builder {
     w_.add_target(twist.w);
   }
 
-  // Goes on toward the targets for `duration`.
+  // Advances toward the targets for `duration` [s].
   void follow(double duration) {
     const double changing = std::min(duration, settling_time());
     const int most = std::clamp(static_cast<int>(changing / kMinStep), 1, kSteps);
@@ -163,7 +161,7 @@ class Builder {
   StoppingEnvelope envelope_;
 };
 
-// The commands that were sent and the one to try, in the order of their times.
+// The commands sent and the one to try, in order of time.
 struct Commands {
   const MotionStart& start;
   double delay;
@@ -172,9 +170,9 @@ struct Commands {
   [[nodiscard]] TimedTwist at(std::size_t i) const {
     return i < start.sent.size() ? start.sent[i] : TimedTwist{start.command, start.now};
   }
-  // When zero is in force.
+  // Time from which zero is in force.
   [[nodiscard]] double end() const { return start.now + start.end; }
-  // End of the time in which command i can still be in force.
+  // End of the interval in which command i can still be in force.
   [[nodiscard]] double expiry(std::size_t i) const {
     return i + 1 < size() ? at(i + 1).t + delay : end();
   }
@@ -190,12 +188,12 @@ struct Commands {
     for (std::size_t i = 0; i < size(); ++i)
       if (at(i).t <= t && t < expiry(i)) builder.add_target(at(i).twist);
     if (t >= at(0).t + delay) return;
-    builder.add_target(start.lowest());  // of the command before them
+    builder.add_target(start.lowest());  // the command before them may still act; it is unknown
     builder.add_target(start.highest());
   }
 };
 
-// Way from `speed` to rest, (1) at the weakest braking and the largest lag.
+// Distance from `speed` to rest, (1) with the weakest braking and the largest lag.
 double stopping_way(double speed, double brake, double lag) {
   const double knee = brake * lag;
   return speed <= knee ? speed * lag : 0.5 * (speed * speed / brake + knee * lag);

@@ -9,14 +9,14 @@ namespace tandem {
 namespace {
 
 constexpr double kSpeedRounding = 1e-6;  // [m/s]
-constexpr double kSwing = 0.01;          // [m/s] of corners that swing out
+constexpr double kSwing = 0.01;          // [m/s] speed from which swinging corners count as turning
 
 Twist2 largest(const TwistRange& range) {
   return {std::max(std::abs(range.low.v), std::abs(range.high.v)),
           std::max(std::abs(range.low.w), std::abs(range.high.w))};
 }
 
-// The outline together with itself, moved.
+// Adds a copy of the outline, moved by `way`.
 void add_moved(Footprint& footprint, const Footprint& outline, const Eigen::Vector2d& way) {
   for (ConvexPolygon part : outline.parts) {
     for (Eigen::Vector2d& p_BV : part) p_BV += way;
@@ -61,7 +61,8 @@ double UnseenCheck::slow_share(const Twist2& twist) const {
   return fastest <= speed_ ? 1.0 : speed_ / fastest;
 }
 
-// A range's ends are means over its time; how fast it begins is no more than what ended before.
+// The ends of a range are means over its duration; the speed at its start is at most that of the
+// range before it.
 std::span<const TwistRange> UnseenCheck::fast_part(std::span<const TwistRange> envelope,
                                                    const Twist2& measured) const {
   std::size_t end = envelope.size();
@@ -87,7 +88,7 @@ bool UnseenCheck::stays_off(std::span<const TwistRange> fast, const ShareCell& c
                             const Pose2& X_MB, const Body& body, const StaticMap& unseen) const {
   const double gap = unseen.clearance(body.footprint, X_MB, kCheckSpacing);
   if (gap <= 0.0) return false;
-  // Between two checked poses the gap is at most half of their distance less.
+  // Between two checked poses the gap shrinks by at most half of their spacing.
   const double level = std::min(0.5 * kCheckSpacing, 0.5 * gap);
   return stays_clear(fast, cell, X_MB, body, unseen, {level, {}, {}, {}, drift_});
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds a joystick that speaks too seldom.
+// Detects a joystick whose messages come too seldom for joy_timeout.
 #pragma once
 
 #include <optional>
@@ -7,15 +7,16 @@
 namespace tandem {
 
 /// A stick whose messages come less often than every `joy_timeout` [s] counts as let go between any
-/// two of them: the robot stutters. Tells that from a stick that fell silent.
+/// two of them, so the robot stutters. Distinguishes this from a stick that fell silent.
 class JoyRhythm {
  public:
-  static constexpr int kGaps = 5;          ///< too long ones in a row
-  static constexpr double kSilence = 1.0;  ///< [s] a gap of more is no rhythm
+  static constexpr int kGaps = 5;          ///< consecutive gaps that are too long
+  static constexpr double kSilence = 1.0;  ///< [s] a longer gap is silence, not a slow rate
 
   explicit JoyRhythm(double joy_timeout) : joy_timeout_{joy_timeout} {}
 
-  /// A message at t [s] of the stick that drives. The gap before it, if it is one too many.
+  /// Takes a message of the driving stick at t [s]. Returns the gap before it [s] once kGaps in a
+  /// row were too long.
   std::optional<double> on_message(bool held, double t) {
     const double gap = t - t_;
     const bool too_long = held && held_ && gap > joy_timeout_ && gap < kSilence;

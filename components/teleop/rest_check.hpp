@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a stick was seen at rest before it drives.
+// Checks that a stick was seen at rest before it may drive.
 #pragma once
 
 #include <algorithm>
@@ -8,21 +8,21 @@
 
 namespace tandem {
 
-/// A stick drives nothing until its sender has been seen at rest, since the sender appeared or fell
-/// silent and, where there is a dead-man button, since this was last pressed with the stick off
-/// rest. Until then nobody can tell a push from a stick that lies on the table, or from a device
-/// that has not reported its axes yet.
+/// A stick may not drive until its sender has been seen at rest. The check starts again when the
+/// sender falls silent and, where there is a dead-man button, when the button is pressed with the
+/// stick off rest. Before that, a push cannot be told from a stick lying tilted on a table, or from
+/// a device that has not reported its axes yet.
 class RestCheck {
  public:
-  static constexpr double kGone = 0.5;  ///< [s] of silence after which a sender is gone, not late
+  static constexpr double kGone = 0.5;  ///< [s] silence after which a sender is gone, not late
 
-  /// `timeout`: silence that is ordinary between two samples [s]. `has_deadman`: the dead-man
-  /// counts.
+  /// `timeout`: longest ordinary gap between two samples [s]. `has_deadman`: whether the dead-man
+  /// button is used.
   RestCheck(double timeout, bool has_deadman)
       : silence_{std::max(timeout, kGone)}, has_deadman_{has_deadman} {}
 
-  /// Whether what `sender` says at time t [s] may drive. `at_rest`: the stick is; `deadman`: the
-  /// button is held.
+  /// Takes a sample from `sender` at time t [s]; returns whether it may drive. `at_rest`: the stick
+  /// is at rest; `deadman`: the button is held.
   [[nodiscard]] bool frees(const std::string& sender, bool deadman, bool at_rest, double t) {
     forget_silent(t);
     Sender& known = senders_[sender];
@@ -30,18 +30,18 @@ class RestCheck {
     known = {at_rest || (known.rested && !pressed), deadman, t};
     return known.rested;
   }
-  /// A sample arrived too late to count: the sender has not fallen silent.
+  /// Call for a sample that arrived too late to be used: the sender is not silent.
   void keep(const std::string& sender, double t) {
     forget_silent(t);
     if (const auto known = senders_.find(sender); known != senders_.end()) known->second.t = t;
   }
-  /// The person at this sender is gone: the next one has to be seen at rest.
+  /// Call when the person at this sender has left: the next person must be seen at rest.
   void forget(const std::string& sender) { senders_.erase(sender); }
 
  private:
   struct Sender {
     bool rested = false, deadman = false;
-    double t = 0.0;  // [s] of its last sample
+    double t = 0.0;  // [s] time of its last sample
   };
 
   void forget_silent(double t) {
@@ -52,7 +52,7 @@ class RestCheck {
 
   double silence_;
   bool has_deadman_;
-  std::map<std::string, Sender> senders_;  // those that are not silent
+  std::map<std::string, Sender> senders_;  // only senders that are not silent
 };
 
 }  // namespace tandem

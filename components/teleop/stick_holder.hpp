@@ -6,15 +6,16 @@
 
 namespace tandem {
 
-/// One of several sticks drives: the first that is held, until it is let go, or is silent for
-/// `timeout` [s] while another one is held. What the others send is ignored until then. In
-/// particular, a gamepad that lies on the table neither stops the person at the page nor shows,
-/// when the page's connection is lost, that the person has let go.
+/// One of several sticks drives: the first that is held, until it is let go, or until it is silent
+/// for `timeout` [s] while another is held. Samples of the others are ignored until then. In
+/// particular, an idle gamepad neither stops the person driving from the web page nor counts as
+/// that person letting go when the page's connection is lost.
 class StickHolder {
  public:
   explicit StickHolder(double timeout) : timeout_{timeout} {}
 
-  /// Whether a stick that `sender` says is `held` counts at time t [s].
+  /// Takes a sample from `sender` at time t [s]; returns whether it counts. `held`: the stick is
+  /// held.
   [[nodiscard]] bool counts(const std::string& sender, bool held, double t) {
     const bool fresh = t - t_ <= timeout_ && t >= t_;
     if (held_ && sender != sender_ && (fresh || !held)) return false;

@@ -10,17 +10,17 @@
 namespace tandem {
 namespace {
 
-constexpr double kCallsBack = 0.3;   // [1] of the stick's way: less moves the leader bit by bit
+constexpr double kCallsBack = 0.3;   // [1] deflection; smaller pushes do not call the leader back
 constexpr double kBeside = 0.1;      // [m] the leader is neither before nor behind the robot
-constexpr double kStands = 0.05;     // [m/s] a robot that is slower stands, or all but
-constexpr double kOvershoot = 1.05;  // [1] of its range that an axis may reach
-const Twist2 kFastest{5.0, 10.0};    // [m/s, rad/s] of a leader, as the gains' ranges
+constexpr double kStands = 0.05;     // [m/s] a slower robot counts as standing
+constexpr double kOvershoot = 1.05;  // [1] fraction of its range that an axis may reach
+const Twist2 kFastest{5.0, 10.0};    // [m/s, rad/s] limit of the leader, as in the gains' ranges
 
 bool is_there(std::size_t size, int index) {
   return index >= 0 && static_cast<std::size_t>(index) < size;
 }
 
-// In [−1, 1] for a device that does as `axis_range` says; nothing if the axis is missing.
+// Value in [−1, 1] if the device honours `axis_range`; nullopt if the axis is missing.
 std::optional<double> axis_value(std::span<const float> axes, int index,
                                  const TeleopParams& params) {
   if (!is_there(axes.size(), index)) return std::nullopt;
@@ -59,7 +59,7 @@ void check_axis(JoyCheck& joy, std::span<const float> axes, int index, const cha
   joy.at_rest = joy.at_rest && (!value || std::abs(*value) <= params.gains.deadzone);
 }
 
-// Whether the push, forward or backward, leads back to the robot.
+// Whether the push, forward or backward, moves the leader toward the robot.
 bool leads_back(double push, const Pose2& X_ML, const Pose2& X_MB) {
   const Eigen::Vector2d ahead{std::cos(X_ML.theta), std::sin(X_ML.theta)};
   return std::copysign(1.0, push) * ahead.dot(X_ML.position() - X_MB.position()) < -kBeside;
@@ -125,7 +125,7 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
     if (hand_ == Hand::kStick) hand_ = Hand::kNone;
     return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
   }
-  // Where there is no dead-man, a stick at rest is one that nobody holds.
+  // Without a dead-man, a stick at rest counts as not held.
   const bool steers = params_.deadman_button >= 0 || stick.linear != 0.0 || stick.angular != 0.0;
   if (!steers && hand_ == Hand::kTwist && is_recent(last_, t)) return std::nullopt;
   if (steers) steered_ = t;
@@ -148,7 +148,7 @@ std::optional<Pose2> Teleop::on_twist(const Twist2& twist, const std::optional<P
   return X_ML_;
 }
 
-// A leader begins at the robot: with another hand, and after a silence.
+// The leader restarts at the robot when another hand takes over and after a silence.
 void Teleop::lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB, double t) {
   const double before = std::exchange(last_, t);
   const bool goes_on = std::exchange(hand_, hand) == hand && is_recent(before, t);
@@ -158,8 +158,8 @@ void Teleop::lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB,
   if (X_MB) drive_leader(now, *X_MB, goes_on ? t - before : 0.0);
 }
 
-// Who throws the stick round wants the robot to turn back now, not when the leader has come all the
-// way from the end of its leash.
+// Reversing the stick means that the robot should turn back now, not after the leader has travelled
+// back from the end of its leash.
 void Teleop::call_leader_back(double push, const Pose2& X_MB) {
   if (std::abs(push) < kCallsBack) return;
   const double before = std::exchange(pushed_, push);
@@ -167,7 +167,7 @@ void Teleop::call_leader_back(double push, const Pose2& X_MB) {
     X_ML_ = Pose2{X_MB.x, X_MB.y, X_ML_->theta};
 }
 
-// The robot's way is an arc, half as long as at constant speed.
+// The braking path is an arc, half as long as at constant speed.
 Pose2 Teleop::braking_point(const Pose2& X_MB, const Twist2& measured) const {
   if (!robot_) return X_MB;
   const Twist2 moves = limit(measured, *robot_);
@@ -176,8 +176,7 @@ Pose2 Teleop::braking_point(const Pose2& X_MB, const Twist2& measured) const {
   return integrate(X_MB, moves, 0.5 * time);
 }
 
-// A stick that only turns, while the robot stands, turns the leader at the robot, wherever the
-// leader was.
+// If the stick only turns while the robot stands, the leader turns at the robot's position.
 Pose2 Teleop::driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB, double dt) const {
   if (wish.rests) return braking_point(X_MB, wish.measured);
   const bool turns =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns a joystick's axes and buttons into the person's twist and leader.
+// Turns a joystick's axes and buttons into the person's twist and the leader pose.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@
 
 namespace tandem {
 
-/// How the stick feels: may change while someone drives. Defaults: Devalla 2020, appendix B; its
-/// leash d_PR has no number there.
+/// Scaling of the stick; may change while someone drives. Defaults: Devalla 2020, appendix B, which
+/// gives no number for the leash d_PR.
 struct StickGains {
   double scale_linear = 0.8;
   double scale_angular = 0.8;
@@ -63,23 +63,23 @@ struct TeleopParams {
   }
 };
 
-/// What a joystick says: axes in [−1, 1], buttons pressed or not.
+/// State of a joystick: axes in [−1, 1], buttons pressed or not.
 struct Stick {
   double linear = 0.0, angular = 0.0;
   bool deadman = false, end = false;
 };
 
-/// Reads the axes and buttons that the parameters name; one that is missing, not finite or beyond
-/// `axis_range` counts as at rest (a missing dead-man button as released).
+/// Reads the axes and buttons that the parameters name. An axis that is missing, not finite or
+/// beyond `axis_range` counts as at rest, a missing dead-man button as released.
 [[nodiscard]] Stick read_stick(std::span<const float> axes, std::span<const int> buttons,
                                const TeleopParams& params);
 
-/// What a message of joy says of the device.
+/// Result of checking a joy message.
 struct JoyCheck {
-  bool at_rest = false;       ///< some axis is there, and each that is lies inside the dead zone
-  bool beyond_range = false;  ///< an axis is: its scale is not known, so the stick may not drive
-  std::string trouble;        ///< why the message does not say where the stick is; empty: it does
-  std::string remark;         ///< what else it lacks; empty: nothing
+  bool at_rest = false;       ///< an axis is present, and all present ones are in the dead zone
+  bool beyond_range = false;  ///< an axis is; its scale is unknown, so it may not drive
+  std::string trouble;        ///< why the stick's position is unknown; empty: it is known
+  std::string remark;         ///< a minor defect; empty: none
 };
 
 /// Checks the axes and buttons that the parameters name.
@@ -91,64 +91,70 @@ struct JoyValues {
   std::vector<int> buttons;
 };
 
-/// The inverse, for devices that are ours (keys, a stick on a screen): axes and buttons with which
+/// Inverse of read_stick, for our own devices (keys, on-screen stick): axes and buttons with which
 /// teleop drives forward and to the left for positive `stick`, whatever its parameters.
 [[nodiscard]] JoyValues joy_values(const Stick& stick, const TeleopParams& params);
 
-/// What goes out after a sample of the joystick.
+/// Output for one sample of the joystick.
 struct Intent {
   Twist2 twist;               ///< the person's command
-  std::optional<Pose2> X_ML;  ///< the leader L, if the robot's pose is known
+  std::optional<Pose2> X_ML;  ///< pose of the leader L, if the robot's pose is known
 };
 
-/// Why a stick drives nothing that was not seen at rest, see RestCheck.
+/// Trouble of a stick that has not been seen at rest, see RestCheck.
 inline constexpr const char* kNotAtRest = text_of(Reason::kStickMoved);
 
-/// The person at the stick: dead-man, scaling, and the leader, a virtual robot that the stick
-/// drives and that never gets farther from the robot than the leash (Devalla 2020, §3.1.4). Not in
-/// the thesis: who throws the stick from forward to backward, or back, finds the leader beside the
-/// robot at once; a stick at rest brings it to where the robot comes to rest if it brakes now,
-/// after a pulse only when the rest is long (BriefPush); a stick that only turns, beside a robot
-/// that stands, brings it to the robot; and a leader is no faster than its robot.
+/// Converts the stick into a twist and drives the leader: a virtual robot that the stick moves and
+/// that never gets farther from the robot than the leash (Devalla 2020, §3.1.4).
+///
+/// Additions to the thesis:
+///
+/// * Reversing the stick (forward to backward or vice versa) returns the leader to the robot
+///   immediately.
+/// * A stick at rest moves the leader to the point where the robot stops if it brakes now; after a
+///   pulse only if the rest is long (BriefPush).
+/// * A stick that only turns, while the robot stands, moves the leader to the robot.
+/// * The leader is no faster than its robot.
 class Teleop {
  public:
-  /// Without the robot's limits the leader is as fast as the stick asks for, and a stick at rest
-  /// brings it to where the robot is.
+  /// Without `robot`, the leader is as fast as the stick asks for, and a stick at rest moves it to
+  /// the robot's current position.
   explicit Teleop(const TeleopParams& params, const std::optional<RobotParams>& robot = {});
 
   /// Throws std::invalid_argument, having changed nothing, on gains out of range.
   void set_gains(const StickGains& gains);
 
-  /// While the planner hands the person's own command on (PlannerStatus.source `yielded`), the
-  /// leader stays beside the robot: the person steers what they see move.
+  /// Set while the planner passes the person's own command through (PlannerStatus.source
+  /// `yielded`): the leader then stays near the robot, so the person steers what they see move.
   void keep_leader_near(bool near) { near_ = near; }
 
-  /// `X_MB`, `measured`: where the robot is and how it moves, if that is known. No intent while the
-  /// dead-man is released, but for one zero at the moment of release; the leader then returns to
-  /// the robot.
+  /// `X_MB`, `measured`: the robot's pose and twist, if known. `t` [s]. Returns no intent while the
+  /// dead-man is released, except a single zero at the moment of release; the leader then returns
+  /// to the robot.
   ///
-  /// A zero tells that the stick was let go of, so that a robot may start again after an emergency
-  /// stop. A joystick that falls silent may still be held: it gets no zero, and silence stops the
-  /// robot. The leader returns to the robot in this case, too.
+  /// The zero reports that the stick was let go, so that a robot may start again after an emergency
+  /// stop. A joystick that falls silent may still be held: no zero is sent for it, and the silence
+  /// stops the robot. The leader returns to the robot in this case, too.
   [[nodiscard]] std::optional<Intent> on_stick(const Stick& stick, const std::optional<Pose2>& X_MB,
                                                double t, const Twist2& measured = {});
 
-  /// A command from another publisher of cmd_vel_user (a program, another teleoperation). Returns
-  /// the leader that it drives; nothing while a stick is held or the robot's pose is unknown.
+  /// Takes a command from another publisher of cmd_vel_user (a program, another teleoperation).
+  /// Returns the leader that it drives; nullopt while a stick is held or the robot's pose is
+  /// unknown.
   [[nodiscard]] std::optional<Pose2> on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
                                               double t, const Twist2& measured = {});
 
  private:
   enum class Hand { kNone, kStick, kTwist };
   struct Wish {
-    Twist2 twist;     // of the leader
-    double push;      // [1] of the stick's way
-    Twist2 measured;  // what the robot does
+    Twist2 twist;     // desired twist of the leader
+    double push;      // [1] deflection of the stick along the linear axis
+    Twist2 measured;  // twist of the robot
     bool rests = false;
   };
 
   [[nodiscard]] bool is_recent(double t, double now) const {
-    return 0.0 <= now - t && now - t <= params_.joy_timeout;  // not if the clock was set back
+    return 0.0 <= now - t && now - t <= params_.joy_timeout;  // false if the clock was set back
   }
   void lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB, double t);
   void call_leader_back(double push, const Pose2& X_MB);
@@ -161,12 +167,12 @@ class Teleop {
   std::optional<RobotParams> robot_;
   BriefPush push_;
   bool held_ = false;
-  std::optional<double> steered_;  // [s] when a stick last had the say over the leader
-  Hand hand_ = Hand::kNone;        // that drives the leader
-  double last_ = 0.0;              // [s] when it last did
+  std::optional<double> steered_;  // [s] when a stick last controlled the leader
+  Hand hand_ = Hand::kNone;        // what drives the leader
+  double last_ = 0.0;              // [s] when hand_ last drove it
   std::optional<Pose2> X_ML_;
-  bool near_ = false;    // keep_leader_near()
-  double pushed_ = 0.0;  // [1] the last push that was strong, forward or backward
+  bool near_ = false;    // see keep_leader_near()
+  double pushed_ = 0.0;  // [1] last strong push; positive is forward
 };
 
 }  // namespace tandem

@@ -9,7 +9,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kReminder = 10.0;  // [s] between two of the same warning
+constexpr double kReminder = 10.0;  // [s] between two log lines of the same warning
 
 std::string name_of(const rt::PublisherId& id) { return {id.begin(), id.end()}; }
 
@@ -78,7 +78,7 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
   end_pressed_ = stick.end;
 }
 
-// Letting go always counts. The dashboard publishes an empty joy for a person who has left.
+// A release always counts. The dashboard publishes an empty joy for a person who has left.
 bool TeleopNode::may_drive(const sensor_msgs::msg::Joy& msg, const std::string& sender,
                            const Stick& stick) {
   if (is_empty(msg)) {
@@ -102,7 +102,7 @@ bool TeleopNode::may_drive(const sensor_msgs::msg::Joy& msg, const std::string& 
   return !stick.deadman || (rested && !joy.beyond_range);
 }
 
-// What hinders one sender is not taken back by what another does.
+// Troubles are kept per sender, so one sender cannot clear another's.
 void TeleopNode::say(const std::string& sender, const std::string& trouble) {
   std_msgs::msg::String msg;
   msg.data(trouble);

@@ -35,15 +35,15 @@ struct TeleopNodeParams {
 /// joy, cmd_vel_user of others, odom, tf, planner/status → cmd_vel_user, leader_pose,
 /// leader/markers, teleop/status, /diagnostics, end_sim.
 ///
-/// Publishes on every joy while the dead-man is held, and one zero at its release; nothing while
-/// the joystick is silent, was not seen at rest (see RestCheck) or exceeds `axis_range`: then
-/// teleop/status says why. While no stick is held, the leader follows what another node publishes
-/// as cmd_vel_user: of several the first until it is silent.
+/// Publishes on every joy while the dead-man is held, and a single zero at its release. Publishes
+/// nothing while the joystick is silent, has not been seen at rest (see RestCheck) or exceeds
+/// `axis_range`; teleop/status gives the reason. While no stick is held, the leader follows another
+/// node's cmd_vel_user; with several such nodes, the first one until it is silent.
 class TeleopNode {
  public:
-  static constexpr std::size_t kMaxTroubles = 100;  // senders that are remembered
-  static constexpr double kPlannerTimeout = 0.5;    // [s] after which it yields nothing
-  static constexpr double kOnce = 1e9;              // [s] between two lines on the same
+  static constexpr std::size_t kMaxTroubles = 100;  // senders whose trouble is stored
+  static constexpr double kPlannerTimeout = 0.5;    // [s] silence after which it does not yield
+  static constexpr double kOnce = 1e9;  // [s] reminder period of messages that are logged only once
 
   explicit TeleopNode(rt::Node& node);
 
@@ -62,11 +62,11 @@ class TeleopNode {
   rt::Parameters<TeleopNodeParams> params_;
   Teleop teleop_;
   RobotStateInput robot_;
-  StickHolder holder_, writer_;  // of joy; of cmd_vel_user, but for this node
+  StickHolder holder_, writer_;  // for joy; for other publishers of cmd_vel_user
   RestCheck rest_;
   JoyRhythm rhythm_;
   StampCheck joy_stamp_;
-  Stamped<bool> yielded_;  // by the planner
+  Stamped<bool> yielded_;  // whether the planner passes the person's command through
   bool end_pressed_ = false;
   std::map<std::string, std::string> troubles_;  // by sender of joy
 
