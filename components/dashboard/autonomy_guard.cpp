@@ -26,7 +26,8 @@ void AutonomyGuard::on_call(ClientId client, const std::string& name,
   robot.responsible = autonomous ? std::optional{client} : std::nullopt;
 }
 
-// A status that was under way before the call ends nobody's responsibility.
+// A status counts only after `autonomous` was confirmed: an older one that is still in transit must
+// not end the client's responsibility.
 AutonomyGuard::Robot& AutonomyGuard::robot_in(const std::string& space) {
   const auto [it, is_new] = robots_.try_emplace(space);
   Robot& robot = it->second;

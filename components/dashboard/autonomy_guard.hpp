@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what web clients call, and who of them goes. Out: the end of autonomy that nobody watches.
+// Ends autonomous driving when the web client that started it disconnects.
 #pragma once
 
 #include <map>
@@ -11,15 +11,15 @@
 
 namespace tandem {
 
-/// Who lets the robot drive by itself has to stay: when the client that set arbitration's policy
-/// `autonomous` is gone (page closed, network lost), the policy becomes `shared`, in which the
-/// robot stands until somebody holds a stick. Not if another policy is in force by then. Each robot
-/// of the domain for itself: a client may call any of them.
+/// When the client that set arbitration's policy `autonomous` disconnects (page closed, network
+/// lost), the policy is set to `shared`, in which the robot stands until somebody holds a stick.
+/// Nothing happens if another policy is in force by then. Each robot of the domain is tracked
+/// separately, because a client may call any of them.
 class AutonomyGuard {
  public:
   explicit AutonomyGuard(rt::Node& node) : node_{node} {}
 
-  /// A client's call of the service `name`, its request in CDR.
+  /// Call for each service call of a client: `name` of the service, request in CDR.
   void on_call(ClientId client, const std::string& name, const std::vector<std::uint8_t>& request);
   void on_leave(ClientId client);
 
@@ -28,13 +28,13 @@ class AutonomyGuard {
     rt::Client<tandem_msgs::srv::SetPolicy> set_policy = {};
     rt::Subscription on_status = {};
     std::optional<ClientId> responsible = {};
-    bool in_force = false;  // it was heard that the policy is the client's
+    bool in_force = false;  // a status has confirmed the client's policy
   };
 
   [[nodiscard]] Robot& robot_in(const std::string& space);
 
   rt::Node& node_;
-  std::map<std::string, Robot> robots_;  // by namespace, "" or "/a"; those that somebody let drive
+  std::map<std::string, Robot> robots_;  // by namespace, "" or "/a"; only those set to `autonomous`
 };
 
 }  // namespace tandem

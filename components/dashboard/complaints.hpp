@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sentence for a client about all that is wrong with one frame of its.
+// Collects the errors in one frame of a client into one message.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +9,12 @@ namespace tandem {
 
 class Complaints {
  public:
-  /// Empty: nothing is wrong.
+  /// Adds an error; an empty string is ignored.
   void add(const std::string& what) {
     if (what.empty()) return;
     if (count_++ == 0) first_ = what;
   }
-  /// The first one, and how many more there are; empty: there are none.
+  /// The first error and the number of others; empty without errors.
   [[nodiscard]] std::string text() const {
     if (count_ < 2) return first_;
     return first_ + " (and " + std::to_string(count_ - 1) + " more in the same request)";

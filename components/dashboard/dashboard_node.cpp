@@ -25,14 +25,14 @@ std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// What strangers say, fit for one line of a terminal: no control characters, no half letters.
+// Makes untrusted text safe for one line of a terminal: printable ASCII only.
 std::string printable(std::string text) {
   for (char& c : text)
     if (c < ' ' || c > '~') c = '?';
   return text;
 }
 
-// [s] of this thread alone.
+// CPU time of this thread [s].
 double processor_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -76,12 +76,13 @@ DashboardNode::DashboardNode(rt::Node& node)
   });
   node.log().info("the page is at {} ; Foxglove and Lichtblick connect there too (ws://)",
                   web_.url());
-  // To the terminal, not to /rosout; one from a file is known already.
+  // The token is printed to the terminal only, not to /rosout. A token from a file is known
+  // already.
   if (const auto& token = web_.token(); !token.empty() && params_->web.token_file.empty())
     std::cerr << "    Open it with its token: " << web_.url() << "?token=" << token << std::endl;
 }
 
-// Each lane has its own share of the beat; one event may overdraw it.
+// Each lane has its own time share of a tick; a single event may exceed it.
 void DashboardNode::tick() {
   parameters_.begin_beat();
   for (int i = 0; i < kMostUrgent && serve(Lane::kUrgent); ++i) {
@@ -101,7 +102,7 @@ void DashboardNode::serve_for(double time, Lane lane) {
   }
 }
 
-// What one client asks for may not end the process, in which the planner and the filter may be too.
+// A client's request must not end the process, which may also run the planner and the filter.
 bool DashboardNode::serve(Lane lane) {
   const auto event = web_.next(lane);
   if (!event) return false;
@@ -149,7 +150,7 @@ void DashboardNode::on_join(ClientId client) {
   const auto session = std::to_string(rt::system_nanoseconds());
   web_.send(client,
             {true, foxglove::server_info("Tandem" + node_.fully_qualified_name(), session)});
-  tell_time(client);  // before anything that has a time
+  tell_time(client);  // before any timestamped message
   topics_.greet(client);
   services_.greet(client);
   told_.clear();
@@ -187,7 +188,7 @@ void DashboardNode::on_message(ClientId client, const foxglove::Message& message
   const auto outcome =
       publish_.publish(client, message, [&] { return driver_lock_.drive(client, now); });
   if (outcome == PublishRelay::Outcome::kPublished) return;
-  constexpr double kPeriod = 0.5;  // [s] a refused stick comes 20 times a second
+  constexpr double kPeriod = 0.5;  // [s] a refused stick is sent 20 times a second
   if (const auto last = refused_.find(client);
       last != refused_.end() && now - last->second < kPeriod)
     return;
@@ -243,7 +244,7 @@ PublishRelay::Outcome DashboardNode::save_user_test(ClientId client,
     return PublishRelay::Outcome::kMalformed;
   } catch (const std::runtime_error& error) {
     complain(client, error.what());
-    return PublishRelay::Outcome::kPublished;  // it was sound
+    return PublishRelay::Outcome::kPublished;  // the message itself was valid
   }
 }
 
@@ -276,12 +277,12 @@ void DashboardNode::tell_trial() {
   came_to_ = state;
 }
 
-// To all: a page whose connection was lost for a moment is another client now.
+// Sent to all clients, because a page that reconnects is a new client.
 void DashboardNode::tell_trial(const std::string& state) {
   for (const ClientId client : clients_) topics_.tell(client, kTrialChannel, state);
 }
 
-// To each client what it means for them; at changes and with every look.
+// Reports the driver to each client from that client's view; on changes and with every look.
 void DashboardNode::tell_seat() {
   const auto driver = driver_lock_.driver(node_.steady_now());
   const std::string state =

@@ -38,21 +38,21 @@ struct DashboardParams {
   }
 };
 
-/// Every topic and service of the domain → web clients (Foxglove, Lichtblick, the page that it
-/// serves); joy, cmd_vel_user, goal_pose, initialpose, end_sim, e_stop ← web clients.
+/// Every topic and service of the domain → web clients (Foxglove, Lichtblick, the page that this
+/// node serves); joy, cmd_vel_user, goal_pose, initialpose, end_sim, e_stop ← web clients.
 ///
-/// One client drives at a time; whoever wants to drive while another does must take the wheel.
-/// The emergency stop is everybody's.
+/// One client drives at a time; to drive while another client does, a client must take over
+/// explicitly. Every client may press the emergency stop.
 class DashboardNode {
  public:
-  static constexpr double kTick = 0.005;        // [s] between looks at what clients say
-  static constexpr double kUsual = 0.0015;      // [s] of a tick for what clients ask for
-  static constexpr double kLastWords = 0.0005;  // [s] of a tick for what those asked who have left
-  static constexpr int kMostUrgent = 64;        // presses of the emergency stop in a tick
-  static constexpr double kLook = 0.5;          // [s] between looks at the domain
+  static constexpr double kTick = 0.005;  // [s] between two ticks, which handle the clients' events
+  static constexpr double kUsual = 0.0015;      // [s] of a tick for frames of connected clients
+  static constexpr double kLastWords = 0.0005;  // [s] of a tick for frames of clients that left
+  static constexpr int kMostUrgent = 64;        // emergency stop messages handled per tick
+  static constexpr double kLook = 0.5;          // [s] between two looks at the domain
   static constexpr double kTimePeriod = 0.05;   // [s]
-  static constexpr double kSavePeriod = 1.0;    // [s] at least between two user tests
-  static constexpr double kTrialPeriod = 0.3;   // [s] at least between the beginnings of two trials
+  static constexpr double kSavePeriod = 1.0;    // [s] minimum interval of two saved user tests
+  static constexpr double kTrialPeriod = 0.3;   // [s] minimum interval of two trial starts
 
   explicit DashboardNode(rt::Node& node);
 
@@ -88,13 +88,13 @@ class DashboardNode {
   PublishRelay publish_;
   DriverLock driver_lock_;
   AutonomyGuard autonomy_;
-  double saved_ = -kSavePeriod;           // [s] when a user test was
-  double trial_began_ = -kTrialPeriod;    // [s] when a trial did
-  std::unique_ptr<TrialRecorder> trial_;  // the one that goes on
-  std::string came_to_;                   // what the last one came to, told until another begins
+  double saved_ = -kSavePeriod;           // [s] when a user test was last saved
+  double trial_began_ = -kTrialPeriod;    // [s] when a trial last began
+  std::unique_ptr<TrialRecorder> trial_;  // the trial in progress
+  std::string came_to_;  // result of the last trial, repeated until the next begins
   std::set<ClientId> clients_;
-  std::string told_;                    // who sat there when it was last told
-  std::map<ClientId, double> refused_;  // [s] when they were last told that a message was
+  std::string told_;                    // the driver state last reported
+  std::map<ClientId, double> refused_;  // [s] when a refusal was last reported to them
 
   rt::Timer ticks_, looks_, time_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: who wants to drive. Out: who may.
+// The driver lock: decides which web client may drive.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,28 @@ namespace tandem {
 
 using ClientId = std::uint64_t;
 
-/// The driver's seat: one at a time. A free seat belongs to the first who drives; a driver who has
-/// been silent for `timeout` [s] has left it. Whom another has ousted, and who still holds their
-/// stick, does not get it back by waiting. Times are seconds on one monotonic clock.
+/// The lock of the driver, held by one client at a time. A free lock goes to the first client that
+/// drives; a driver who has been silent for `timeout` [s] loses it. A driver who was preempted and
+/// still holds their stick does not regain the lock by waiting. Times are seconds on one monotonic
+/// clock.
 class DriverLock {
  public:
   explicit DriverLock(double timeout) : timeout_{timeout} {}
 
-  /// Whether the client may drive now; then the seat is theirs.
+  /// Whether the client may drive now; if so, it holds the lock from now on.
   [[nodiscard]] bool drive(ClientId client, double now) {
     if (still_preempted(client, now) || !may_write(client, now)) return false;
     take(client, now);
     return true;
   }
-  /// Takes the seat, also from another.
+  /// Takes the lock, also from another client.
   void take(ClientId client, double now) {
     if (const auto before = driver(now); before && *before != client) preempted_ = {before, now};
     if (preempted_.client == client) preempted_ = {};
     driver_ = client;
     last_ = now;
   }
-  /// Whether the client may change anything: nobody else sits there.
+  /// Whether the client may make changes: no other client holds the lock.
   [[nodiscard]] bool may_write(ClientId client, double now) const {
     const auto other = driver(now);
     return !other || *other == client;
@@ -44,7 +45,7 @@ class DriverLock {
  private:
   struct Preempted {
     std::optional<ClientId> client;
-    double tried = 0.0;  // last, to drive
+    double tried = 0.0;  // time of its last attempt to drive
   };
 
   bool still_preempted(ClientId client, double now) {

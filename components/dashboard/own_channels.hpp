@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Channels of the dashboard that are no topics of the domain.
+// Channels that the dashboard itself provides, beside the topics of the domain.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace tandem {
 
 inline constexpr std::uint32_t kSeatChannel = 1, kTrialChannel = 2;
 
-/// Who drives, as the client that reads it sees it; of the dashboard with that full name.
+/// The driver as seen by the receiving client; `node` is the dashboard's full name.
 [[nodiscard]] inline foxglove::Channel seat_channel(const std::string& node) {
   constexpr const char* kSchema =
       R"({"type":"object","properties":{"driver":{"type":"string"},"clients":{"type":"integer"}}})";
   return {kSeatChannel, node + "/seat", "json", "tandem.Seat", kSchema, "jsonschema"};
 }
 
-/// The trial that goes on, or what the last one came to.
+/// The trial in progress, or the result of the last one.
 [[nodiscard]] inline foxglove::Channel trial_channel(const std::string& node) {
   constexpr const char* kSchema =
       R"({"type":"object","properties":{"id":{"type":"integer"},"time":{"type":"number"},"collisions":{"type":"integer"},"trial":{"type":"object"}}})";

@@ -8,9 +8,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kClearanceCap = 1.0;       // [m] no clearance beyond it is reported
-constexpr double kLookAhead = 0.1;          // [m] measured beyond what matters, to save later calls
-constexpr double kContactPrecision = 1e-4;  // [m] the robot rests this near to what it touched
+constexpr double kClearanceCap = 1.0;  // [m] larger clearances are reported as this
+constexpr double kLookAhead = 0.1;     // [m] measured beyond what is needed, to save later calls
+constexpr double kContactPrecision = 1e-4;  // [m] maximum gap to what stopped the robot
 constexpr double kTimePrecision = 1e-9;     // [s]
 
 }  // namespace
@@ -64,7 +64,7 @@ void DiffDriveSim::step(double dt) {
   record();
 }
 
-// The pose after dt, or the last one on the way to it that is free of contact.
+// The pose after dt, or the last contact-free pose on the way to it.
 Pose2 DiffDriveSim::move(double dt) {
   const Pose2 start = state_.X_MB;
   const Twist2 twist = drive_.twist_over_ground();
@@ -136,7 +136,7 @@ void DiffDriveSim::meet_people() {
   }
 }
 
-// Measures only when the clearance could have fallen below what matters.
+// Measures only if the clearance may have fallen below the value of interest.
 void DiffDriveSim::update_clearance(double travel) {
   const double matters =
       contacts_.in_contact ? std::max(min_clearance_, params_.episode_clearance) : min_clearance_;

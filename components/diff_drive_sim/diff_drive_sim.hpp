@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: twist commands with times, the static map, people. Out: the robot's motion, contacts,
-// odometry, scan.
+// Simulates a differential-drive robot on a static map among people: its motion, contacts, odometry
+// and scans.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,60 +42,63 @@ struct DiffDriveSimParams {
   }
 };
 
-/// Width of a scan that has no ends [rad].
+/// Width of a full-circle scan [rad].
 inline constexpr double kAllAround = 2.0 * std::numbers::pi;
 
-/// Direction in B of ray `i` of `beams` [rad]: evenly over `scan_angle` [rad], of which the middle
-/// is straight ahead, counter-clockwise. All around, the last ray lies one step before the first.
+/// Direction in B of ray `i` of `beams` [rad]: spaced evenly over `scan_angle` [rad], centred
+/// straight ahead, counter-clockwise. In a full-circle scan the last ray lies one step before the
+/// first.
 [[nodiscard]] inline double beam_angle(int i, int beams, double scan_angle) {
   const bool is_closed = scan_angle > kAllAround - 1e-6;
   return -0.5 * scan_angle + scan_angle * i / std::max(1, is_closed ? beams : beams - 1);
 }
 
-/// Ground truth now.
+/// Current ground truth.
 struct SimState {
   double t = 0.0;
   Pose2 X_MB;
   Twist2 twist;  ///< over the ground
 };
 
-/// What the base reports now: measured `sensor_delay` ago.
+/// The odometry that the base reports now, measured `sensor_delay` ago.
 struct OdometryReport {
-  double t = 0.0;  ///< when it was measured
+  double t = 0.0;  ///< time of the measurement
   Pose2 X_WB;
   Twist2 twist;  ///< from the wheel encoders
-  Pose2 X_MW;    ///< a perfect localiser's transform map → odom at that time
+  Pose2 X_MW;    ///< a perfect localizer's transform map → odom at that time
 };
 
 /// Contacts since the last reset. An episode begins when the outline touches an occupied cell or a
-/// person and ends when it has been clear of both by episode_clearance for episode_time. With a
-/// person it counts from when the robot itself moves, else as being walked into.
+/// person, and ends when it has been clear of both by episode_clearance for episode_time. A contact
+/// with a person counts as a collision only once the robot itself moves; otherwise it counts as
+/// being walked into.
 struct ContactReport {
-  bool in_contact = false;  ///< an episode is open
+  bool in_contact = false;  ///< an episode is in progress
   unsigned count = 0;
-  unsigned walked_into = 0;        ///< episodes that began with a person walking into it
-  Eigen::Vector2d p_MQ{0.0, 0.0};  ///< centre of what was touched in the last episode [m]
+  unsigned walked_into = 0;        ///< episodes that began with a person walking into the robot
+  Eigen::Vector2d p_MQ{0.0, 0.0};  ///< centre of the obstacle touched in the last episode [m]
 };
 
-/// A differential-drive robot on a static map, among people; deterministic for a seed.
+/// A differential-drive robot on a static map among people; deterministic for a seed.
 ///
-/// Contact is exact (polygon against squares). Motion into a cell is blocked: the robot rests at
-/// the last pose free of contact and its wheels stand. Motion away is free. A robot put into an
-/// obstacle may leave it. People block nothing: they walk on, through the robot if need be.
+/// Contact is exact (polygon against squares). Motion into an occupied cell is blocked: the robot
+/// rests at the last contact-free pose and its wheels stop. Motion away is free; a robot that
+/// starts inside an obstacle can leave it. People do not block the robot and are not blocked by it:
+/// they walk through it.
 class DiffDriveSim {
  public:
   /// Throws std::invalid_argument on parameters out of range or without a map.
   DiffDriveSim(const DiffDriveSimParams& params, const RobotParams& robot,
                std::shared_ptr<const StaticMap> map, unsigned seed);
 
-  /// From now on these people walk there.
+  /// Replaces the people.
   void put(People people) { people_ = std::move(people); }
-  /// At rest at X_MB, odometry zero there, contacts forgotten, people back at their starts, time
-  /// goes on.
+  /// Puts the robot at rest at X_MB with zero odometry, clears the contacts and returns the people
+  /// to their starts. Time continues.
   void reset(const Pose2& X_MB, unsigned seed);
-  /// A command sent at time t.
+  /// Takes a command sent at time t [s].
   void command(const Twist2& twist, double t) { drive_.command(twist, t); }
-  /// Runs to time t in steps of at most max_step.
+  /// Simulates up to time t [s] in steps of at most max_step.
   void advance_to(double t);
 
   [[nodiscard]] const SimState& state() const { return state_; }
@@ -106,8 +109,8 @@ class DiffDriveSim {
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
-  /// Range of ray `i` of `beams`, at beam_angle, from the origin of B at X_MB to a wall or a person
-  /// [m].
+  /// Range of ray `i` of `beams` (see beam_angle) from the origin of B at X_MB to a wall or a
+  /// person [m].
   [[nodiscard]] double beam(const Pose2& X_MB, int i, int beams, double max_range,
                             double scan_angle = kAllAround) const;
 
@@ -139,10 +142,10 @@ class DiffDriveSim {
   std::deque<Sample> samples_;
   People people_;
   ContactReport contacts_;
-  bool counted_ = false;  // the open episode is in contacts_.count
+  bool counted_ = false;  // the current episode is included in contacts_.count
   double clear_since_ = 0.0;
   double min_clearance_ = 1.0;
-  double clearance_bound_ = 0.0;  // the true clearance is at least this [m]
+  double clearance_bound_ = 0.0;  // lower bound of the true clearance [m]
 };
 
 }  // namespace tandem

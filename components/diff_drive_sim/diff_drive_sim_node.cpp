@@ -29,7 +29,7 @@ DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
   return sim;
 }
 
-// A base that never times out needs one for this.
+// Time-out of the source check, which is needed even if the base never times out.
 double source_timeout(const RobotParams& robot) {
   return robot.base_timeout > 0.0 ? robot.base_timeout : 0.5;
 }
@@ -91,7 +91,7 @@ void DiffDriveSimNode::subscribe() {
 
 void DiffDriveSimNode::reset(const Pose2& X_MB) {
   sim_.reset(X_MB, static_cast<unsigned>(params_->seed));
-  ranges_.clear();  // half a turn from elsewhere is no scan
+  ranges_.clear();  // a scan must not mix two poses
   turn_began_ = sim_.state().t;
   node_.log().info("reset to ({:.2f}, {:.2f}, {:.2f})", X_MB.x, X_MB.y, X_MB.theta);
 }
@@ -108,7 +108,7 @@ void DiffDriveSimNode::tick() {
   turn_scanner();
 }
 
-// Whether a beat of `rate` falls into the tick that just passed.
+// Whether a period of `rate` ended in the last tick.
 bool DiffDriveSimNode::due(double rate) const {
   const double beats_per_tick = rate * params_->step;
   const auto t = static_cast<double>(ticks_);
@@ -147,7 +147,7 @@ void DiffDriveSimNode::publish_frames() {
   tf_static_.publish(msg);
 }
 
-// The beams of this tick; with the last one the turn is told, and the next begins.
+// Takes the beams of this tick; publishes the scan after the last one and begins the next turn.
 void DiffDriveSimNode::turn_scanner() {
   const auto& [t, X_MB, twist] = sim_.state();
   const int beams = params_->scan_beams;

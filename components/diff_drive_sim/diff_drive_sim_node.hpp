@@ -33,7 +33,7 @@ struct DiffDriveSimNodeParams {
   double scan_angle = kAllAround;
   std::string scan_frame = "base_scan";
   bool single_source = true;
-  StampParams input{.max_stamp_age = 0.0};  // not all who send know its time
+  StampParams input{.max_stamp_age = 0.0};  // not all senders use the simulated time
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -67,7 +67,7 @@ struct DiffDriveSimNodeParams {
   }
 };
 
-/// Range of ray `i` of its scan from X_MB [m], as its scanner says it: +inf for no echo.
+/// Range of ray `i` of the scan from X_MB [m] as published: +inf without a return.
 [[nodiscard]] inline float scan_range_of(const DiffDriveSim& sim,
                                          const DiffDriveSimNodeParams& params, const Pose2& X_MB,
                                          int i) {
@@ -76,22 +76,21 @@ struct DiffDriveSimNodeParams {
                                    : std::numeric_limits<float>::infinity();
 }
 
-/// X_BS of its scanner.
+/// X_BS of the scanner.
 [[nodiscard]] inline Eigen::Isometry3d scanner_place() {
   return Eigen::Isometry3d{Eigen::Translation3d(0.0, 0.0, 0.3)};
 }
 
-/// The people who walk there. Throws std::invalid_argument, as walkers_of.
+/// The people of the parameters. Throws std::invalid_argument as walkers_of does.
 [[nodiscard]] inline People people_of(const DiffDriveSimNodeParams& params) {
   return {walkers_of(params.people), params.people_acceleration};
 }
 
 /// cmd_vel, initialpose → odom, tf, tf_static, ground_truth/odom, people, scan, collision, /clock.
 ///
-/// The scanner turns as a real one does: a beam after the other, from where the robot is then, and
-/// in the rest of its turn none.
-/// Runs by steady time at `speed_factor`; a late beat is made up for by simulated time running
-/// slower, never by a jump. Service: ~/reset (back to the start).
+/// The scanner turns as a real one does: beams are taken one after the other from the robot's pose
+/// at that time, and none outside scan_angle. Runs on the steady clock at `speed_factor`; after a
+/// late tick the simulated time runs slower and never jumps. Service: ~/reset (back to the start).
 class DiffDriveSimNode {
  public:
   explicit DiffDriveSimNode(rt::Node& node);
@@ -117,7 +116,7 @@ class DiffDriveSimNode {
   DiffDriveSim sim_;
   SingleSource source_;
   long ticks_ = 0;
-  std::vector<float> ranges_;  // of the scanner's turn so far
+  std::vector<float> ranges_;  // ranges of the current turn so far
   double turn_began_ = 0.0;    // [s]
 
   rt::Publisher<rosgraph_msgs::msg::Clock> clock_;

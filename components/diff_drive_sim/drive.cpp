@@ -45,7 +45,7 @@ Twist2 Drive::twist_over_ground() const {
   return to_body({slip_.left * speeds_.left, slip_.right * speeds_.right}, robot_.wheel_separation);
 }
 
-// The base's own time-out counts from the moment a command arrives.
+// The base's command time-out starts when a command arrives.
 void Drive::take_commands(double t) {
   const double delay = params_.command_delay_fraction * robot_.command_delay;
   while (!queue_.empty() && queue_.front().t + delay <= t) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: twist commands with the time they were sent. Out: the wheels of a differential drive in time.
+// Simulates the wheels of a differential drive from timestamped twist commands.
 #pragma once
 
 #include <deque>
@@ -10,8 +10,8 @@
 
 namespace tandem {
 
-/// What the simulated base does within the bounds that RobotParams declares. A fraction of 1 is the
-/// worst the robot admits.
+/// Behaviour of the simulated base within the bounds that RobotParams declares. A fraction of 1 is
+/// the worst case that the robot parameters allow.
 struct DriveParams {
   double a_drive = 1.5;
   double alpha_drive = 3.0;
@@ -38,23 +38,24 @@ struct DriveParams {
   }
 };
 
-/// Wheel level of the base: delay, command time-out, first-order motors with limits, slip.
+/// Wheel level of the base: command delay and time-out, first-order motors with limits, slip.
 ///
 ///   dv/dt = clamp((u_v − v) / τ, ±a),   a = a_brake when slowing, a_drive when speeding up  (1)
 ///
-/// and the same for the turn rate. (1) is linear in the wheel speeds but for the clamp.
+/// and the same for the turn rate. Apart from the clamp, (1) is linear in the wheel speeds.
 class Drive {
  public:
   Drive(const DriveParams& params, const RobotParams& robot, unsigned seed);
 
-  /// A command sent at time t ≥ all earlier ones. A non-finite one is ignored.
+  /// Takes a command sent at time t [s], not before the earlier ones. A non-finite command is
+  /// ignored.
   void command(const Twist2& twist, double t);
-  /// Moves the wheels from t to t + dt, dt short against the motor lag.
+  /// Advances the wheels from t to t + dt [s]; dt must be short compared to the motor lag.
   void step(double t, double dt);
-  /// The wheels stand at once, as against a wall.
+  /// Stops the wheels at once, as on contact with a wall.
   void stall() { speeds_ = {}; }
 
-  /// Rim speeds, what encoders see.
+  /// Rim speeds, as the encoders measure them.
   [[nodiscard]] const WheelSpeeds& speeds() const { return speeds_; }
   /// Twist of the body over the ground: rim speeds after slip.
   [[nodiscard]] Twist2 twist_over_ground() const;

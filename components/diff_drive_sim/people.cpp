@@ -10,10 +10,10 @@
 namespace tandem {
 namespace {
 
-constexpr std::uint32_t kFirstId = 0xFFFF0000;  // as good as never that of something that stands
+constexpr std::uint32_t kFirstId = 0xFFFF0000;  // practically never the id of a static obstacle
 constexpr int kMostDraws = 100;
 
-// Velocity with which a walker at p_MP would like to go on.
+// Desired velocity of a walker at p_MP.
 Eigen::Vector2d wanted(const Walker& walker, const Eigen::Vector2d& p_MP, std::size_t next) {
   const Eigen::Vector2d to = walker.p_MW[next] - p_MP;
   const double distance = to.norm();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: where people want to walk. Out: where they are, and how fast, at each moment.
+// Simulates people who walk along given paths.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,20 +10,21 @@
 
 namespace tandem {
 
-/// A person from above, a disc, who walks to and fro along a way; with one point, stands there.
+/// A person, seen from above as a disc, who walks to and fro along a path; with one point they
+/// stand there.
 struct Walker {
   double radius = 0.25;               ///< [m]
   double speed = 1.0;                 ///< [m/s]
-  std::vector<Eigen::Vector2d> p_MW;  ///< points of the way, at least one; the first is the start
+  std::vector<Eigen::Vector2d> p_MW;  ///< points of the path, at least one; the first is the start
 };
 
-/// Walkers as one list of numbers: for each the radius, the speed, how many points, x1, y1, … The
-/// way back throws std::invalid_argument on a list of another form, a radius that is not above 0,
-/// or a speed below 0.
+/// Converts walkers to one list of numbers: radius, speed, number of points, x1, y1, … for each.
+/// walkers_of converts back and throws std::invalid_argument on a malformed list, a radius that is
+/// not above 0, or a speed below 0.
 [[nodiscard]] std::vector<double> to_numbers(std::span<const Walker> walkers);
 [[nodiscard]] std::vector<Walker> walkers_of(std::span<const double> numbers);
 
-/// People who cross a rectangle, each between two points on opposite sides of it.
+/// People who cross a rectangle, each between two points on opposite sides.
 struct Crossings {
   int count = 0;
   Eigen::Vector2d low{0.0, 0.0}, high{0.0, 0.0};  ///< corners of the rectangle [m]
@@ -31,39 +32,38 @@ struct Crossings {
   double radius = 0.25;                           ///< [m]
 };
 
-/// The crossings of a seed; nobody starts within `kStartGap` of p_MB.
+/// The walkers for a seed; nobody starts within `kStartGap` of p_MB.
 inline constexpr double kStartGap = 1.5;  // [m]
 [[nodiscard]] std::vector<Walker> crossing_people(const Crossings& crossings, unsigned seed,
                                                   const Eigen::Vector2d& p_MB);
 
-/// People who see nothing: they walk through whatever is in their way.
+/// People who do not see: they walk through whatever is in their path.
 ///
 ///   dv/dt = a e,   e toward  speed · (direction of the next point) − v,   at most `acceleration`
 ///
-/// so that neither speed nor acceleration is ever above its bound. Who starts on a way starts at
-/// full speed.
+/// so that neither speed nor acceleration ever exceeds its limit. Walkers start at full speed.
 class People {
  public:
-  static constexpr double kArrived = 0.3;  ///< [m] this near to a point they turn to the next
+  static constexpr double kArrived = 0.3;  ///< [m] distance at which they turn to the next
 
   People() = default;
   People(std::vector<Walker> walkers, double acceleration);
 
-  /// All back to where they start.
+  /// Returns all people to their starts.
   void restart();
-  /// Person i goes along another way from where they are.
+  /// Gives person i another path, from where they are now.
   void send(std::size_t i, std::vector<Eigen::Vector2d> p_MW);
   void advance(double dt);
 
-  /// Where they are, as discs with their velocity, in the order given.
+  /// All people as discs with their velocity, in the order given.
   [[nodiscard]] const std::vector<Obstacle>& all() const { return all_; }
-  /// First person along the ray from p_MQ at `heading`: distance [m], at most `max_range`; 0 within
-  /// one.
+  /// Distance to the first person along the ray from p_MQ at `heading` [m], at most `max_range`; 0
+  /// inside a person.
   [[nodiscard]] double cast_ray(const Eigen::Vector2d& p_MQ, double heading,
                                 double max_range) const;
 
  private:
-  /// Which point a walker goes to, and whether along the way or back.
+  /// A walker's next point, and whether they walk back along the path.
   struct Heading {
     std::size_t next = 0;
     bool back = false;

@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-// More writers than that do not make the base stand more.
+// Bounds the memory; further writers would not change the result.
 constexpr std::size_t kMaxWriters = 16;
 
 }  // namespace
@@ -22,7 +22,7 @@ bool SingleSource::same_source(const Stamped& a, const Stamped& b) {
 
 bool SingleSource::on_command(const Writer& writer, Type type, double t) {
   const Stamped now{writer, type, t};
-  // Also those of a time to come: the clock was set back.
+  // Entries in the future are from before the clock was set back.
   std::erase_if(heard_, [&](const Stamped& before) {
     return before.writer == writer || before.t > t || t - before.t > timeout_;
   });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: who sent each command. Out: whether more than one program commands the base.
+// Detects that more than one program commands the base.
 #pragma once
 
 #include <array>
@@ -8,23 +8,24 @@
 
 namespace tandem {
 
-/// The sources of a base's velocity command. On an open bus nothing keeps a second program from
-/// publishing cmd_vel past the safety filter; a base that listens to both drives now as the one
-/// wants and now as the other.
+/// Tracks the sources of a base's velocity commands. On an open bus nothing prevents a second
+/// program from publishing cmd_vel past the safety filter; a base that listens to both would
+/// alternate between their commands.
 ///
 /// The Twist and the TwistStamped writer of one process count as one source, because a node may
-/// publish both. Processes are told apart by the first eight bytes of the GUID, as Fast DDS makes
-/// it: vendor, host and process. Under DDS Security it makes them of hashes, the first bit set: the
-/// first six bytes are then the enclave's, and stand for the process.
+/// publish both. Processes are identified by the first eight bytes of the GUID, in which Fast DDS
+/// encodes vendor, host and process. Under DDS Security these bytes are hashes with the first bit
+/// set; then the first six bytes identify the enclave, and are used instead.
 class SingleSource {
  public:
   using Writer = std::array<std::uint8_t, 16>;
   enum class Type { kTwist, kTwistStamped };
 
-  /// `timeout`: how long a source counts after its last command [s].
+  /// `timeout`: time for which a source counts after its last command [s].
   explicit SingleSource(double timeout) : timeout_{timeout} {}
 
-  /// A command arrived at time `t` [s]. Whether its source is alone, so that it may drive.
+  /// Takes a command that arrived at time `t` [s]. Returns whether its source is the only one, so
+  /// that the command may be executed.
   [[nodiscard]] bool on_command(const Writer& writer, Type type, double t);
 
  private:
@@ -37,7 +38,7 @@ class SingleSource {
   [[nodiscard]] static bool same_source(const Stamped& a, const Stamped& b);
 
   double timeout_;
-  std::vector<Stamped> heard_;  // one for each writer within the timeout
+  std::vector<Stamped> heard_;  // one per writer within the timeout
 };
 
 }  // namespace tandem

@@ -53,7 +53,7 @@ Driver::Person Driver::person(const DriverParams& params, const std::string& nam
   return Navigator{params.navigator, seed};
 }
 
-// The hand draws from numbers of its own, so that it changes nothing of what its owner means.
+// The hand has its own random numbers, so that modifiers do not change the driver's intention.
 Driver::Driver(const DriverParams& params, unsigned seed)
     : name_{params.driver},
       person_{person(params, name_.driver, seed)},

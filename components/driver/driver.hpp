@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: where the steered robot is. Out: a stick, held as one of many kinds of people would hold it.
+// Simulates a person who drives: computes joystick samples from the robot's pose, for many kinds of
+// drivers.
 #pragma once
 
 #include <memory>
@@ -40,11 +41,11 @@ struct DriverParams {
   }
 };
 
-/// Names of all drivers, without their modifiers.
+/// Names of all drivers, without modifiers.
 [[nodiscard]] const std::vector<std::string>& all_drivers();
 
-/// A driver's name taken apart: `navigator+tremor` is navigator with tremor. Throws
-/// std::invalid_argument that lists all names if a part is none of them.
+/// A parsed driver name: `navigator+tremor` is navigator with tremor. Throws std::invalid_argument
+/// that lists all names if a part is unknown.
 struct DriverName {
   std::string driver;
   std::set<std::string> modifiers;
@@ -52,22 +53,23 @@ struct DriverName {
   explicit DriverName(const std::string& text);
 };
 
-/// A simulated person: what they mean to do, and what their hand makes of it. Deterministic for a
+/// A simulated person: an intention, and a hand that executes it imperfectly. Deterministic for a
 /// seed.
 class Driver {
  public:
-  /// Throws std::invalid_argument on a name that is none and on parameters out of range or missing.
+  /// Throws std::invalid_argument on an unknown name and on parameters that are out of range or
+  /// missing.
   Driver(const DriverParams& params, unsigned seed);
 
-  /// What the person sees of the world; only the adversary looks.
+  /// The map that the person sees; only the adversary uses it.
   void on_map(std::shared_ptr<const StaticMap> map) { map_ = std::move(map); }
 
-  /// One sample, to be taken every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the stick
-  /// steers, the robot itself or its leader. The hand lets go when the driver has arrived.
+  /// Returns one joystick sample; call every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the
+  /// stick steers, the robot itself or its leader. Releases the dead-man when the driver has
+  /// arrived.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
 
-  /// Whether the person is done: at the end of the route, of the script, of the time, of the
-  /// recording.
+  /// Whether the person is done: the route, the script, the time or the recording has ended.
   [[nodiscard]] bool arrived() const;
 
  private:

@@ -42,8 +42,8 @@ void DriverNode::tick() {
   publish(driver_.steer(robot->X_MB, leads ? *X_ML_ : robot->X_MB, node_.now()));
 }
 
-// As a person's: the hand takes the dead-man with the stick at rest, and lets go if that does not
-// help, for example after a lost link.
+// Imitates a person: presses the dead-man with the stick at rest, and releases it if that has no
+// effect, for example after a lost connection.
 Hand DriverNode::taken(const Hand& hand) {
   const bool lets_go = !hand.holds || std::exchange(let_go_, false);
   const bool takes = !std::exchange(holds_, !lets_go);

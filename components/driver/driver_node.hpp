@@ -27,9 +27,9 @@ struct DriverNodeParams {
   }
 };
 
-/// odom, tf, leader_pose, teleop/status, octomap_binary → joy: a simulated person, who holds the
-/// dead-man button but lets go of it when done, and while nobody knows where the robot is. Only an
-/// adversary looks at the map.
+/// odom, tf, leader_pose, teleop/status, octomap_binary → joy: a simulated person. They hold the
+/// dead-man button, and release it when done and while the robot's pose is unknown. Only an
+/// adversary uses the map.
 class DriverNode {
  public:
   explicit DriverNode(rt::Node& node);
@@ -46,8 +46,8 @@ class DriverNode {
   std::optional<MapInput> map_;
   std::optional<Pose2> X_ML_;
   double leader_time_ = 0.0;
-  bool holds_ = false;   // the dead-man, in the last sample
-  bool let_go_ = false;  // teleop says that the stick moves nothing
+  bool holds_ = false;   // whether the last sample held the dead-man
+  bool let_go_ = false;  // teleop reported that the stick has no effect
 
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Subscription leader_, on_trouble_;

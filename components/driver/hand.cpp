@@ -10,7 +10,7 @@ namespace tandem {
 namespace {
 
 constexpr double kTremorLow = 4.0, kTremorHigh = 12.0;  // [Hz]
-constexpr double kSubStep = 0.002;                      // [s] of the hand's spring and mass
+constexpr double kSubStep = 0.002;  // [s] integration step of the hand's spring and mass
 
 }  // namespace
 
@@ -88,7 +88,7 @@ void HandModel::pulse(Hand& hand, double t) {
   hand.angular = age < params_.pulse_duration ? pulsed_.angular : 0.0;
 }
 
-// Begins as a Poisson process, lasts an exponential time.
+// Drop-outs start as a Poisson process and last an exponentially distributed time.
 void HandModel::drop_out(Hand& hand, double t) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   if (t >= dropped_until_ && unit(random_) < period_ * params_.dropouts_per_minute / 60.0)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what a person means to do with the stick. Out: what their hand, or their device, makes of it.
+// Models the imperfections of hands and input devices: turns the intended stick motion into the
+// actual one.
 #pragma once
 
 #include <random>
@@ -11,27 +12,26 @@
 
 namespace tandem {
 
-/// What a hand does with a joystick: forward and left in [−1, 1]; whether it holds the dead-man.
+/// State of a joystick: forward and left in [−1, 1], and whether the dead-man is held.
 struct Hand {
   double linear = 0.0, angular = 0.0;
   bool holds = true;
 };
 
-/// How hands differ from their owner's will. Frequencies, damping and the drift have sources;
-/// amplitudes, thresholds and how often something happens are our choice, within what lets a
-/// person still drive.
+/// How the actual stick motion differs from the intended one. Frequencies, damping and the drift
+/// have sources; amplitudes, thresholds and event rates are our choice, within what still lets a
+/// person drive.
 ///
 ///   tremor           a sine on both axes. Essential tremor lies in 4–12 Hz (Bhatia et al. 2018,
 ///                    consensus statement of the task force on tremor), Parkinson's in 3–8 Hz.
-///   over_correction  the turning hand as an underdamped spring and mass, which overshoots each
-///                    change by exp(−π ζ / √(1 − ζ²)), 37 % for ζ = 0.3 (1); its 0.8 Hz is our
-///                    choice
-///   one_sided        unilateral neglect: turns toward the neglected side come out weaker, and the
-///                    way drifts to the other, as the bisected line does (Urbanski and Bartolomeo
+///   over_correction  the turning hand is an underdamped spring-mass system, which overshoots each
+///                    change by exp(−π ζ / √(1 − ζ²)), 37 % for ζ = 0.3 (1); 0.8 Hz is our choice
+///   one_sided        unilateral neglect: turns toward the neglected side are weaker, and the
+///                    path drifts to the other side, as in line bisection (Urbanski and Bartolomeo
 ///                    2008: patients with left neglect bisect right of the middle)
-///   quantised        a four-way switch: the larger axis, all of it
-///   pulses           sip and puff: the four-way switch, pressed for a part of each period (ours)
-///   dropouts         the hand slips off, dead-man and all, some times a minute (ours)
+///   quantised        a four-way switch: full deflection along the larger axis
+///   pulses           sip and puff: the four-way switch, pressed for part of each period (ours)
+///   dropouts         the hand slips off the stick and the dead-man at random (ours)
 struct HandParams {
   double tremor_frequency = 0.0;
   double tremor_amplitude = 0.2;
@@ -69,18 +69,18 @@ struct HandParams {
   }
 };
 
-/// Names of all modifiers, in the order in which they act.
+/// Names of all modifiers, in the order in which they are applied.
 [[nodiscard]] const std::vector<std::string>& all_modifiers();
 
-/// Applies modifiers to what a person means. Deterministic for a seed.
+/// Applies modifiers to the intended stick motion. Deterministic for a seed.
 class HandModel {
  public:
   /// `rate`: samples per second [Hz]. Throws std::invalid_argument on parameters out of range and
-  /// on a modifier that is none.
+  /// on an unknown modifier.
   HandModel(const HandParams& params, const std::set<std::string>& modifiers, double rate,
             unsigned seed);
 
-  /// One sample at time t [s].
+  /// The actual sample at time t [s].
   [[nodiscard]] Hand apply(Hand meant, double t);
 
  private:
@@ -98,8 +98,8 @@ class HandModel {
   std::mt19937 random_;
   double tremor_frequency_ = 0.0, tremor_phase_ = 0.0;
   double neglected_ = 1.0;                // sign of the side: left 1, right −1
-  double turn_ = 0.0, turn_speed_ = 0.0;  // of the hand that over-corrects
-  long pulse_ = -1;                       // index of the period
+  double turn_ = 0.0, turn_speed_ = 0.0;  // state of the over-correcting hand
+  long pulse_ = -1;                       // index of the current pulse period
   Hand pulsed_;
   double dropped_until_ = -1.0;
 };

@@ -11,16 +11,16 @@ namespace tandem {
 namespace {
 
 constexpr double kBackOutShortest = 1.0;  // [s]
-constexpr double kBackOutLongest = 4.0;   // [s] a leader comes back from the end of its leash
-constexpr double kBackOutDistance = 0.4;  // [m] the first time; farther each time it was in vain
+constexpr double kBackOutLongest = 4.0;   // [s] time for a leader to return from its maximum lead
+constexpr double kBackOutDistance = 0.4;  // [m] first attempt; farther after each failure
 constexpr double kBackOutFarthest = 1.2;  // [m]
-constexpr double kGotPast = 0.5;          // [m] beyond the place of the trouble it is forgotten
+constexpr double kGotPast = 0.5;          // [m] beyond the trouble at which the attempts are reset
 constexpr double kDetourTime = 3.0;       // [s]
 constexpr double kMovedDistance = 0.1;    // [m]
 constexpr double kMovedAngle = 0.35;      // [rad]
-constexpr double kSearchAhead = 2.0;      // [m] progress jumps no farther than this in a sample
-constexpr double kAtPoint = 0.15;         // [m] so near to a point nobody aims at it any more
-constexpr double kBesideLeader = 0.3;     // [m] so near to its leader a robot has come
+constexpr double kSearchAhead = 2.0;      // [m] maximum progress per sample
+constexpr double kAtPoint = 0.15;         // [m] points nearer than this are not aimed at
+constexpr double kBesideLeader = 0.3;     // [m] a robot this near has reached its leader
 
 bool pushes(const Hand& hand) {
   return std::abs(hand.linear) > 0.2 || std::abs(hand.angular) > 0.2;
@@ -32,9 +32,9 @@ bool has_reached(const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
   return ahead.dot(to) <= 0.0 || to.norm() < kAtPoint;
 }
 
-// A leader that has come to the point it was meant for, or past it, waits there for its robot. Once
-// that is there, a point still behind means that the leader looks the wrong way: it is turned
-// round.
+// A leader that has reached its target point, or passed it, waits there for the robot. Once the
+// robot has arrived, a target that is still behind means that the leader faces the wrong way, so it
+// is turned round.
 bool waits_for(const Pose2& X_MB, const Pose2& X_ML, const Eigen::Vector2d& p_MT) {
   return has_reached(X_ML, p_MT) && (X_MB.position() - X_ML.position()).norm() > kBesideLeader;
 }
@@ -85,8 +85,8 @@ void Navigator::start_again() {
   tries_ = 0;
 }
 
-// The nearest point of the route, searched from the last one on: a person does not forget how far
-// they have come, even where the way passes the same place twice.
+// Advances to the nearest point of the route, searching only forward: a person remembers how far
+// they have come, even where the route passes the same place twice.
 void Navigator::advance_along_route(const Eigen::Vector2d& p_MB) {
   const double total = length_.back();
   double best = progress_, best_distance = (point_at(progress_) - p_MB).norm();
@@ -112,7 +112,7 @@ Eigen::Vector2d Navigator::point_at(double s) const {
 }
 
 Eigen::Vector2d Navigator::aim() {
-  // Who has run into something cuts corners less.
+  // After a failure the person cuts corners less.
   const Eigen::Vector2d target = point_at(progress_ + params_.preview / (1.0 + 0.5 * tries_));
   const Eigen::Vector2d along = target - point_at(progress_);
   if (along.norm() < 1e-6) return target;
@@ -129,7 +129,7 @@ Hand Navigator::pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const {
           std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
 }
 
-// A leader stands as its robot is to stand.
+// The leader's heading is the one that the robot is to take.
 Hand Navigator::look_along_route(const Pose2& X_MS) const {
   const double s = progress_ + params_.preview;
   const Eigen::Vector2d along = point_at(s + 0.2) - point_at(s - 0.2);
@@ -137,7 +137,7 @@ Hand Navigator::look_along_route(const Pose2& X_MS) const {
   return {0.0, std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
 }
 
-// Back to where the route was clear.
+// Reverses toward the route, where it was clear.
 Hand Navigator::reverse(const Pose2& X_MS) const {
   const Eigen::Vector2d d = point_at(progress_) - X_MS.position();
   const double bearing = wrap_angle(std::atan2(-d.y(), -d.x()) - X_MS.theta);
@@ -152,7 +152,8 @@ Hand Navigator::with_noise(Hand hand) {
           std::clamp(hand.angular + hand_angular_, -1.0, 1.0)};
 }
 
-// Pushing without moving: after a while people pull back, turn a little and try another side.
+// After pushing without moving for `patience`, people pull back, turn a little and try another
+// side.
 void Navigator::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
   const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kMovedDistance ||
                      std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kMovedAngle;
@@ -176,7 +177,8 @@ double Navigator::back_out_distance() const {
   return tries_ % 2 == 1 ? kBackOutDistance : std::min(kBackOutFarthest, kBackOutDistance * tries_);
 }
 
-// Until the robot has come back far enough, or that does not help either.
+// Whether to keep backing out: until the robot has moved back far enough, or backing out does not
+// help either.
 bool Navigator::backs_out(const Pose2& X_MB, double t) {
   if (!backing_out_) return false;
   const double age = t - back_out_start_;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a coarse route and where the steered robot is. Out: a stick, held as who knows the way holds
-// it.
+// Simulates a driver who knows the route: computes stick samples from the robot's pose.
 #pragma once
 
 #include <Eigen/Core>
@@ -47,33 +46,34 @@ struct NavigatorParams {
   }
 };
 
-/// A person who follows a way they know, sees no obstacle, reacts late, aims imperfectly, cuts
-/// corners, and backs out when pushing does not help. With each failure at one place they come back
-/// from farther away, cut corners less and aim better. Deterministic for a seed.
+/// A person who follows a known route, sees no obstacles, reacts late, aims imperfectly, cuts
+/// corners, and backs out when pushing does not help. After each failure at the same place they
+/// back out farther, cut corners less and aim better. Deterministic for a seed.
 ///
 /// Pure pursuit of a point `preview` ahead on the route, shifted sideways by a slow error (an
-/// Ornstein–Uhlenbeck process of deviation `aim_noise` and correlation time `aim_time`), seen
-/// `reaction_delay` late. A leader that has come there waits for its robot, looking along the
-/// route.
+/// Ornstein–Uhlenbeck process of deviation `aim_noise` and correlation time `aim_time`), with a
+/// reaction delay of `reaction_delay`. A leader that has reached that point waits for its robot,
+/// facing along the route.
 ///
-/// Where the values are from: simple visual reactions take about 0.19 s, recognising one of some
-/// things 0.38 s (Laming 1968, by Kosinski's review of reaction times); 0.25 s lies between, for
-/// who steers expects what comes. The preview of 0.9 m is a second or more at the robots' speeds,
-/// as drivers' models take (MacAdam 1981). The other values are our choice, but `aim_noise` in
-/// forest_task1.yaml: there `manual` collides as often as Devalla's seven people (table C.2).
+/// Sources of the values: simple visual reactions take about 0.19 s, recognition among several
+/// stimuli 0.38 s (Laming 1968, cited in Kosinski's review of reaction times); 0.25 s lies between,
+/// because a driver anticipates. The preview of 0.9 m is at least one second at the robots' speeds,
+/// as in driver models (MacAdam 1981). The other values are our choice, except `aim_noise` in
+/// forest_task1.yaml, with which `manual` collides as often as Devalla's seven participants (table
+/// C.2).
 class Navigator {
  public:
   /// Throws std::invalid_argument if the route has no point or an odd number of coordinates.
   Navigator(const NavigatorParams& params, unsigned seed);
 
-  /// One sample, to be taken every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the stick
-  /// steers, the robot itself or its leader.
+  /// Returns one joystick sample; call every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the
+  /// stick steers, the robot itself or its leader.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
 
-  /// As if the route had just begun.
+  /// Restarts the route.
   void start_again();
 
-  /// Whether the end of the route was reached (never, if it loops).
+  /// Whether the end of the route was reached; never, if it loops.
   [[nodiscard]] bool arrived() const { return arrived_; }
 
  private:
@@ -109,8 +109,8 @@ class Navigator {
   bool backing_out_ = false;
   Pose2 back_out_from_;
   double back_out_start_ = 0.0, back_out_turn_ = 0.0;
-  int tries_ = 0;         // in vain at one place
-  double trouble_ = 0.0;  // that place, along the route [m]
+  int tries_ = 0;         // failed attempts at one place
+  double trouble_ = 0.0;  // position of that place along the route [m]
   double detour_until_ = -1.0, detour_ = 0.0;
   bool started_ = false;
 };

@@ -15,8 +15,8 @@ class Route {
 
   [[nodiscard]] double length() const { return length_.back(); }
 
-  /// The point at arc length s [m]; before the start and beyond the end the first and the last
-  /// segment go on straight.
+  /// The point at arc length s [m]; the first and last segments are extended straight beyond the
+  /// ends.
   [[nodiscard]] Eigen::Vector2d point_at(double s) const;
 
   /// Heading of the segment at s [rad].

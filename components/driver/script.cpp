@@ -10,19 +10,19 @@
 namespace tandem {
 namespace {
 
-constexpr double kCreeps = 0.1;       // [m] before the end the stick is that of the end,
-constexpr double kSlowsWithin = 0.8;  // [m] farther away it begins to fall
-constexpr double kHoldsLeader = 0.3;  // [m] before its farthest the leader's stick begins to fall
-constexpr double kMostBack = 0.5;     // [m] progress falls no farther than this in a sample
-constexpr double kMostAhead = 1.0;    // [m] and grows no farther
-constexpr double kStandsDistance = 0.03;  // [m] less counts as standing
+constexpr double kCreeps = 0.1;           // [m] from the end: the stick reaches end_stick,
+constexpr double kSlowsWithin = 0.8;      // [m] over which it falls to that value
+constexpr double kHoldsLeader = 0.3;      // [m] before its maximum lead a leader slows down
+constexpr double kMostBack = 0.5;         // [m] maximum decrease of progress per sample
+constexpr double kMostAhead = 1.0;        // [m] maximum increase
+constexpr double kStandsDistance = 0.03;  // [m] smaller motion counts as standing
 constexpr double kStandsAngle = 0.1;      // [rad]
-constexpr double kEager = 0.4;            // [1] an impatient person adds so much stick,
-constexpr double kEagerAhead = 0.5;       // [m, rad] and leads so far beyond the end
+constexpr double kEager = 0.4;            // [1] extra stick of an impatient person
+constexpr double kEagerAhead = 0.5;       // [m, rad] their extra lead beyond the end
 constexpr double kBackOutTime = 2.0;      // [s]
 constexpr double kBackOutStick = 0.5;     // [1]
-constexpr double kLeastTurn = 0.15;       // [1] less stick hardly turns the robot
-constexpr double kRounding = 1e-6;        // [s] of a sum of samples
+constexpr double kLeastTurn = 0.15;       // [1] minimum stick that turns the robot
+constexpr double kRounding = 1e-6;        // [s] rounding of a sum of sample times
 constexpr double kNoiseTime = 0.3;        // [s] correlation time of the hand's noise
 
 template <class... Actions>
@@ -30,7 +30,7 @@ struct Overloaded : Actions... {
   using Actions::operator()...;
 };
 
-// Heading of the body's leading end [rad].
+// Direction of travel along the path [rad]: the rear leads when reversing.
 double facing(const PathPhase& path, const Pose2& X) {
   return path.direction > 0.0 ? X.theta : X.theta + std::numbers::pi;
 }
@@ -104,8 +104,8 @@ Hand Script::meant() const {
                     phases_[phase_].action);
 }
 
-// Pure pursuit of a point that lies beyond the end of the route when that is near, so that its
-// bearing stays well defined.
+// Pure pursuit. Near the end of the route the target lies beyond it, so that its bearing stays well
+// defined.
 Hand Script::meant(const PathPhase& path) const {
   const Pose2& X_MS = seen_.front().X_MS;
   const double push = pushed(path);
@@ -119,7 +119,7 @@ Hand Script::meant(const PathPhase& path) const {
           std::clamp(params_.turn_gain * bearing, -1.0, 1.0), true};
 }
 
-// Share of the stick along the route [1]; 0 while a leader waits for its robot.
+// Stick deflection along the route [1]; 0 while a leader waits for its robot.
 double Script::pushed(const PathPhase& path) const {
   const Seen& seen = seen_.front();
   const double left = path.route.length() - steered_progress_;
@@ -144,7 +144,7 @@ Hand Script::meant(const TurnPhase& turn) const {
   return {0.0, std::copysign(stick, error), true};
 }
 
-// Away from where it did not go on.
+// Moves opposite to the blocked direction.
 Hand Script::back_out() const {
   if (const auto* path = std::get_if<PathPhase>(&phases_[phase_].action))
     return {-path->direction * kBackOutStick, 0.0, true};
@@ -153,7 +153,7 @@ Hand Script::back_out() const {
   return {0.0, -std::copysign(kBackOutStick, error), true};
 }
 
-// A push phase pushes on purpose, whether anything moves or not.
+// Push phases are exempt: they push on purpose, whether anything moves or not.
 void Script::lose_patience(double t) {
   const Pose2& X_MB = seen_.front().X_MB;
   const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kStandsDistance ||

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A person with a task: they dock, turn, reverse, wait and push as a script says.
+// Simulates a person with a task, who docks, turns, reverses, waits and pushes according to a
+// script.
 #pragma once
 
 #include <deque>
@@ -14,22 +15,22 @@
 
 namespace tandem {
 
-/// Goes through the phases of a script and then lets go. Deterministic for a seed.
+/// Executes the phases of a script and then releases the dead-man. Deterministic for a seed.
 ///
-/// Sees the robot and its leader `reaction_delay` late, aims `preview` ahead on the route and holds
-/// a leader no farther ahead than that; at the end of a route the leader waits for its robot. The
-/// hand's noise grows with the deflection (Harris and Wolpert 1998) and is nil with the stick at
-/// rest. On a path or a turn, a person whose robot stands for `patience` pushes harder, after as
-/// long again backs out, and then tries anew.
+/// The person sees the robot and its leader `reaction_delay` late, aims `preview` ahead on the
+/// route and keeps a leader no farther ahead than that; at the end of a route the leader waits for
+/// its robot. The hand's noise grows with the deflection (Harris and Wolpert 1998) and is zero with
+/// the stick at rest. If the robot stands still for `patience` on a path or a turn, the person
+/// pushes harder; after the same time again they back out and retry.
 class Script {
  public:
-  /// Takes rate, reaction_delay, preview, turn_gain, stick_noise and patience of the parameters.
+  /// Uses rate, reaction_delay, preview, turn_gain, stick_noise and patience of the parameters.
   /// Throws what read_script throws.
   Script(const std::string& text, const NavigatorParams& params, const Footprint& outline,
          unsigned seed);
 
-  /// One sample, to be taken every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the stick
-  /// steers, the robot itself or its leader.
+  /// Returns one joystick sample; call every 1 / rate seconds. `X_MB`: the robot; `X_MS`: what the
+  /// stick steers, the robot itself or its leader.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
 
   /// Whether the last phase is over.
@@ -61,7 +62,7 @@ class Script {
   std::mt19937 random_;
   std::normal_distribution<double> normal_;
   double noise_linear_ = 0.0, noise_angular_ = 0.0;
-  std::deque<Seen> seen_;  // the front is what the person sees now
+  std::deque<Seen> seen_;  // the front is what the person sees now, after the delay
 
   std::size_t phase_ = 0;
   bool started_ = false;

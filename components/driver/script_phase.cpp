@@ -11,18 +11,18 @@
 namespace tandem {
 namespace {
 
-constexpr double kFarthest = 1e4;  // [m] of a coordinate
-constexpr double kLongest = 1e4;   // [s] of a phase
+constexpr double kFarthest = 1e4;  // [m] limit of a coordinate
+constexpr double kLongest = 1e4;   // [s] limit of a phase
 
 [[noreturn]] void fail(const std::string& what) { throw std::invalid_argument(what); }
 
-// Distances from base_link to the outline's edges by their names [m].
+// Distances from base_link to the outline's edges [m], by name.
 std::map<std::string, double> edges_of(const Footprint& outline) {
   const Extent e = extent(outline);
   return {{"front", e.front}, {"rear", e.rear}, {"left", e.left}, {"right", e.right}};
 }
 
-// The words of one phase, taken from the front.
+// Reads the words of one phase in order.
 class PhaseReader {
  public:
   PhaseReader(const std::string& text, const std::map<std::string, double>& edges)
@@ -66,7 +66,7 @@ class PhaseReader {
     fail(line.str());
   }
 
-  // Numbers and edges, added and subtracted; NaN if it is anything else.
+  // Evaluates a sum of numbers and edge names; NaN if it is malformed.
   double sum(const std::string& text) const {
     double total = 0.0;
     for (std::size_t begin = 0; begin < text.size();) {

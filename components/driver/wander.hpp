@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slow errors of a person's hand and eye.
+// A random process for the slow errors of a person's hand and eye.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 namespace tandem {
 
 /// One step of an Ornstein–Uhlenbeck process with the given stationary deviation and correlation
-/// time [s], discretised exactly at `rate` [Hz]. `normal`: a fresh standard normal number.
+/// time [s], discretised exactly at `rate` [Hz]. `normal`: a new standard normal sample.
 [[nodiscard]] inline double wander(double value, double deviation, double time, double rate,
                                    double normal) {
   const double keep = std::exp(-1.0 / (rate * time));

@@ -10,16 +10,16 @@ namespace tandem {
 namespace {
 
 constexpr double kTurnGain = 2.0;        // [1/rad] stick per bearing error
-constexpr double kShortest = 0.5;        // [s] of one bearing
+constexpr double kShortest = 0.5;        // [s] minimum duration of one bearing
 constexpr double kLongest = 3.0;         // [s]
-constexpr double kSight = 3.0;           // [m] an adversary sees this far
-constexpr double kPushing = 3.0;         // [s] pushed without moving before the next run-up
+constexpr double kSight = 3.0;           // [m] range within which an adversary sees obstacles
+constexpr double kPushing = 3.0;         // [s] blocked for this long before the next run-up
 constexpr double kRunUp = 3.0;           // [s]
 constexpr double kMovedDistance = 0.05;  // [m]
 constexpr double kMovedAngle = 0.2;      // [rad]
-constexpr double kRestOfReplay = 0.1;    // [s] that the last sample counts
+constexpr double kRestOfReplay = 0.1;    // [s] duration of the last sample
 
-// Full speed toward a bearing in M, backwards if it lies behind.
+// Full speed toward a bearing in M; reverses if it lies behind.
 Hand rush(const Pose2& X_MS, double bearing) {
   const double ahead = wrap_angle(bearing - X_MS.theta);
   const bool back = std::abs(ahead) > 0.5 * std::numbers::pi;

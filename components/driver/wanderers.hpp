@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: where the steered robot is, and what stands around it. Out: the stick of drivers who follow
-// no way: to the goal as the crow flies, anywhere, into the nearest obstacle, or as recorded.
+// Drivers without a route: straight to the goal, at random, into the nearest obstacle, or as
+// recorded.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace tandem {
 
-/// Aims straight at the goal and sees no obstacle: a Navigator who knows of the route only its end,
-/// or, if it loops, its points in turn.
+/// Aims straight at the goal and sees no obstacles: a Navigator whose route is only the end point
+/// or, if it loops, one leg per point.
 class Pointer {
  public:
   Pointer(const NavigatorParams& params, unsigned seed);
@@ -26,7 +26,8 @@ class Pointer {
   bool loop_;
 };
 
-/// Full speed toward a bearing, drawn anew every few seconds, until `time` is over.
+/// Drives at full speed toward a random bearing, drawn again every few seconds, until `time` is
+/// over.
 class Reckless {
  public:
   Reckless(double time, unsigned seed) : time_{time}, random_{seed} {}
@@ -37,38 +38,38 @@ class Reckless {
  private:
   double time_;
   std::mt19937 random_;
-  double start_ = 0.0, until_ = -1.0;  // [s] of the drive, of the bearing
+  double start_ = 0.0, until_ = -1.0;  // [s] start of the drive, end of the bearing
   double bearing_ = 0.0;               // in M [rad]
   bool started_ = false, arrived_ = false;
 };
 
-/// Full speed at the nearest obstacle; when it stands before that, a run-up from somewhere else.
+/// Drives at full speed at the nearest obstacle; when blocked, takes a run-up from elsewhere.
 class Adversary {
  public:
   explicit Adversary(unsigned seed) : random_{seed} {}
 
-  /// `map` may be null: then straight on.
+  /// `map` may be null; the adversary then drives straight ahead.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, const StaticMap* map, double t);
 
  private:
   std::mt19937 random_;
   Pose2 moved_pose_;
-  double moved_time_ = -1.0;    // [s] when the robot last got away from moved_pose_
+  double moved_time_ = -1.0;    // [s] when the robot last moved away from moved_pose_
   double run_up_until_ = -1.0;  // [s]
   double bearing_ = 0.0;        // of the run-up, in M [rad]
 };
 
-/// A recorded stick: what was held at each time, each sample until the next.
+/// A recorded stick; each sample holds until the next.
 struct Recording {
   std::vector<double> t;  ///< [s], not decreasing
   std::vector<double> linear, angular;
 };
 
-/// Plays a recording from the first call on; lets go at its end.
+/// Plays a recording, starting at the first call; releases the dead-man at its end.
 class Replay {
  public:
-  /// Throws std::invalid_argument if the three lists are empty, differ in length, or time goes
-  /// back.
+  /// Throws std::invalid_argument if the three lists are empty or differ in length, or if the times
+  /// decrease.
   explicit Replay(Recording recording);
 
   [[nodiscard]] Hand steer(double t);

@@ -26,7 +26,7 @@ double Haptics::feel(const std::optional<Twist2>& user, const Twist2& robot, dou
 double Haptics::disagreement(const Twist2& user, const Twist2& robot, double dt) {
   const double apart = std::hypot(user.v - robot.v, user.w - robot.w);
   const auto before = std::exchange(apart_, apart);
-  if (!before) return 0.0;  // it cannot be told yet whether they close
+  if (!before) return 0.0;  // not known yet whether it decreases
   const double closing = std::max(0.0, (*before - apart) / dt);
   const double left = (apart - kAhead * closing) / params_.disagreement;
   return share((left - params_.deadband) / (1.0 - params_.deadband));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what the person asks for, what the robot is told, how near the next obstacle is. Out: how
-// strongly the stick should resist (Devalla 2020, future work).
+// Computes how strongly the stick should resist the person, from the person's command, the robot's
+// command and the clearance (Devalla 2020, future work).
 #pragma once
 
 #include <optional>
@@ -25,17 +25,17 @@ struct HapticsParams {
   }
 };
 
-/// What the person feels. Call at a steady rate.
+/// Computes the resistance of the stick. Call at a steady rate.
 class Haptics {
  public:
   /// Throws std::invalid_argument on parameters out of range.
   explicit Haptics(const HapticsParams& params);
 
-  /// The resistance in [0, 1], `dt` [s] after the last: the larger of disagreement beyond the
-  /// deadband and nearness, 1 − clearance / near. Disagreement is how far |user − robot| would be
-  /// from zero kAhead from now if it went on closing as it does: a robot that only takes its time
-  /// to speed up is of the person's mind. `user`: the person's command, if they push; who lets go
-  /// feels nothing. What is not finite is not felt.
+  /// The resistance in [0, 1], `dt` [s] after the last call: the larger of the disagreement beyond
+  /// the deadband and the nearness, 1 − clearance / near. Disagreement is |user − robot|
+  /// extrapolated to kAhead from now at the rate at which it is decreasing, so that a robot that is
+  /// merely still accelerating does not count as disagreeing. `user`: the person's command while
+  /// they push; nullopt gives 0. Values that are not finite are ignored.
   [[nodiscard]] double feel(const std::optional<Twist2>& user, const Twist2& robot,
                             double clearance, double dt);
 
@@ -45,7 +45,7 @@ class Haptics {
   [[nodiscard]] double disagreement(const Twist2& user, const Twist2& robot, double dt);
 
   HapticsParams params_;
-  std::optional<double> apart_;  // at the last call; none: nobody pushed
+  std::optional<double> apart_;  // |user − robot| at the last call; nullopt: no push
 };
 
 }  // namespace tandem

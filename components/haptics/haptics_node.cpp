@@ -31,7 +31,7 @@ void HapticsNode::feel() {
   const double before = felt_;
   felt_ = haptics_.feel(pushes ? std::optional{user_.value} : std::nullopt, robot_.value,
                         clearance_, kPeriod);
-  if (felt_ == 0.0 && before == 0.0) return;  // silence is rest
+  if (felt_ == 0.0 && before == 0.0) return;  // no message means no rumble
   sensor_msgs::msg::JoyFeedback msg;
   msg.type(sensor_msgs::msg::JoyFeedback_Constants::TYPE_RUMBLE);
   msg.intensity(static_cast<float>(felt_));

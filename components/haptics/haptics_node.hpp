@@ -19,11 +19,11 @@ struct HapticsNodeParams {
   }
 };
 
-/// cmd_vel_user, safety_filter/status → joy/set_feedback (rumble, 10 Hz while there is any).
+/// cmd_vel_user, safety_filter/status → joy/set_feedback (rumble, 10 Hz while it is not zero).
 class HapticsNode {
  public:
   static constexpr double kPeriod = 0.1;   // [s]
-  static constexpr double kSilence = 0.2;  // [s] of an input: it counts no more
+  static constexpr double kSilence = 0.2;  // [s] an older input is ignored
 
   explicit HapticsNode(rt::Node& node);
 
@@ -33,7 +33,7 @@ class HapticsNode {
   rt::Node& node_;
   rt::Parameters<HapticsNodeParams> params_;
   Haptics haptics_;
-  Stamped<Twist2> user_, robot_;  // by steady time
+  Stamped<Twist2> user_, robot_;  // by the steady clock
   double clearance_ = 0.0;
   double felt_ = 0.0;
 

@@ -22,7 +22,7 @@ std::optional<JoySample> Joystick::update(const RawJoystick* device, double now)
   const auto is_held = [](const JoySample& s) {
     return std::any_of(s.buttons.begin(), s.buttons.end(), [](int b) { return b != 0; });
   };
-  // The first sample and the one that lets go are sent all the same.
+  // The first sample and the one that releases the buttons are sent all the same.
   if (params_.only_held && sent_ && !is_held(*sent_) && !is_held(next)) return std::nullopt;
   if (sent_ == next && now - sent_at_ < 1.0 / params_.autorepeat_rate) return std::nullopt;
   sent_at_ = now;
@@ -44,7 +44,7 @@ JoySample Joystick::sample(const RawJoystick& device) {
   return sample;
 }
 
-// Rest up to the dead zone, then evenly to ±1.
+// Zero within the dead zone, then linear to ±1.
 float Joystick::scaled(std::int16_t axis) const {
   const double way = std::max(-1.0, axis / 32767.0);
   const double beyond = std::abs(way) - params_.deadzone;

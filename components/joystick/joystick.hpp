@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what a device's axes, buttons and hats are. Out: joy as ROS's joy_node sends it, and when.
+// Converts the raw state of a joystick device to Joy messages as ROS's joy_node sends them, and
+// decides when to send them.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,8 @@ struct JoystickParams {
   }
 };
 
-/// A device as the operating system tells: axes in [−32768, 32767], right and down positive.
+/// Device state as the operating system reports it: axes in [−32768, 32767], right and down
+/// positive.
 struct RawJoystick {
   struct Hat {
     bool left = false, right = false, up = false, down = false;
@@ -35,7 +37,8 @@ struct RawJoystick {
   std::vector<Hat> hats;
 };
 
-/// As sensor_msgs/Joy: axes in [−1, 1], left and up positive, two for each hat behind the others.
+/// As sensor_msgs/Joy: axes in [−1, 1], left and up positive; each hat adds two axes after the
+/// others.
 struct JoySample {
   std::vector<float> axes;
   std::vector<int> buttons;
@@ -43,14 +46,16 @@ struct JoySample {
   bool operator==(const JoySample&) const = default;
 };
 
-/// Turns a device into joy. A button that is down when the device comes counts from its next press
-/// on, and a device that goes lets go of everything: no dead-man survives the cable.
+/// Converts device states to Joy samples. A button that is down when the device is connected counts
+/// only from its next press, and all buttons are released when the device is disconnected, so a
+/// held dead-man ends when the cable is pulled.
 class Joystick {
  public:
   /// Throws std::invalid_argument on parameters out of range.
   explicit Joystick(const JoystickParams& params);
 
-  /// `device`: null if none is there. What is to be sent at `now` [s], if anything is.
+  /// Takes the device state (`device`; null if there is none) at `now` [s] and returns the sample
+  /// to send, or nullopt.
   [[nodiscard]] std::optional<JoySample> update(const RawJoystick* device, double now);
 
  private:
@@ -58,7 +63,7 @@ class Joystick {
   [[nodiscard]] float scaled(std::int16_t axis) const;
 
   JoystickParams params_;
-  std::vector<bool> stuck_;  // buttons that were down at the start
+  std::vector<bool> stuck_;  // buttons down since the device was connected
   std::optional<JoySample> sent_;
   double sent_at_ = 0.0;
 };

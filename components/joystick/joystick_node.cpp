@@ -14,19 +14,19 @@ namespace {
 
 std::string text(const char* name) { return name == nullptr ? "?" : name; }
 
-// SDL counts who uses it. It must not take Ctrl-C, and there is no window that could have the
-// focus.
+// SDL counts its users. It must not handle Ctrl-C, and must report events although no window has
+// the focus.
 std::shared_ptr<void> start_sdl() {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
   SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
   if (SDL_InitSubSystem(SDL_INIT_JOYSTICK) != 0)
     throw std::runtime_error(std::string{"SDL finds no joysticks: "} + SDL_GetError());
-  SDL_JoystickEventState(SDL_IGNORE);  // states are read, nobody empties a queue
+  SDL_JoystickEventState(SDL_IGNORE);  // states are polled; the event queue is not read
   static int token = 0;
   return {&token, [](void*) { SDL_QuitSubSystem(SDL_INIT_JOYSTICK); }};
 }
 
-// The device's index by the parameters; −1: it is not there.
+// Index of the device that the parameters select; −1: not present.
 int find_device(const JoystickNodeParams& params) {
   const int count = SDL_NumJoysticks();
   if (params.device_name.empty()) return params.device_id < count ? params.device_id : -1;
@@ -96,7 +96,7 @@ void JoystickNode::poll() {
   if (device_ && !device_->attached()) {
     node_.log().warn("the joystick is gone");
     device_.reset();
-    looked_ = node_.steady_now();  // the next one comes later: first this one's stick is let go
+    looked_ = node_.steady_now();  // search later, so that a release is sent first
   }
   const double now = node_.steady_now();
   if (!device_ && now - looked_ >= kLook) look();

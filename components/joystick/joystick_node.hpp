@@ -23,12 +23,13 @@ struct JoystickNodeParams {
   }
 };
 
-/// A joystick or gamepad (SDL 2) → joy, and joy/set_feedback → its rumble. Devices may come and go.
+/// A joystick or gamepad (SDL 2) → joy, and joy/set_feedback → its rumble. Devices may be connected
+/// and disconnected at any time.
 class JoystickNode {
  public:
   static constexpr double kPoll = 0.005;  // [s]
-  static constexpr double kLook = 0.5;    // [s] between looks for a device
-  static constexpr int kRumble = 300;     // [ms] that it shakes unless it is told again
+  static constexpr double kLook = 0.5;    // [s] between searches for a device
+  static constexpr int kRumble = 300;     // [ms] duration of the rumble unless it is renewed
 
   explicit JoystickNode(rt::Node& node);
 

@@ -9,11 +9,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kPushes = 0.1;       // [m/s, rad/s] the person wants to move
+constexpr double kPushes = 0.1;       // [m/s, rad/s] above it the person wants to move
 constexpr double kStands = 0.03;      // [m/s]
 constexpr double kStandsTurn = 0.05;  // [rad/s]
-constexpr double kTravels = 0.05;     // [m/s] slower is not counted as driving
-constexpr double kStickSide = 0.1;    // of the limit: turns to that side
+constexpr double kTravels = 0.05;     // [m/s] slower does not count as driving
+constexpr double kStickSide = 0.1;    // share of the limit that counts as turning
 
 bool stands(const Twist2& twist) {
   return std::abs(twist.v) < kStands && std::abs(twist.w) < kStandsTurn;
@@ -61,7 +61,7 @@ Quantiles quantiles(std::vector<double> values) {
 }
 
 void DriveCounts::on_filtered(double t, bool changed) {
-  // A rounding error is far less than 1e-6 of a look, and must not put a beat into the one before.
+  // The tolerance keeps rounding errors from moving a report into the previous interval.
   const auto look = static_cast<long>(std::floor(t / kFilterLook + 1e-6));
   if (std::exchange(last_look_, look) == look) return;
   ++filter_commands;
@@ -125,7 +125,7 @@ void Metrics::watch_stick(const DriveSample& sample) {
   stick_side_ = side;
 }
 
-// The way to rest is that of each time that the stick comes to rest; the farthest counts.
+// Tracks the distance travelled each time after the stick comes to rest; the longest counts.
 void Metrics::watch_travel(const DriveSample& sample) {
   const bool pushes = in_limits(sample.user).norm() > kMoves;
   if (pushes)
@@ -193,7 +193,7 @@ void Metrics::write(DriveResult& result) const {
 
 namespace {
 
-// One list of the names for both ways.
+// One list of field names for reading and writing.
 template <class Result, class Field>
 void visit(Result& r, Field field) {
   field("scenario", r.scenario);
@@ -260,7 +260,7 @@ void put(nlohmann::json& json, const T& value) {
 }
 template <class T>
 void put(nlohmann::json& json, const std::optional<T>& value) {
-  if (value) json = *value;  // else null
+  if (value) json = *value;  // otherwise null
 }
 template <class T>
 void get(const nlohmann::json& json, T& value) {

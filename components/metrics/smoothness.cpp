@@ -14,7 +14,7 @@ namespace {
 constexpr double kLeastMagnitude = 0.05;  // of the largest
 constexpr unsigned kPadding = 4;          // powers of two
 
-// Magnitudes of the spectrum from 0 to the cut-off, which is half the sampling rate.
+// Magnitudes of the spectrum from 0 to the cut-off, half the sampling rate.
 std::vector<double> spectrum(std::span<const double> speed) {
   std::vector<double> padded(std::bit_ceil(speed.size()) << kPadding);
   std::copy(speed.begin(), speed.end(), padded.begin());

@@ -9,10 +9,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr long kSettle = 5;     // maps: no tile is fitted more often while they keep coming
-constexpr auto kQuiet = 300ms;  // without a new one they have stopped coming
+constexpr long kSettle = 5;     // updates between two fits of a tile while maps keep arriving
+constexpr auto kQuiet = 300ms;  // without a new map: the map is at rest
 
-// What there is to do while nobody asks: tiles that are due, later perhaps, all that are stale.
+// Background work between two requests: none; wait for the map to come to rest; refit the tiles
+// that are due; refit all stale tiles.
 enum class Rest { kNothing, kLater, kSome, kAll };
 
 }  // namespace
@@ -53,7 +54,7 @@ std::optional<std::vector<Obstacle>> BackgroundExtractor::near(
   std::shared_ptr<const FittedArea> area;
   {
     const std::lock_guard lock{mutex_};
-    if (asks || waiting_) waiting_ = Request{map, p_MB, params_};  // the newest place
+    if (asks || waiting_) waiting_ = Request{map, p_MB, params_};  // newest position
     area = fitted_;
   }
   if (asks) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: maps, and where the robot is. Out: the shapes near it, fitted ahead by a thread.
+// Fits the obstacle shapes around the robot on a background thread, ahead of where it drives, so
+// that the node never waits for a fit.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,20 +15,21 @@
 
 namespace tandem {
 
-/// Shapes farther than a list reaches, so that the robot can drive on while the next is fitted.
+/// Shapes fitted beyond the published range, so that the robot can drive on while the next area is
+/// fitted.
 struct FittedArea {
-  Eigen::Vector2d p_MC{0.0, 0.0};  ///< where the robot was [m]
-  std::vector<CoverShape> shapes;  ///< all within range + kAhead of it
+  Eigen::Vector2d p_MC{0.0, 0.0};  ///< robot position at the request [m]
+  std::vector<CoverShape> shapes;  ///< all within range + kAhead of p_MC
   double range = 0.0;              ///< [m]
 };
 
-/// An extractor on a thread of its own. A first look at a place costs tenths of a second; `near`
-/// never waits for it, because everything within kAhead beyond the range is there before the robot
-/// is, and the next is fitted once the robot has driven kRenew.
+/// An Extractor that runs on its own thread. Fitting a new area takes tenths of a second, but
+/// `near` never waits for it: the fitted area extends kAhead beyond the range, and the next one is
+/// requested once the robot has driven kRenew.
 ///
-/// A map that changes with every scan is followed by what changed in it: at once the tiles that
-/// show more than a few new cells, then, one by one while no newer map waits, those whose shapes
-/// cover all but could be better.
+/// A map that changes with every scan is updated incrementally. Tiles with more than a few new
+/// cells are refitted at once. Tiles whose shapes still cover all cells, but may no longer be the
+/// best, are refitted one by one while no newer map is waiting.
 class BackgroundExtractor {
  public:
   static constexpr double kAhead = 2.0;  ///< [m]
@@ -39,12 +41,12 @@ class BackgroundExtractor {
   BackgroundExtractor(const BackgroundExtractor&) = delete;
   BackgroundExtractor& operator=(const BackgroundExtractor&) = delete;
 
-  /// Fits anew; until that is done `near` goes on as before. Throws std::invalid_argument, having
-  /// changed nothing, on parameters out of range.
+  /// Refits with the new parameters; until that is done `near` returns the old shapes. Throws
+  /// std::invalid_argument on parameters out of range and then changes nothing.
   void set_params(const ExtractorParams& params);
 
-  /// The same shapes as Extractor::near, of this map or, until it is fitted, of the one before.
-  /// nullopt while the place is not fitted yet. Does not wait.
+  /// The shapes of Extractor::near for this map, or for the previous map until this one is fitted.
+  /// nullopt until the area around the point is fitted. Does not block.
   [[nodiscard]] std::optional<std::vector<Obstacle>> near(
       const std::shared_ptr<const StaticMap>& map, const Eigen::Vector2d& p_MB);
 
@@ -57,7 +59,7 @@ class BackgroundExtractor {
   void run();
 
   std::shared_ptr<const ExtractorParams> params_;
-  std::shared_ptr<const StaticMap> asked_map_;  // the last request's
+  std::shared_ptr<const StaticMap> asked_map_;  // of the last request
   std::optional<Eigen::Vector2d> asked_p_MC_;
 
   std::mutex mutex_;
@@ -69,7 +71,8 @@ class BackgroundExtractor {
   std::thread worker_;
 };
 
-/// Shapes of the area near a point within it; nullopt if the area may miss some of them.
+/// Shapes of the area within its range of the point; nullopt if the point is too far from the
+/// area's centre for the result to be complete.
 [[nodiscard]] std::optional<std::vector<Obstacle>> shapes_within(const FittedArea& area,
                                                                  const Eigen::Vector2d& p_MB);
 

@@ -12,14 +12,14 @@
 namespace tandem {
 namespace {
 
-constexpr double kWhole = 1.0;  // [m] clusters up to this size are never cut by a tile's border
+constexpr double kWhole = 1.0;  // [m] clusters up to this size are never split at a tile border
 
-// How deep a shape may reach in narrow ways [m]: doors stay open; and where it is crowded, in those
-// that coarser shapes would close.
+// Maximum reach of a shape into a narrow passage [m]: in general, so that doors stay open, and in
+// crowded tiles, in passages that coarser shapes would close.
 constexpr double kNarrow = 0.05, kKept = 0.10;
 
-constexpr std::size_t kPatches = 6;  // more new cells than these are fitted at once
-constexpr double kOffRaster = 1e-3;  // [cells] two grids share a raster if they are off by less
+constexpr std::size_t kPatches = 6;  // with more new cells the tile is refitted at once
+constexpr double kOffRaster = 1e-3;  // [cells] maximum offset of two grids that share a raster
 
 int cells(double length, const Grid& grid) {
   return std::max(1, static_cast<int>(std::ceil(length / grid.resolution - 1e-9)));
@@ -87,7 +87,7 @@ bool Extractor::refresh_near(const Eigen::Vector2d& p_MB, double range, long set
 CellRect Extractor::tiles_near(const Eigen::Vector2d& p_MB, double range) const {
   const Grid& grid = map_->grid();
   const double side = cells(params_.tile, grid);
-  // A whole cluster may reach from its tile into the next ones up, left and right.
+  // A cluster that is not split may extend into the tiles above, left and right of its own.
   const double reach = range + kWhole + grid.resolution;
   const auto clip = [](double cell, int size) {
     return std::clamp(std::floor(cell), -1.0, static_cast<double>(size));
@@ -139,11 +139,12 @@ const Extractor::Tile& Extractor::tile_at(int tx, int ty) {
   return tile;
 }
 
-// Whether the tile's shapes do, with a few more: then they cover all its cells, and each has some.
+// Keeps the shapes that still have cells and adds a circle for each of up to kPatches new cells.
+// Returns false if that does not cover all cells.
 bool Extractor::patch(Tile& tile) const {
   const Grid& grid = map_->grid();
   const double side = grid.resolution;
-  std::vector<CoverShape> alone;  // each cell as a shape of its own
+  std::vector<CoverShape> alone;  // every cell as a shape of its own
   for (const auto& cluster : tile.clusters)
     for (const CellIndex& cell : cluster) {
       const Eigen::Vector2d p_MC = grid.center(cell.ix - shift_.x(), cell.iy - shift_.y());
@@ -171,8 +172,8 @@ bool Extractor::patch(Tile& tile) const {
   return true;
 }
 
-// FNV-1a hash of a shape's lowest cell, which no other shape has, and of its centre in half cells:
-// the same shape has the same id in every map, and what has the same id is where it was.
+// FNV-1a hash of a shape's lowest cell, which is unique to it, and of its centre in half cells. The
+// same shape has the same id in every map, and equal ids mean equal positions.
 std::uint32_t Extractor::id_of(const CellIndex& lowest, const Eigen::Vector2d& p_MO) const {
   const Grid& grid = map_->grid();
   const Eigen::Vector2d halves =
@@ -211,12 +212,12 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
   }
 }
 
-// FNV-1a hash of all that FreeSpace reads of the places.
+// FNV-1a hash of everything that FreeSpace reads of the free regions.
 std::uint64_t Extractor::space_round(const CellRect& rect) const {
   const double radius = places_.radius();
   const int margin =
       2 * cells(kWhole, map_->grid()) + static_cast<int>(std::ceil(2.0 * radius)) + 3;
-  const auto most = static_cast<float>(radius + 3.0);  // a gap beyond that is as good as any
+  const auto most = static_cast<float>(radius + 3.0);  // larger gaps make no difference
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (int iy = rect.y0 - margin; iy < rect.y1 + margin; ++iy)
     for (int ix = rect.x0 - margin; ix < rect.x1 + margin; ++ix) {
@@ -230,7 +231,7 @@ std::uint64_t Extractor::space_round(const CellRect& rect) const {
 
 std::vector<Obstacle> extract(const StaticMap& map, const Eigen::Vector2d& p_MB,
                               const ExtractorParams& params) {
-  // The pointer does not own: the extractor ends before the map does.
+  // Non-owning pointer: `map` outlives the extractor.
   Extractor extractor(std::shared_ptr<const StaticMap>(std::shared_ptr<void>{}, &map), params);
   return extractor.near(p_MB);
 }

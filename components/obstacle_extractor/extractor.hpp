@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the static map and where the robot is. Out: the few circles and ellipses that cover every
-// occupied cell near it.
+// Covers the occupied cells near the robot by a few circles and ellipses, which the planner can
+// handle as obstacles.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct ExtractorParams {
   double range = 4.0;
   double max_excess = 0.25;
   double smallest_gap = 0.42;
-  double width = 0.58;  ///< [m] of the robot, whose ways stay open; its outline gives it
+  double width = 0.58;  ///< [m] of the robot, from its outline; passages this wide stay open
   double space_per_shape = 0.06;
   double tile = 4.0;
   int shapes_per_tile = 12;
@@ -45,47 +45,49 @@ struct ExtractorParams {
   }
 };
 
-/// Covers the obstacle cells of a map by circles and ellipses, tile by tile as the robot comes
-/// near, once each: a shape does not depend on where the robot is, and the cost of a call only on
-/// the tiles it newly reaches. What free space is worth does depend on the part of the map that the
-/// robot can drive in; put down in another part, it gets shapes of their own for that.
+/// Covers the obstacle cells of a map by circles and ellipses. The map is fitted tile by tile as
+/// the robot approaches, each tile once: shapes do not depend on the robot's position, and a call
+/// costs time only for tiles that it newly reaches. Shapes do depend on the free region that the
+/// robot can drive in, so tiles are refitted when the robot is relocalized into another region.
 ///
-/// When the map changes, a tile keeps its shapes as long as they cover its obstacle cells, but for
-/// a few that get circles of their own; what has no cell left goes. Such shapes may not be the best
-/// any more: refresh_near fits them again when there is time.
+/// When the map changes, a tile keeps its shapes as long as they cover its obstacle cells; a few
+/// new cells get their own circles, and shapes without cells are removed. The kept shapes may no
+/// longer be the best; refresh_near refits them when there is time.
 class Extractor {
  public:
   /// Throws std::invalid_argument on parameters out of their ranges.
   Extractor(std::shared_ptr<const StaticMap> map, const ExtractorParams& params);
 
-  /// Goes on with a newer map. Tiles that the last one was not asked for are forgotten.
+  /// Switches to a newer map. Tiles that were not requested since the previous update are dropped.
   void update(std::shared_ptr<const StaticMap> map);
 
-  /// The robot is put down elsewhere: what follows is what a new extractor would say, sooner.
+  /// Call after the robot was relocalized: its free region is determined again. The shapes are then
+  /// those of a new extractor, but tiles that are still valid are reused.
   void put_down() { region_ = 0; }
 
-  /// Fits the tile near the point again that was fitted longest ago, of those whose cells or free
-  /// space have changed since and that were fitted at least `settle` updates ago. False if there is
-  /// none: with 0, then the shapes are those of a new extractor whose tiles lie the same.
+  /// Refits one tile near the point: of those whose cells or free space have changed and that were
+  /// fitted at least `settle` updates ago, the one fitted longest ago. Returns false if there is
+  /// none. Once it returns false for settle = 0, the shapes equal those of a new extractor with the
+  /// same tile boundaries.
   [[nodiscard]] bool refresh_near(const Eigen::Vector2d& p_MB, double range, long settle);
 
-  /// Every obstacle cell whose square comes within `range` of the point lies wholly in one of the
-  /// shapes. Order and ids are the same for the same map and parameters. Empty for a point that is
-  /// not finite.
+  /// Shapes that together contain every obstacle cell whose square comes within `range` of the
+  /// point; each such cell lies wholly in one shape. Order and ids are the same for the same map
+  /// and parameters. Empty for a point that is not finite.
   [[nodiscard]] std::vector<Obstacle> near(const Eigen::Vector2d& p_MB);
 
-  /// The same for any range [m], with the cells that each shape answers for.
+  /// Like `near` for any range [m], with the bounding box of the cells that each shape covers.
   [[nodiscard]] std::vector<CoverShape> shapes_near(const Eigen::Vector2d& p_MB, double range);
 
  private:
-  /// A square of the map, as it was when it was fitted.
+  /// A square of the map in the state of its last fit.
   struct Tile {
-    long map = 0;     // the update that it was last compared with
-    long fitted = 0;  // the update that it was last fitted at
-    int region = 0;   // that the robot was in when it was last compared
-    std::vector<std::vector<CellIndex>> clusters;  // cells counted from the first map's origin
-    std::uint64_t space = 0;                       // fingerprint of the places round it
-    bool is_stale = false;                         // cells or places have changed since
+    long map = 0;     // update at which it was last compared with the map
+    long fitted = 0;  // update at which it was last fitted
+    int region = 0;   // the robot's region at the last comparison
+    std::vector<std::vector<CellIndex>> clusters;  // cell indices from the first map's origin
+    std::uint64_t space = 0;                       // hash of the free regions around it
+    bool is_stale = false;                         // cells or free regions changed since the fit
     std::vector<CoverShape> shapes;
   };
   /// Tiles [x0, x1) × [y0, y1), numbered from the first map's origin.
@@ -103,11 +105,11 @@ class Extractor {
   FreeRegions places_;
   Eigen::Vector2i shift_{0, 0};  // from the first map's origin to this one's, in cells
   long updates_ = 1;
-  int region_ = 0;  // where the robot was last; 0: none yet
+  int region_ = 0;  // the robot's last region; 0: none yet
   std::map<std::array<int, 2>, Tile> tiles_;
 };
 
-/// Extractor::near for one position, without memory.
+/// Extractor::near for one position, without state.
 [[nodiscard]] std::vector<Obstacle> extract(const StaticMap& map, const Eigen::Vector2d& p_MB,
                                             const ExtractorParams& params);
 

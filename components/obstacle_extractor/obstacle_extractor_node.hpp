@@ -39,8 +39,8 @@ struct ObstacleExtractorNodeParams {
   }
 };
 
-/// The extractor's parameters with the width of the robot's outline. Throws std::invalid_argument,
-/// as footprint_of.
+/// The extractor's parameters with the width of the robot's outline. Throws std::invalid_argument
+/// on an invalid outline, as footprint_of does.
 [[nodiscard]] inline ExtractorParams extractor_for_robot(
     const ObstacleExtractorNodeParams& params) {
   ExtractorParams out = params.extractor;
@@ -51,11 +51,11 @@ struct ObstacleExtractorNodeParams {
 
 /// octomap_binary, octomap_local, people, odom, tf → obstacles, obstacles/markers, /diagnostics.
 ///
-/// Silent until there is a map, the robot is localised and the place is fitted: no list is not an
-/// empty list. The diagnostics say what is missing.
+/// Publishes nothing until there is a map, the robot is localized and the area is fitted, because
+/// an empty list would mean "no obstacles". The diagnostics report what is missing.
 class ObstacleExtractorNode {
  public:
-  static constexpr int kMarkersEvery = 8;  // lists per markers: eyes need fewer
+  static constexpr int kMarkersEvery = 8;  // lists per marker message, which is for display only
 
   explicit ObstacleExtractorNode(rt::Node& node);
 
@@ -70,7 +70,7 @@ class ObstacleExtractorNode {
   MapInput map_;
   BackgroundExtractor shapes_;
   int lists_ = 0;
-  std::string none_for_;  ///< why there is no list, as it was logged
+  std::string none_for_;  ///< the reason for publishing no list that was logged last
   Stamped<std::vector<Obstacle>> people_;
   std::unique_ptr<ObstacleTracksInput> on_people_;
 

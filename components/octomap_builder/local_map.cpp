@@ -10,23 +10,24 @@
 namespace tandem {
 namespace {
 
-constexpr double kFollow = 2.0;   // [m] the window moves in steps of this
-constexpr float kUnsure = -0.1F;  // log-odds of a voxel that only the outline has covered
+constexpr double kFollow = 2.0;   // [m] step in which the window follows the sensor
+constexpr float kUnsure = -0.1F;  // log-odds of a voxel covered only by the outline
 constexpr double kForever = std::numeric_limits<double>::infinity();
-constexpr double kInside = 0.001;  // [m] an echo's point lies on the surface: just behind it
+constexpr double kInside = 0.001;  // [m] a return lies on the surface, the obstacle behind it
 
-// Ways that a look clears, and voxels on them: a camera before a wall asks for half of that, a
-// cloud of noise would for minutes, in which nothing is heard. What else it met still counts.
+// Maximum number of rays of a look that clear space, and of voxels cleared. A camera facing a wall
+// needs half of that; a cloud of noise would take minutes, during which no message is handled.
+// Returns beyond the limit still mark obstacles.
 constexpr std::size_t kMostWays = 30'000, kMostFree = 1'000'000;
 
-// Poses further apart than this are a jump, and what lies between them was not swept [m].
+// Poses farther apart than this are a jump; the ground between them was not swept [m].
 constexpr double kJump = 1.0;
 
-// A map that is published takes its time, and so does a robot that slows down for what is no longer
-// covered in it: both have this long [s].
+// Voxels are removed this long [s] before they time out: the time to publish the map and for the
+// robot to slow down.
 constexpr double kEarly = 1.0;
 
-// Old voxels are looked for this many times in the time after which they are forgotten.
+// Number of searches for old voxels per timeout.
 constexpr double kLooksForOld = 60.0;
 
 const LocalMapParams& checked(const LocalMapParams& params) {
@@ -52,8 +53,8 @@ bool has_other_child(const octomap::OcTree& tree, const Node* node, unsigned chi
   return false;
 }
 
-// A node with a single child, a leaf, becomes a leaf. OctoMap frees the table of a node's children
-// only when it prunes eight equal ones.
+// Turns a node whose single child is a leaf into a leaf. OctoMap frees a node's child table only
+// when it prunes eight equal children.
 void drop_only_child(octomap::OcTree& tree, Node* node, unsigned child) {
   const float value = tree.getNodeChild(node, child)->getLogOdds();
   for (unsigned i = 0; i < 8; ++i)
@@ -61,7 +62,8 @@ void drop_only_child(octomap::OcTree& tree, Node* node, unsigned child) {
   tree.pruneNode(node);
 }
 
-// OcTree::deleteNode of OctoMap 1.9 fails an assertion of its own when a node loses its last child.
+// Replaces OcTree::deleteNode, which in OctoMap 1.9 fails an assertion when a node loses its last
+// child.
 void erase_voxel(octomap::OcTree& tree, const octomap::OcTreeKey& key) {
   const unsigned depth = tree.getTreeDepth();
   const auto child_at = [&](unsigned level) {
@@ -121,14 +123,14 @@ bool LocalMap::insert(std::span<const Look> looks, double t) {
   return true;
 }
 
-// Its echoes into `occupied_`, its beams' ways into `free_`.
+// Adds the look's returns to `occupied_` and the voxels along its beams to `free_`.
 void LocalMap::look(const Look& look) {
   const auto& [echoes, X_MS] = look;
   const Eigen::Vector3d p_MS = X_MS.translation();
   ends_.clear();
   for (const Eigen::Vector3d& p_SQ : echoes.p_SQ) {
     const double range = p_SQ.norm();
-    if (!(range >= params_.min_range) || range == 0.0) continue;  // NaN too
+    if (!(range >= params_.min_range) || range == 0.0) continue;  // also rejects NaN
     const Eigen::Vector3d p_MQ = X_MS * (p_SQ * (1.0 + kInside / range));
     octomap::OcTreeKey key;
     const bool is_high_enough = p_MQ.z() >= params_.point_cloud_min_z;
@@ -142,7 +144,7 @@ void LocalMap::look(const Look& look) {
     clear_way(p_MS, X_MS * (p_SFree * std::min(1.0, params_.max_range / p_SFree.norm())));
 }
 
-// A window round such a point has keys in OctoMap.
+// Maximum coordinate for which a window around the point still has OctoMap keys.
 double LocalMap::farthest() const {
   constexpr double kKeys = 32767.0;
   return kKeys * params_.resolution - std::max(params_.window, params_.max_range) - kFollow;
@@ -174,7 +176,7 @@ void LocalMap::stand(const Footprint& outline, const Pose2& X_MB, double z, doub
   stood_ = {X_MB, t};
 }
 
-// Nothing that was seen is cleared: a voxel that is an obstacle stays one.
+// Does not clear obstacles that were seen.
 void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, double t) {
   const double reach = circumradius(outline) + params_.resolution;
   const auto key_at = [&](double off) {
@@ -195,7 +197,7 @@ void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, doub
     }
 }
 
-// The ray's voxels but for the one with its end; one ray for all that end in the same.
+// Adds the ray's voxels except the last one to `free_`; one ray for all that end in the same voxel.
 void LocalMap::clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ) {
   octomap::OcTreeKey end;
   if (!p_MQ.allFinite() || !tree_.coordToKeyChecked(to_octomap(p_MQ), end)) return;
@@ -205,9 +207,9 @@ void LocalMap::clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_M
     if (window_.contains(key)) free_.insert(key);
 }
 
-// What nobody has looked at for long is neither an obstacle any more nor free. Forgotten is what
-// would grow too old before this is called again in earnest; what is older than its time can have
-// been covered before the clock was set back.
+// Removes voxels, occupied or free, that were not covered for too long, including those that would
+// exceed their limit before the next search. A voxel with a time later than t was covered before
+// the clock was set back.
 void LocalMap::forget_old(double t) {
   const double decay = params_.decay > 0.0 ? params_.decay : kForever;
   const double timeout =
@@ -227,8 +229,8 @@ void LocalMap::forget_old(double t) {
   });
 }
 
-// In steps, into a new tree: OcTree::deleteNode of OctoMap 1.9 fails an assertion of its own when a
-// node loses its last child.
+// Moves the window in steps and copies what stays inside into a new tree, because
+// OcTree::deleteNode of OctoMap 1.9 fails one of its assertions when a node loses its last child.
 void LocalMap::follow(const Eigen::Vector3d& p_MS) {
   if ((p_MS - p_MC_).head<2>().cwiseAbs().maxCoeff() < kFollow) return;
   p_MC_ = (p_MS / kFollow).array().round() * kFollow;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what range sensors measured, and from where. Out: an OctoMap of a window round the robot.
+// Keeps an OctoMap of the robot's surroundings, built from range measurements.
 #pragma once
 
 #include <octomap/OcTree.h>
@@ -15,7 +15,7 @@
 
 namespace tandem {
 
-/// Names as in ROS 2's octomap_server, where it has one.
+/// Parameter names follow ROS 2's octomap_server where it has an equivalent.
 struct LocalMapParams {
   double resolution = 0.05;
   double window = 20.0;
@@ -54,48 +54,49 @@ struct LocalMapParams {
   }
 };
 
-/// What a sensor at X_MS saw.
+/// Range returns of a sensor at X_MS.
 struct Look {
   RangeReturns echoes;
   Eigen::Isometry3d X_MS;
 };
 
-/// What range sensors see, kept in an OctoMap of the robot's surroundings.
+/// An OctoMap of a window around the robot, updated with range returns.
 ///
-/// One echo makes a voxel an obstacle, whatever was there before; a single one in space known to be
-/// free is gone with the next beam that passes through it, and an obstacle long seen needs several.
-/// Voxels that were not covered for coverage_timeout, or never, are unknown in the tree. They are
-/// forgotten up to a second early, so that a moving robot has slowed down in time. A beam covers
-/// the voxels from the sensor to its echo, so what lies behind an echo stays unknown, and what lies
-/// within the sensor's least range is covered by every beam that reaches beyond it. Memory is
-/// bounded by the window.
+/// One return makes a voxel an obstacle, whatever its state was. A voxel in known free space that
+/// was hit only once is cleared by the next beam that passes through it; an obstacle that was seen
+/// for long needs several. Voxels that were not covered for coverage_timeout, or never, are unknown
+/// in the tree. They are removed up to a second early, so that a moving robot can slow down in
+/// time. A beam covers the voxels from the sensor to its return: what lies behind the return stays
+/// unknown, and the space within the sensor's minimum range is covered by every beam that reaches
+/// beyond it. The window bounds the memory.
 class LocalMap {
  public:
-  /// Throws std::invalid_argument on parameters out of range, on heights that exclude each other,
-  /// and if one echo would not make an obstacle of a free voxel.
+  /// Throws std::invalid_argument on parameters out of range, if the lower height limit is not
+  /// below the upper one, and if one return would not make a free voxel an obstacle.
   explicit LocalMap(const LocalMapParams& params);
   LocalMap(const LocalMap&) = delete;
   LocalMap& operator=(const LocalMap&) = delete;
 
-  /// Takes in looks that count as one, each of at most 30,000 ways that differ, at time t [s]: what
-  /// one of them met is no way for another. The window follows the sensor. False, and nothing is
-  /// taken in, if an X_MS is not finite or farther than OctoMap reaches (its 2¹⁵ voxels from the
-  /// map's origin).
+  /// Inserts looks at time t [s] as one measurement: a voxel hit in one of them is not cleared by
+  /// another. At most 30,000 different rays of each look clear space. The window follows the
+  /// sensor. Returns false and inserts nothing if an X_MS is not finite or beyond OctoMap's reach
+  /// (2¹⁵ voxels from the map's origin).
   [[nodiscard]] bool insert(std::span<const Look> looks, double t);
 
-  /// The robot's outline is at X_MB at time t [s]: there, and on the way from where it was at the
-  /// last call, nothing else stands. Covers the ground at height z [m]; an obstacle stays one. An
-  /// outline that is not finite, or outside of the window, covers nothing.
+  /// Marks the ground under the robot as free: its outline is at X_MB at time t [s], and nothing
+  /// else stands there or on the way from its pose at the last call. Covers the ground at height z
+  /// [m]; obstacles stay obstacles. An outline that is not finite or outside the window covers
+  /// nothing.
   void stand(const Footprint& outline, const Pose2& X_MB, double z, double t);
 
-  /// Forgets all that was seen.
+  /// Removes all voxels.
   void clear();
 
-  /// Leaves alone are up to date: inner nodes are neither updated nor pruned.
+  /// Only the leaves are up to date: inner nodes are neither updated nor pruned.
   [[nodiscard]] const octomap::OcTree& tree() const { return tree_; }
 
  private:
-  // Voxels [low, high] of the window, keys of OctoMap.
+  // Voxels [low, high] of the window, as OctoMap keys.
   struct Box {
     octomap::OcTreeKey low, high;
     [[nodiscard]] bool contains(const octomap::OcTreeKey& key) const;
@@ -112,17 +113,17 @@ class LocalMap {
   LocalMapParams params_;
   octomap::OcTree tree_;
   Box window_;
-  Eigen::Vector3d p_MC_;  // the window's middle
+  Eigen::Vector3d p_MC_;  // the window's centre
   VoxelTimes covered_;
-  double swept_out_ = 0.0;  // [s] when old voxels were last looked for
+  double swept_out_ = 0.0;  // [s] last search for old voxels
 
   struct Stand {
     Pose2 X_MB;
     double t;
   };
-  std::optional<Stand> stood_;  // where ground was last covered by the outline
+  std::optional<Stand> stood_;  // where the outline last covered ground
 
-  // Of the looks being inserted; here to keep their memory.
+  // Scratch buffers for the looks being inserted; members to keep their memory.
   octomap::KeyRay ray_;
   octomap::KeySet free_, occupied_, ends_;
 };

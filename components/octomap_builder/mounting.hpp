@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: poses of the plane, and a parameter's numbers. Out: poses in space.
+// Converts mounting parameters and planar poses to poses in space.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,9 +12,9 @@
 
 namespace tandem {
 
-/// X_BS of a sensor from the parameter `name`: x, y, z, roll, pitch, yaw [m, rad], as
-/// static_transform_publisher takes them; nothing without numbers. Throws std::invalid_argument if
-/// there are some, but not six.
+/// X_BS of a sensor from the parameter `name`: x, y, z, roll, pitch, yaw [m, rad], in the order of
+/// static_transform_publisher; nullopt if `numbers` is empty. Throws std::invalid_argument if there
+/// are numbers, but not six.
 [[nodiscard]] inline std::optional<Eigen::Isometry3d> mounting(const std::string& name,
                                                                const std::vector<double>& numbers) {
   if (numbers.empty()) return std::nullopt;
@@ -26,7 +26,7 @@ namespace tandem {
          Eigen::AngleAxisd(numbers[3], Eigen::Vector3d::UnitX());
 }
 
-/// The same pose in space, at height 0.
+/// The planar pose in space, at height 0.
 [[nodiscard]] inline Eigen::Isometry3d in_space(const Pose2& X) {
   return Eigen::Translation3d(X.x, X.y, 0.0) * Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
 }

@@ -14,11 +14,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kRest = 2.0;  // times as long as the last map took: to hear odometry meanwhile
-constexpr double kReminder = 30.0;  // [s] what is wrong with a sensor is said again
-constexpr double kPatience = 1.0;   // [s] /tf_static may come later than the first scan
+constexpr double kRest = 2.0;  // times the last map's duration: pause in which odometry is handled
+constexpr double kReminder = 30.0;  // [s] interval at which a sensor's problem is logged again
+constexpr double kPatience = 1.0;   // [s] /tf_static may arrive after the first scan
 
-constexpr const char *kRefused = "refused", *kDropped = "dropped";  // what became of a message
+constexpr const char *kRefused = "refused", *kDropped = "dropped";  // what happened to a message
 
 bool is_zero(const Stamp& stamp) { return stamp.sec() == 0 && stamp.nanosec() == 0; }
 
@@ -97,7 +97,7 @@ void OctomapBuilderNode::on_cloud(const sensor_msgs::msg::PointCloud2& msg) {
        {{echoes, *X_BS, odometry_at(stamp)}, {}, {Look{echoes, in_space(*X_MB) * *X_BS}}, stamp});
 }
 
-// Where the sensor is on the robot; says once in a while what is missing.
+// The sensor's pose on the robot; logs from time to time what is missing.
 std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(
     Sensor& sensor, const std_msgs::msg::Header& sensor_header) {
   const std::string& base = params_->input.frames.base;
@@ -128,7 +128,7 @@ std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(
   return std::nullopt;
 }
 
-// A message that is no look, and why.
+// Reports a message that could not be used, with the reason.
 void OctomapBuilderNode::give_up(Sensor& sensor, const char* what, const std::string& why) {
   const bool is_refused = std::string_view{what} == kRefused;
   const auto level = is_refused ? rt::LogLevel::kError : rt::LogLevel::kWarn;
@@ -137,7 +137,8 @@ void OctomapBuilderNode::give_up(Sensor& sensor, const char* what, const std::st
                           fmt::format("{} {}: {}", sensor.topic, what, why));
 }
 
-// What is odd about a scan that can be read; its beams are of one moment if their times are wrong.
+// Warns about suspicious values in a readable scan. If its beam times are invalid, all beams get
+// the same time.
 void OctomapBuilderNode::check_oddities(RangeScan& scan) {
   if (const auto name = reader_.missing_name(scan))
     node_.log().warn(
@@ -176,7 +177,7 @@ bool OctomapBuilderNode::insert(Sensor& sensor, const std::vector<Look>& looks) 
   return false;
 }
 
-// So long after the stamp; a message without one is of now.
+// X_MB `after` seconds after the stamp; a message without a stamp counts as taken now.
 std::optional<Pose2> OctomapBuilderNode::pose_at(const Stamp& stamp, double after) {
   const auto robot = robot_.state();
   if (!robot) return std::nullopt;
@@ -187,7 +188,7 @@ std::optional<Pose2> OctomapBuilderNode::odometry_at(const Stamp& stamp) {
   return is_zero(stamp) ? robot_.odometry() : odometry_.at(rt::to_seconds(stamp));
 }
 
-// Why pose_at knows none.
+// Why pose_at returned nullopt.
 std::string OctomapBuilderNode::why_no_pose(const Stamp& stamp) {
   const auto newest = poses_.newest();
   if (!newest || !robot_.state())
@@ -218,8 +219,8 @@ void OctomapBuilderNode::publish_status() {
   diagnose(msg.reason());
 }
 
-// Sensors that were not heard yet may be starting. Counts in brackets differ from look to look and
-// make no other reason.
+// Sensors that have not sent anything yet may still be starting. Counts in brackets change from
+// look to look and do not make a new reason.
 void OctomapBuilderNode::warn_of(const std::string& reason) {
   const std::string text = "the robot must stand: " + reason;
   if (!scanner_.watch.is_heard() && !camera_.watch.is_heard())

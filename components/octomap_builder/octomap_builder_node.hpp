@@ -48,21 +48,21 @@ struct OctomapBuilderNodeParams {
   }
 };
 
-/// Height at which the outline covers ground: that of the lowest voxel of the slice [m].
+/// Height at which the outline covers the ground: that of the slice's lowest voxel [m].
 [[nodiscard]] inline double sweep_height(const OctomapBuilderNodeParams& params) {
   return params.slice.floor + params.slice.z_min + 0.5 * params.map.resolution;
 }
 
-/// scan, cloud_in, odom, tf, tf_static → octomap_local, what is seen near the robot now;
-/// sensing_status, whether all sensors see; /diagnostics.
+/// scan, cloud_in, odom, tf, tf_static → octomap_local (what the sensors see near the robot now),
+/// sensing_status (whether all sensors see), /diagnostics.
 ///
-/// Where the outline stands, and what it sweeps, counts as seen too: as free ground at the lowest
-/// voxel of the slice.
+/// The ground that the outline stands on or sweeps counts as seen: as free ground at the slice's
+/// lowest voxel.
 ///
-/// Each beam of a scan counts as taken when its time_increment says, from where the robot was then.
-/// Service ~/reset forgets all that was seen. octomap_local comes only after a scan or cloud was
-/// taken in, so that its silence says that nobody looks; sensing_status comes with each
-/// octomap_local and every kStatusPeriod.
+/// Each beam of a scan is placed at the time given by time_increment, from the robot's pose at that
+/// time. The service ~/reset clears the map. octomap_local is published only after a scan or cloud
+/// was inserted, so that its silence means that no sensor sees; sensing_status is published with
+/// each octomap_local and every kStatusPeriod.
 class OctomapBuilderNode {
  public:
   static constexpr double kStatusPeriod = 0.1;  ///< [s] of steady time
@@ -72,10 +72,10 @@ class OctomapBuilderNode {
  private:
   struct Sensor {
     const char *topic, *parameter;
-    std::optional<Eigen::Isometry3d> X_BS;  // by the parameter
+    std::optional<Eigen::Isometry3d> X_BS;  // from the parameter
     SensorWatch watch;
-    std::optional<double> unplaced = {};  // since when /tf lacks its frame [s]
-    std::size_t own_body = 0;             // echoes of the last look inside the outline
+    std::optional<double> unplaced = {};  // since when its frame is missing in /tf [s]
+    std::size_t own_body = 0;             // returns of the last look inside the outline
     bool own_body_told = false;
   };
   // A look before it is judged and inserted.
@@ -113,11 +113,11 @@ class OctomapBuilderNode {
   OwnBody body_;
   ScanReader reader_;
   Sensor scanner_, camera_;
-  PoseHistory poses_, odometry_;  // X_MB; X_WB, by which echoes are expected to move
+  PoseHistory poses_, odometry_;  // X_MB; X_WB, which predicts how returns move
   RobotStateInput robot_;
-  std::optional<Stamp> unsent_;  // of the newest look that no map was sent with
+  std::optional<Stamp> unsent_;  // of the newest look that is not yet in a published map
   double sent_ = 0.0;            // node's clock [s]
-  double rested_ = 0.0;          // steady clock: no map before [s]
+  double rested_ = 0.0;          // steady clock: earliest time of the next map [s]
 
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
   rt::Publisher<tandem_msgs::msg::SensingStatus> status_;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kManyScans = 20;
 
-// Values that some driver sends for nothing in range, in the order of kNoReturnNames, and others.
+// Kinds of beam values: those that some driver sends for "nothing in range", in the order of
+// kNoReturnNames, then the others.
 enum Kind : std::size_t { kInf, kRangeMax, kZero, kNan, kTooNear, kInRange, kKinds };
 constexpr std::array<const char*, kKinds> kNames{"inf", "range_max or more", "zero",
                                                  "nan", "below range_min",   "in range"};
@@ -66,8 +67,8 @@ ScanReading ScanReader::read(const RangeScan& scan, const Eigen::Isometry3d& X_B
   return reading;
 }
 
-// Once it has varied it is not believed again: while the robot stands such a driver sends the same
-// value scan after scan.
+// After range_max has varied once it stays an error: while the robot stands still, such a driver
+// repeats the same value scan after scan.
 std::string ScanReader::range_max_error(const RangeScan& scan) {
   if (!no_return_.range_max) return {};
   if (!range_max_) range_max_ = scan.range_max;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: scans of one sensor. Out: what each of them says, and what is wrong with the driver.
+// Reads the scans of one sensor and detects misconfigured drivers.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 namespace tandem {
 
 struct ScanReaderParams {
-  // Without a list in braces, at which GCC 12 fails in structs that hold this one.
+  // Not a braced list: GCC 12 rejects that in structs that contain this one.
   std::vector<std::string> no_return = std::vector<std::string>(1, "inf");
 
   template <class Visitor>
@@ -24,31 +24,32 @@ struct ScanReaderParams {
   }
 };
 
-/// What a scan says as a whole.
+/// Result of reading one scan.
 struct ScanReading {
   std::string error;          ///< why it cannot be read, in one line; empty if it can
-  RangeReturns seen;          ///< in the sensor's frame, without those of the robot itself
-  std::size_t own_body = 0;   ///< echoes that are of the robot itself
-  double valid_share = 0.0;   ///< of all beams: echoes that are not too near, and free ways
-  std::string composition{};  ///< what the beams are, for people: "360 beams: 300 nan, 60 in range"
+  RangeReturns seen;          ///< in the sensor's frame, without the robot's own body
+  std::size_t own_body = 0;   ///< number of returns from the robot's own body
+  double valid_share = 0.0;   ///< share of the beams that are returns beyond min_range or free
+  std::string composition{};  ///< summary for log lines: "360 beams: 300 nan, 60 in range"
 };
 
-/// Reads the scans of one sensor and remembers what its driver does from scan to scan.
+/// Reads the scans of one sensor and tracks its driver's behaviour from scan to scan.
 class ScanReader {
  public:
-  /// `min_range` [m]: echoes that are nearer are not used.
+  /// `min_range` [m]: nearer returns are not used.
   ScanReader(const ScanReaderParams& params, double min_range);
 
-  /// Of a sensor at X_BS. With `range_max` in no_return a range_max that has changed since the
-  /// first scan is an error: such a driver sends its farthest echo, which is no free way.
+  /// Reads a scan of a sensor at X_BS. If no_return contains `range_max`, a range_max that differs
+  /// from the first scan's is an error: such a driver puts its farthest return there, and that is
+  /// not free space.
   [[nodiscard]] ScanReading read(const RangeScan& scan, const Eigen::Isometry3d& X_BS,
                                  const OwnBody& body);
 
-  /// The name that no_return seems to lack: of the last 20 scans more than half of the beams were
-  /// this value. Told once for each name.
+  /// The name that is probably missing in no_return: in each of the last 20 scans more than half of
+  /// the beams had this value. Each name is returned only once.
   [[nodiscard]] std::optional<std::string> missing_name(const RangeScan& scan);
 
-  /// Takes the next range_max for the driver's own.
+  /// Forgets the first range_max; the next scan's counts as the first.
   void forget() { range_max_.reset(), varies_ = false; }
 
   [[nodiscard]] const NoReturn& no_return() const { return no_return_; }
@@ -60,7 +61,7 @@ class ScanReader {
   double min_range_;
   std::optional<double> range_max_;  // of the first scan [m]
   bool varies_ = false;
-  std::string most_;       // what most beams of the last scan were
+  std::string most_;       // the kind of most beams in the last scan
   int scans_of_most_ = 0;  // in a row
   std::vector<std::string> told_;
 };

@@ -11,16 +11,16 @@
 namespace tandem {
 namespace {
 
-constexpr double kFrozen = 2.0;   // voxels by which echoes should have moved
-constexpr double kFar = 2.0;      // [m] … or as a whole, whatever the surfaces
-constexpr double kAcross = 0.95;  // quantile of the echoes
-constexpr double kSuspect = 0.1;  // voxels; the same echoes are not taken in from here on
-constexpr int kFrozenLooks = 3;   // chance may repeat one, of few echoes
-constexpr int kLostLooks = 10;    // in a row with few beams, before it is said
+constexpr double kFrozen = 2.0;   // voxels of motion across surfaces that prove a frozen sensor …
+constexpr double kFar = 2.0;      // [m] … or of mean motion in any direction
+constexpr double kAcross = 0.95;  // quantile of the returns
+constexpr double kSuspect = 0.1;  // voxels moved; from here identical returns are not inserted
+constexpr int kFrozenLooks = 3;   // a look with few returns may repeat by chance
+constexpr int kLostLooks = 10;    // consecutive looks with few beams before a warning
 constexpr double kLostShare = 0.5;
-constexpr double kForget = 0.999;  // of the usual share, from look to look
+constexpr double kForget = 0.999;  // decay of the usual share per look
 
-// Of all bits: FNV-1a by words.
+// FNV-1a hash over all bits, word by word.
 std::uint64_t hash_of(const std::vector<Eigen::Vector3d>& points) {
   std::uint64_t hash = 14695981039346656037U;
   for (const Eigen::Vector3d& p : points)
@@ -33,8 +33,8 @@ struct Motion {
   double mean, across;  // [m]
 };
 
-// How the echoes move in the sensor's frame if the robot moves by X_BN. The line through an echo's
-// neighbours stands for the surface that it lies on.
+// How the returns move in the sensor's frame if the robot moves by X_BN. The line through a
+// return's neighbours approximates the surface that it lies on.
 Motion motion_of(const JudgedLook& look, const Pose2& X_BN) {
   const Eigen::Isometry3d X_NS = look.X_BS.inverse() * in_space(inverse(X_BN)) * look.X_BS;
   const auto& p_SQ = look.seen.p_SQ;
@@ -96,7 +96,7 @@ void SensorWatch::on_taken(double t) {
   trouble_.clear();
 }
 
-// The same echoes as before? Without odometry of their time nobody can tell that they should move.
+// Checks whether the returns repeat. Without odometry at their time the expected motion is unknown.
 void SensorWatch::compare(const JudgedLook& look) {
   if (look.seen.p_SQ.empty()) return repeated_.reset();
   const std::uint64_t hash = hash_of(look.seen.p_SQ);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: when a sensor was heard, and what it saw. Out: whether it sees at all, and if not, why not.
+// Decides whether a sensor sees, and if not, why not.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -32,56 +32,57 @@ struct SensorWatchParams {
   }
 };
 
-/// A look as it is judged.
+/// A look with the data needed to judge it.
 struct JudgedLook {
   const RangeReturns& seen;        ///< without the robot's own body
-  const Eigen::Isometry3d& X_BS;   ///< of the sensor
-  std::optional<Pose2> X_WB = {};  ///< odometry's, when it was taken; nothing: not known
-  double valid_share = 1.0;        ///< 1 for a cloud: an empty one is a look, too
+  const Eigen::Isometry3d& X_BS;   ///< pose of the sensor
+  std::optional<Pose2> X_WB = {};  ///< odometry when it was taken; nullopt: unknown
+  double valid_share = 1.0;        ///< 1 for a cloud: an empty cloud is valid, too
 };
 
-/// What a look is good for.
+/// How a look may be used.
 enum class LookUse {
-  kTake,      ///< into the map
-  kRepeated,  ///< the sensor is alive, but these echoes came before, from where the robot was then
+  kTake,      ///< insert it into the map
+  kRepeated,  ///< the sensor is alive, but sent the same returns from another pose
   kNone,      ///< too few of its beams are usable
 };
 
-/// Judges one sensor. Alive is not seeing: what counts is when it last gave a look.
+/// Judges one sensor. It must see, not merely be alive: what counts is the time of its last usable
+/// look.
 ///
-/// A cloud without points is a look, because a depth camera that is filtered has nothing to say of
-/// an empty floor: it shows that the camera is alive, and neither marks nor clears anything. A scan
-/// needs min_valid_share of its beams.
+/// A cloud without points is a look, because a filtered depth camera returns nothing for an empty
+/// floor: it shows that the camera is alive, and neither marks nor clears anything. A scan needs
+/// min_valid_share of its beams.
 ///
-/// RangeReturns that are the same to the bit, look after look, though odometry says that they
-/// should have moved by more than two voxels, are those of a frozen sensor or of a robot whose
-/// wheels slip. Either way the robot must stand. Motion along a surface does not count, for without
-/// noise a long wall looks the same all along; 5 % of the echoes must have moved across their
-/// surface, or all of them by 2 m. A look without echoes is never frozen. Times are seconds on one
-/// clock; one that is set back makes all new.
+/// Returns that stay bitwise identical although odometry says that they should have moved by more
+/// than two voxels mean a frozen sensor or slipping wheels. In both cases the robot must stop.
+/// Motion along a surface does not count, because without noise a long wall looks the same
+/// everywhere: 5 % of the returns must have moved across their surface, or all of them by 2 m on
+/// average. A look without returns is never frozen. Times are seconds on one clock; setting it back
+/// resets the state.
 class SensorWatch {
  public:
-  /// Of the sensor on `topic`, which required_sensors may name. `voxel`: side of one [m]. Throws
-  /// std::invalid_argument on parameters out of range.
+  /// `topic`: of the sensor, may be named in required_sensors. `voxel`: side length of a voxel [m].
+  /// Throws std::invalid_argument on parameters out of range.
   SensorWatch(std::string topic, const SensorWatchParams& params, double voxel);
 
-  /// A message came that is no look, for this reason: "is refused: …", "gives no valid range: …".
+  /// Call for a message that is not a usable look. `why` completes a sentence about the topic: "is
+  /// refused: …", "gives no valid range: …".
   void on_trouble(std::string why, double t);
 
-  /// A look came; `composition` says what its beams are, for the reason. Unless it is of no use,
-  /// say on_taken once it is in the map, or on_trouble.
+  /// Judges a look; `composition` summarizes its beams for the reason. Unless the result is kNone,
+  /// call on_taken once the look is in the map, or on_trouble.
   [[nodiscard]] LookUse judge(const JudgedLook& look, const std::string& composition, double t);
   void on_taken(double t);
 
-  /// Judges the next look by itself.
+  /// Does not compare the next look with earlier ones.
   void forget() { repeated_.reset(); }
 
-  /// Why the robot must stand, in one line that begins with the topic; empty if the sensor sees, or
-  /// was never heard and need not be.
+  /// Why the robot must stop, in one line that begins with the topic; empty if the sensor sees, or
+  /// if it has never sent anything and is not required.
   [[nodiscard]] std::string reason(double now);
 
-  /// What is worth a warning, in one line; empty if nothing is: fewer than half of the beams are
-  /// usable that used to be.
+  /// A warning in one line if fewer than half of the usually usable beams are usable; else empty.
   [[nodiscard]] std::string warning() const;
 
   [[nodiscard]] bool is_heard() const { return heard_since_.has_value(); }
@@ -89,13 +90,13 @@ class SensorWatch {
  private:
   static constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-  // RangeReturns that came again and again, and where odometry was when they came first.
+  // Identical returns in consecutive looks, and odometry's pose at the first of them.
   struct Repeated {
     std::uint64_t hash;
     Pose2 X_WB;
     int looks;
-    double moved;   // [m] by which the echoes should have moved meanwhile, on average …
-    double across;  // [m] … and across their surfaces, 5 % of them
+    double moved;   // [m] expected motion of the returns since then: mean …
+    double across;  // [m] … and 95 % quantile across their surfaces
   };
 
   void on_message(double t);
@@ -110,7 +111,7 @@ class SensorWatch {
   bool required_;
   std::optional<double> heard_since_;  // [s]
   double heard_ = kNever, looked_ = kNever, newest_ = kNever;
-  std::string trouble_;  // of the last message; empty if it was a look
+  std::string trouble_;  // of the last message; empty if that was a look
   std::optional<Repeated> repeated_;
   double usual_share_ = 0.0, share_ = 0.0;
   int looks_with_few_ = 0;  // in a row

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a scan whose beams were taken one after the other. Out: looks, each from where the robot was.
+// Undistorts a scan: splits it into looks, each from the robot's pose at that time.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,12 @@
 
 namespace tandem {
 
-/// X_MB so many seconds after the scan's first beam; nothing if nobody knows.
+/// X_MB at a time [s] after the scan's first beam; nullopt if unknown.
 using PoseAfter = std::function<std::optional<Pose2>(double)>;
 
-/// The scan of a sensor at X_BS, cut into parts in which the robot turns by no more than 0.01 rad
-/// and moves by no more than 0.02 m: at 1 rad/s a scanner of 10 Hz would show a wall 5 m away bent
-/// by half a metre. Nothing if a pose is not known. The scan must have no error (error_of).
+/// The scan of a sensor at X_BS, split into parts during which the robot turns by at most 0.01 rad
+/// and moves by at most 0.02 m. Without this, at 1 rad/s a 10 Hz scanner would show a wall 5 m away
+/// bent by half a metre. nullopt if a pose is unknown. The scan must have no error (error_of).
 [[nodiscard]] std::optional<std::vector<Look>> looks_of(const RangeScan& scan,
                                                         const Eigen::Isometry3d& X_BS,
                                                         const PoseAfter& pose_after,

@@ -12,16 +12,16 @@
 
 namespace tandem {
 
-/// The last time [s] that something was said of each voxel. Kept in flat blocks: a scan sets tens
-/// of thousands of times, and a hash table with an entry for each would cost as much as the map.
+/// The time [s] at which each voxel was last covered. Stored in flat blocks: a scan sets tens of
+/// thousands of times, and a hash table entry for each would cost as much as the map.
 class VoxelTimes {
  public:
   void set(const octomap::OcTreeKey& key, double t) {
     blocks_.try_emplace(block_of(key), empty()).first->second[place_of(key)] = t;
   }
 
-  /// Calls `visit(key, t)` for each voxel with a time; those for which it returns true have none
-  /// afterwards.
+  /// Calls `visit(key, t)` for each voxel with a time and removes the times for which it returns
+  /// true.
   template <class Visit>
   void forget_if(const Visit& visit) {
     for (auto& [id, block] : blocks_)
@@ -30,7 +30,7 @@ class VoxelTimes {
           block[place] = kNever;
   }
 
-  /// Drops the times of all voxels outside of the keys [low, high], but for some near its border.
+  /// Removes the times of all voxels outside the keys [low, high], except for some near the border.
   void keep_between(const octomap::OcTreeKey& low, const octomap::OcTreeKey& high) {
     std::erase_if(blocks_, [&](const auto& entry) {
       const octomap::OcTreeKey first = key_of(entry.first, 0);
@@ -41,7 +41,7 @@ class VoxelTimes {
   void clear() { blocks_.clear(); }
 
  private:
-  static constexpr int kSide = 16;  // voxels of a block along x and y; along z it is one
+  static constexpr int kSide = 16;  // voxels per block along x and y; 1 along z
   static constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
   using Block = std::array<double, std::size_t{kSide} * kSide>;
 

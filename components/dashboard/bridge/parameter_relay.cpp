@@ -32,7 +32,7 @@ enum Type : std::uint8_t {
   kStrings
 };
 
-// As foxglove.websocket.v1 writes it; a real number without a fraction needs its type beside it.
+// In the form of foxglove.websocket.v1; a float without a fraction needs an explicit type.
 std::optional<json> to_json(const std::string& name, const ParameterValue& value) {
   switch (static_cast<Type>(value.type())) {
     case kBool:
@@ -127,7 +127,7 @@ class ParameterRelay::Answer {
     if (auto parameter = to_json(name, value)) parameters_.push_back(std::move(*parameter));
   }
   void complain(const std::string& what) { complaints_.add(what); }
-  /// The client pays for what another node does.
+  /// Charges the client for the work of the other node.
   void pay() { web_.charge(client_, kCallCost); }
 
  private:
@@ -143,7 +143,7 @@ ParameterRelay::ParameterRelay(rt::Node& node, WebServer& web)
         on_event(msg);
       })} {}
 
-// Only of nodes that are there: a client of ours that waits for nobody would stay for ever.
+// Only for nodes that exist: a service client for a missing node would never be removed.
 ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
   const auto known = clients_.find(node);
   if (known != clients_.end()) return &known->second;
@@ -156,7 +156,7 @@ ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
     made.list = client.template operator()<rcl_interfaces::srv::ListParameters>(kListService);
     made.get = client.template operator()<rcl_interfaces::srv::GetParameters>("/get_parameters");
     made.set = client.template operator()<rcl_interfaces::srv::SetParameters>("/set_parameters");
-  } catch (const std::exception& error) {  // who else uses these names may use other types
+  } catch (const std::exception& error) {  // other software may use these names with other types
     node_.log().warn_every(10.0, "no parameters of {}: {}", node, error.what());
     return nullptr;
   }

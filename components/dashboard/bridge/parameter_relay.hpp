@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: web clients' questions about parameters, "/node.name". Out: calls of the nodes' parameter
-// services, and what they say.
+// Relays web clients' parameter requests ("/node.name") to the nodes' parameter services and
+// returns the answers.
 #pragma once
 
 #include <map>
@@ -18,15 +18,15 @@ namespace tandem {
 
 class ParameterRelay {
  public:
-  static constexpr std::size_t kMaxNames = 1000;  // of one request, and that a client watches
+  static constexpr std::size_t kMaxNames = 1000;  // per request, and watched per client
 
   ParameterRelay(rt::Node& node, WebServer& web);
 
-  /// The domain may have changed since the last beat. It is looked at once in a beat at most.
+  /// Call at the start of a tick: drops the cached node list, which is read at most once per tick.
   void begin_beat() { nodes_.reset(); }
-  /// Answers once all nodes have, or have had their time.
+  /// Answers once all nodes have answered or timed out.
   void get(ClientId client, const foxglove::GetParameters& request);
-  /// Says why not, and then what the values are.
+  /// Sets parameters, reports failures, and then sends the resulting values.
   void set(ClientId client, const foxglove::SetParameters& request);
   void subscribe(ClientId client, const foxglove::SubscribeParameters& request);
   void forget(ClientId client) { wanted_.erase(client); }
@@ -38,7 +38,7 @@ class ParameterRelay {
     rt::Client<rcl_interfaces::srv::GetParameters> get;
     rt::Client<rcl_interfaces::srv::SetParameters> set;
   };
-  // Goes to the client when the last question that shares it is answered.
+  // The shared answer to a client, sent when the last request that shares it completes.
   class Answer;
 
   [[nodiscard]] Clients* clients_of(const std::string& node);
@@ -53,7 +53,7 @@ class ParameterRelay {
   rt::Node& node_;
   WebServer& web_;
   std::map<std::string, Clients> clients_;      // by node
-  std::optional<std::set<std::string>> nodes_;  // with parameters, as of this beat
+  std::optional<std::set<std::string>> nodes_;  // nodes with parameters, as of this tick
   std::map<ClientId, std::set<std::string>> wanted_;
   rt::Subscription events_;
 };

@@ -9,9 +9,9 @@
 namespace tandem {
 namespace {
 
-constexpr const char* kSender = "dashboard";  // whoever of the web clients holds the stick
+constexpr const char* kSender = "dashboard";  // the same for all web clients
 
-// "geometry_msgs/Twist", as Lichtblick's panels say, means "geometry_msgs/msg/Twist".
+// Lichtblick's panels write "geometry_msgs/Twist" for "geometry_msgs/msg/Twist".
 std::string full_type(const std::string& type) {
   const auto slash = type.find('/');
   const bool is_short =
@@ -49,14 +49,14 @@ PublishRelay::PublishRelay(rt::Node& node, double max_age)
   open(topics::initial_pose, true);
   open(topics::end_sim, true);
   inlets_[namespace_ + "/" + topics::e_stop.name] = {
-      // whoever sees danger may stop the robot
+      // everybody may stop the robot
       rt::type_ref<std_msgs::msg::Bool>().name, false,
       [this](ClientId, const auto& bytes) { return publish_stop(bytes); }, "cdr", true};
 }
 
 template <class M>
 void PublishRelay::open(const rt::Topic<M>& topic, bool drives) {
-  // Made when it is first needed, so that the graph shows no sender that never sends.
+  // Created on first use, so that the graph shows no publisher that never publishes.
   auto publisher = std::make_shared<std::unique_ptr<rt::Publisher<M>>>();
   auto publish = [this, topic, publisher](ClientId, const std::vector<std::uint8_t>& bytes) {
     const auto message = rt::decode<M>(bytes);
@@ -115,8 +115,9 @@ PublishRelay::Outcome PublishRelay::publish(ClientId client, const foxglove::Mes
   return channel->second->publish(client, message.payload);
 }
 
-// A client stamps its stick with the newest time that it has heard from here: what a stalled
-// connection delivers late is not carried out, nor is what was steered by a frozen picture.
+// A client stamps its stick with the newest time that it has received from here. Samples that a
+// stalled connection delivers late, or that were steered by a frozen picture, are thus rejected as
+// too old.
 PublishRelay::Outcome PublishRelay::publish_joy(const std::vector<std::uint8_t>& bytes) {
   auto joy = rt::decode<sensor_msgs::msg::Joy>(bytes);
   if (!joy) return Outcome::kMalformed;
@@ -135,7 +136,7 @@ void PublishRelay::release_stick() {
   joy_.publish(joy);
 }
 
-// `false` takes back what was pressed here, and nobody else's stop.
+// `false` releases only a stop that was pressed here.
 PublishRelay::Outcome PublishRelay::publish_stop(const std::vector<std::uint8_t>& bytes) {
   const auto stop = rt::decode<std_msgs::msg::Bool>(bytes);
   if (!stop) return Outcome::kMalformed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: messages that web clients publish. Out: the same on the domain, if they are sound and may be.
+// Publishes web clients' messages on the domain if they are valid and permitted.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +15,33 @@
 
 namespace tandem {
 
-/// The few topics that a web client may publish. None of them goes round the safety filter.
+/// The few topics that web clients may publish. None of them bypasses the safety filter.
 class PublishRelay {
  public:
   static constexpr std::size_t kMaxChannels = 100;  // of one client
 
-  /// What became of a message.
+  /// Result for one message.
   enum class Outcome { kPublished, kNoChannel, kOtherDrives, kMalformed, kOld };
   [[nodiscard]] static const char* text(Outcome outcome);
 
-  /// A stamped stick older than `max_age` [s] is not passed on; 0: any age.
+  /// A stick sample with a stamp older than `max_age` [s] is not published; 0: any age.
   PublishRelay(rt::Node& node, double max_age);
 
-  /// At most one complaint about each frame, a sentence for the client; empty: all is well.
+  /// Returns an error message for the client, at most one per frame; empty on success.
   [[nodiscard]] std::string advertise(ClientId client, const foxglove::Advertise& request);
   void unadvertise(ClientId client, const foxglove::Unadvertise& request);
   void forget(ClientId client) { channels_.erase(client); }
-  /// Beginnings of the frames with which the client presses the emergency stop.
+  /// Prefixes of the client's frames that carry the emergency stop.
   [[nodiscard]] std::vector<std::string> urgent_prefixes(ClientId client) const;
 
-  /// `may_drive` is asked only for topics that move the robot.
+  /// `may_drive` is called only for topics that move the robot.
   [[nodiscard]] Outcome publish(ClientId client, const foxglove::Message& message,
                                 const std::function<bool()>& may_drive);
-  /// A channel in JSON that ends here: `take` says what became of a message.
+  /// Opens a JSON channel that the dashboard handles itself; `take` returns the result for a
+  /// message.
   void open_own(const std::string& topic, const std::string& type,
                 std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> take);
-  /// Lets go of the stick in the name of a driver who is gone.
+  /// Publishes a released stick for a driver who has disconnected.
   void release_stick();
 
  private:

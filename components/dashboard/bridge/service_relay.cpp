@@ -105,7 +105,7 @@ void ServiceRelay::ask(ClientId client, const foxglove::ServiceCall& call, Relay
   if (!relayed.opened) try {
       relayed.client = node_.create_generic_client(relayed.service.name, relayed.service.type);
       relayed.opened = true;
-    } catch (const std::exception& error) {  // others' names and types may be anything
+    } catch (const std::exception& error) {  // names and types from other software may be invalid
       return fail(client, call, error.what());
     }
   ++waiting_[client];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: web clients' service calls. Out: calls on the domain, and their answers back.
+// Relays web clients' service calls to the domain and returns the answers.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,14 @@
 
 namespace tandem {
 
-/// Offers each service whose type the IDL knows, but for those that load code into a process.
+/// Offers each service whose type is in the IDL, except those that load code into a process.
 class ServiceRelay {
  public:
   static constexpr double kTimeout = 5.0;  // [s]
-  static constexpr int kMaxCalls = 10;     // of one client that wait for their answers
+  static constexpr int kMaxCalls = 10;     // pending calls per client
 
-  /// `own`: a Trigger that is no service of the domain; `on_own` says what became of it.
+  /// `own`: name of a Trigger service that the dashboard itself provides to web clients only;
+  /// `on_own` answers its calls.
   ServiceRelay(rt::Node& node, WebServer& web, const std::string& own,
                std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own);
 
@@ -30,10 +31,10 @@ class ServiceRelay {
   void greet(ClientId client);
   void forget(ClientId client) { waiting_.erase(client); }
 
-  /// Whether a service of that number only tells, or is the own one: open to those who do not
-  /// drive.
+  /// Whether the service with that id only reads, or is the own one: such services are open to
+  /// clients that do not drive.
   [[nodiscard]] bool only_reads(std::uint32_t service) const;
-  /// Of a service of the domain; empty: there is none of that number.
+  /// Name of the domain's service with that id; empty if there is none.
   [[nodiscard]] std::string name(std::uint32_t service) const;
   void call(ClientId client, const foxglove::ServiceCall& call);
 
@@ -56,7 +57,7 @@ class ServiceRelay {
   std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own_;
   std::map<std::string, Relayed> relayed_;  // by name
   std::map<ClientId, int> waiting_;
-  std::shared_ptr<const std::vector<std::uint8_t>> greeting_;  // until a service comes or goes
+  std::shared_ptr<const std::vector<std::uint8_t>> greeting_;  // cached until the services change
   std::uint32_t last_id_ = 1;
 };
 

@@ -11,8 +11,8 @@
 namespace tandem {
 namespace {
 
-constexpr int kDepth = 10;       // messages of one topic that wait for the loop
-constexpr int kMostKept = 1000;  // of a latched topic: one of each who sends there
+constexpr int kDepth = 10;       // queued messages per topic
+constexpr int kMostKept = 1000;  // of a latched topic: one per publisher
 
 // A name with a part that starts with '_' is hidden.
 bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
@@ -93,7 +93,7 @@ void TopicRelay::subscribe(ClientId client, const foxglove::Subscribe& request) 
     web_.answer(client, {true, foxglove::status(foxglove::Level::kWarning, text)});
 }
 
-// Returns what is wrong.
+// Returns an error message; empty on success.
 std::string TopicRelay::subscribe(ClientId client, const foxglove::Subscribe::One& wanted) {
   Relayed* relayed = find(wanted.channel);
   auto& channels = channels_[client];
@@ -130,7 +130,7 @@ void TopicRelay::unsubscribe(ClientId client, std::uint32_t subscription) {
   channels.erase(channel);
 }
 
-// One in a beat: a reader costs a millisecond here and a little in every other process.
+// One per tick: creating a reader takes a millisecond here and some time in every other process.
 void TopicRelay::listen_to_next() {
   const auto wanted = std::find_if(relayed_.begin(), relayed_.end(), [](const auto& entry) {
     return !entry.second.listening && !entry.second.listeners.empty();
@@ -139,7 +139,7 @@ void TopicRelay::listen_to_next() {
   Relayed& relayed = wanted->second;
   try {
     listen(relayed);
-  } catch (const std::exception& error) {  // others' names and types may be anything
+  } catch (const std::exception& error) {  // names and types from other software may be invalid
     for (const auto& [client, subscription] : std::exchange(relayed.listeners, {})) {
       channels_[client].erase(subscription);
       web_.answer(client, {true, foxglove::status(foxglove::Level::kError, error.what())});
@@ -147,7 +147,7 @@ void TopicRelay::listen_to_next() {
   }
 }
 
-// Throws what the runtime does for names and types that are none.
+// Throws what the runtime throws for invalid names and types.
 void TopicRelay::listen(Relayed& relayed) {
   rt::QoS qos = rt::request_for(relayed.publishers, kDepth);
   relayed.latched = qos.durability == rt::Durability::kTransientLocal;
@@ -162,7 +162,7 @@ void TopicRelay::listen(Relayed& relayed) {
 
 void TopicRelay::relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes) {
   const auto body = std::make_shared<const std::vector<std::uint8_t>>(bytes);
-  if (relayed.latched) {  // of who sends anew the newest comes last, to whoever comes later too
+  if (relayed.latched) {  // keep each publisher's newest message, at the end
     const rt::PublisherId sender = relayed.subscription.sender();
     std::erase_if(relayed.last, [&](const auto& last) { return last.first == sender; });
     if (relayed.last.size() < kMostKept) relayed.last.emplace_back(sender, body);
@@ -175,8 +175,8 @@ void TopicRelay::send(const Listener& to, const Body& body) {
   web_.send(to.client, {false, foxglove::message_head(to.subscription, now), body, true});
 }
 
-// Not at once: a client that comes and goes does not make the domain discover a reader each time.
-// And one in a look: to destroy a reader takes time.
+// Unused readers are removed with a delay, so that a reconnecting client does not make the domain
+// discover a reader each time, and one per look, because destroying a reader takes time.
 void TopicRelay::rest() {
   const double now = node_.steady_now();
   bool rested = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the domain's topics. Out: channels for web clients, CDR passed through untouched.
+// Offers the domain's topics to web clients as channels; CDR payloads are passed through unchanged.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +15,28 @@
 
 namespace tandem {
 
-/// Offers each topic whose type the IDL knows as a channel, and listens to those that somebody
+/// Offers each topic whose type is in the IDL as a channel, and subscribes to those that a client
 /// wants.
 class TopicRelay {
  public:
-  static constexpr std::size_t kMaxSubscriptions = 500;  // of one client, and of one request
-  static constexpr int kMaxOfOne = 4;   // subscriptions of one client to one channel
-  static constexpr double kRest = 5.0;  // [s] until a topic that nobody wants is not listened to
+  static constexpr std::size_t kMaxSubscriptions = 500;  // limit per client and per request
+  static constexpr int kMaxOfOne = 4;                    // limit per client and channel
+  static constexpr double kRest = 5.0;  // [s] delay before an unused subscription is removed
 
-  /// `own`: channels that are no topics and that tell() fills; their ids are the first ones.
+  /// `own`: channels that are not topics and are filled by tell(); they get the first ids.
   TopicRelay(rt::Node& node, WebServer& web, std::vector<foxglove::Channel> own);
 
-  /// Tells the clients which topics have come and gone.
+  /// Announces topics that were added or removed to the clients.
   void look(const std::set<ClientId>& clients);
   void greet(ClientId client);
   void forget(ClientId client);
-  /// A client may have several subscriptions of one channel: parts of a page do not know each
-  /// other.
+  /// A client may subscribe to a channel several times, because parts of a page work independently.
   void subscribe(ClientId client, const foxglove::Subscribe& request);
   void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
-  /// Begins to listen to one of the topics that somebody wants.
+  /// Subscribes to one of the topics that clients are waiting for.
   void listen_to_next();
 
-  /// Sends a message of an own channel, to a client who listens to it.
+  /// Sends a message on an own channel, if the client subscribes to it.
   void tell(ClientId client, std::uint32_t channel, const std::string& payload);
 
  private:
@@ -53,7 +52,7 @@ class TopicRelay {
     rt::Subscription subscription;
     bool listening = false, latched = false;
     double unused_since = 0.0;  // [s]
-    // Of a latched topic, for who comes later: each sender's last, as they came.
+    // Of a latched topic, for late joiners: each publisher's last message, in order of arrival.
     std::vector<std::pair<rt::PublisherId, Body>> last;
   };
 
@@ -69,7 +68,7 @@ class TopicRelay {
   WebServer& web_;
   std::map<std::pair<std::string, std::string>, Relayed> relayed_;       // by topic and type
   std::map<ClientId, std::map<std::uint32_t, std::uint32_t>> channels_;  // by subscription
-  Body greeting_;  // all channels, until one comes or goes
+  Body greeting_;  // all channels; cached until they change
   std::uint32_t last_id_ = 0;
 };
 

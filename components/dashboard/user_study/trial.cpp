@@ -24,7 +24,7 @@ RegionGoal region_from(const json& from) {
   return region;
 }
 
-// Without a region it takes the whole time, however far the robot goes.
+// Without a region the trial lasts the whole time, whatever distance the robot drives.
 MetricsSetting setting_of(const TrialRequest& request) {
   if (request.region) return {.goal = *request.region};
   return {.goal = RoamGoal{.time = request.asked.allowed, .distance = 0.0}};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what a page wants measured, and what the robot does meanwhile. Out: a trial's measures, by
-// the definitions of metrics.hpp.
+// Measures one trial of a user study, by the definitions of metrics.hpp.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +12,38 @@
 
 namespace tandem {
 
-/// `id`: the page's own, which it is told again.
+/// A page's request for a trial. `id`: chosen by the page, returned in the trial's state.
 struct TrialRequest {
   std::int64_t id = 0;
   UserTrial asked;
-  std::optional<RegionGoal> region = {};  ///< of task 2: the trial ends there
+  std::optional<RegionGoal> region = {};  ///< of task 2; the trial ends in it
 };
 
-/// Throws std::invalid_argument for what is none, numbers out of reason included. The region is
-/// [x0, y0, x1, y1] in M [m], or is not there.
+/// Throws std::invalid_argument for malformed requests, including numbers out of range. The
+/// optional region is [x0, y0, x1, y1] in M [m].
 [[nodiscard]] TrialRequest parse_trial_request(std::string_view json);
 
-/// Measures one trial. It begins with the first pose that is heard, and its time is that of the
-/// robot's stamps.
+/// Measures one trial. It begins with the first pose received; its time is that of the robot's
+/// stamps.
 class Trial {
  public:
   explicit Trial(const TrialRequest& request);
 
-  /// Where the robot is, in M, at a time [s]. What is heard after the end changes nothing.
+  /// The robot's pose in M at a time [s]. Poses after the end are ignored.
   void on_robot(const Pose2& X_MB, double t);
-  /// A total that the simulator has counted since its own start.
+  /// The simulator's total of collisions since its own start.
   void on_collisions(std::uint64_t total) {
     sample_.collisions += static_cast<int>(collisions_.growth(total));
   }
-  /// Of the outline [m]; NaN where nobody knows.
+  /// Clearance of the outline [m]; NaN if unknown.
   void on_clearance(double clearance);
 
-  /// The region was reached, or the time is over.
+  /// Whether the region was reached or the time is over.
   [[nodiscard]] bool over() const;
-  /// What was asked for, with what came of it so far.
+  /// The request with the results so far.
   [[nodiscard]] UserTrial measured() const;
-  /// For the page: `id`, `time` [s], `collisions`, and, once it is over, `trial`: measured().
+  /// JSON for the page: `id`, `time` [s], `collisions`, and, once the trial is over, `trial`:
+  /// measured().
   [[nodiscard]] std::string state() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the topics of the dashboard's robot. Out: a trial, fed with them.
+// Feeds a trial with the topics of the dashboard's robot.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace tandem {
 
-/// Listens for as long as it lives. Where the robot is, is what the ground truth says if somebody
-/// publishes one, else its odometry and its localiser.
+/// Subscribes for its lifetime. The pose is the ground truth if it is published, otherwise odometry
+/// and localization.
 class TrialRecorder {
  public:
   TrialRecorder(rt::Node& node, const RobotStateParams& input, const TrialRequest& request);
@@ -24,7 +24,7 @@ class TrialRecorder {
  private:
   Trial trial_;
   rt::Subscription truth_;
-  std::unique_ptr<RobotStateInput> robot_;  ///< without a ground truth
+  std::unique_ptr<RobotStateInput> robot_;  ///< if there is no ground truth
   rt::Subscription collision_, filter_;
 };
 

@@ -14,8 +14,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMaxTrials = 100;
-constexpr int kMaxTests = 10'000;  // files of one folder
-constexpr double kHour = 3600.0;   // [s] no trial takes longer
+constexpr int kMaxTests = 10'000;  // maximum number of files in a folder
+constexpr double kHour = 3600.0;   // [s] maximum duration of a trial
 
 double bounded(const json& from, const char* name, double most) {
   const double value = from.at(name).get<double>();

@@ -11,7 +11,7 @@ namespace tandem {
 namespace {
 
 constexpr std::size_t kShortest = 12, kLongest = 128;
-constexpr std::size_t kDigits = 32;  // of 4 bits
+constexpr std::size_t kDigits = 32;  // hexadecimal digits, 4 bits each
 
 bool fits_an_address(unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; }
 

@@ -11,7 +11,7 @@ namespace {
 
 namespace ip = boost::asio::ip;
 
-// "::ffff:10.0.0.1" is "10.0.0.1".
+// Maps "::ffff:10.0.0.1" to "10.0.0.1".
 ip::address plain(const ip::address& address) {
   if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
   return ip::make_address_v4(ip::v4_mapped, address.to_v6());
@@ -36,7 +36,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// "10.0.0.1:1234" and "[::1]:1234", as some proxies write them, too.
+// Accepts "10.0.0.1:1234" and "[::1]:1234", which some proxies write, too.
 std::optional<ip::address> parse_forwarded(std::string_view text) {
   const std::string whole{trimmed(text)};
   if (whole.starts_with("[")) return parse(whole.substr(1, whole.find(']') - 1));

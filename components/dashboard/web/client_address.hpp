@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: where a connection comes from, and what a proxy says about it. Out: whose it is.
+// Determines a client's address, also behind reverse proxies.
 #pragma once
 
 #include <set>
@@ -10,19 +10,20 @@
 
 namespace tandem {
 
-/// Proxies whose X-Forwarded-For is believed.
+/// Proxies whose X-Forwarded-For is trusted.
 using TrustedProxies = std::set<boost::asio::ip::address>;
 
-/// Of addresses with spaces between them. Throws std::invalid_argument in one line for what is no
-/// IP address.
+/// Parses addresses separated by spaces. Throws std::invalid_argument with one line for anything
+/// that is not an IP address.
 [[nodiscard]] TrustedProxies trusted_proxies(const std::string& addresses);
 
-/// Whether the peer is one of them.
+/// Whether the peer is a trusted proxy.
 [[nodiscard]] bool is_trusted(const boost::asio::ip::address& peer, const TrustedProxies& trusted);
 
-/// What the limits count by: the peer, or for a trusted proxy's connection the last address in its
-/// X-Forwarded-For that is no trusted proxy itself (anybody can write what stands before it). Of an
-/// IPv6 address the first 64 bits, which one subscriber has for itself.
+/// The address that limits are applied to: the peer, or, for a connection from a trusted proxy, the
+/// last address in X-Forwarded-For that is not itself a trusted proxy (earlier entries can be
+/// forged). Of an IPv6 address only the first 64 bits, because one subscriber has the whole
+/// network.
 [[nodiscard]] std::string client_address(const boost::asio::ip::address& peer,
                                          std::string_view forwarded_for,
                                          const TrustedProxies& trusted);

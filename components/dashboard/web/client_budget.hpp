@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits on what one client may send and may cost. Times are seconds on one monotonic clock.
+// Limits on the messages and the work of one client. Times are seconds on one monotonic clock.
 #pragma once
 
 #include <algorithm>
 
 namespace tandem {
 
-/// Allows `rate` units a second, at most `burst` at once.
+/// A token bucket: allows `rate` units per second, at most `burst` at once.
 class RateLimit {
  public:
   RateLimit(double rate, double burst, double now)
       : rate_{rate}, burst_{burst}, left_{burst}, last_{now} {}
 
-  /// Whether one more unit fits; if so, it is counted.
+  /// Whether one more unit is allowed; if so, it is counted.
   [[nodiscard]] bool allows(double now) {
     refill(now);
     if (left_ < 1.0) return false;
@@ -29,20 +29,20 @@ class RateLimit {
   double rate_, burst_, left_, last_;
 };
 
-/// Seconds of work that one client may cause: kShare of each second, saved up to kBurst. Work is
-/// charged after it is done, so the account can be overdrawn; the client then waits until it is
-/// level again. Its debt never exceeds kMostDebt.
+/// Budget of work [s] that one client may cause: kShare of each second, accumulated up to kBurst.
+/// Work is charged after it is done, so the balance can become negative; the client then waits
+/// until it is positive again. The debt never exceeds kMostDebt.
 class ClientBudget {
  public:
   static constexpr double kShare = 0.05;
   static constexpr double kBurst = 0.5;     // [s]
   static constexpr double kMostDebt = 2.0;  // [s]
 
-  /// A new client has half of the burst: joining again gains nothing.
+  /// A new client starts with half of the burst, so that reconnecting gains nothing.
   explicit ClientBudget(double now) : left_{0.5 * kBurst}, last_{now} {}
 
   void charge(double work, double now) { left_ = std::max(-kMostDebt, left(now) - work); }
-  /// [s] of work left; negative: debt.
+  /// Remaining work [s]; negative: debt.
   [[nodiscard]] double left(double now) {
     left_ = std::min(kBurst, left_ + kShare * std::max(0.0, now - last_));
     last_ = now;

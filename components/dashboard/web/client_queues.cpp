@@ -35,7 +35,7 @@ bool ClientQueues::push(WebEvent frame) {
   return true;
 }
 
-// Nothing is lost that way: it would be done twice in a row.
+// Dropping a repeated frame loses nothing: it would have the same effect twice.
 bool ClientQueues::push_urgent(Client& client, WebEvent frame) const {
   if (!client.urgent.empty() && client.urgent.back().bytes == frame.bytes) return true;
   if (client.urgent.size() >= limits_.urgent) return false;
@@ -94,7 +94,7 @@ std::optional<WebEvent> ClientQueues::next_urgent() {
   return pop(next->second.urgent);
 }
 
-// What it has not said by now is forgotten, but for an emergency stop.
+// Remaining frames of the client are discarded, except an emergency stop.
 std::optional<WebEvent> ClientQueues::next_left() {
   const auto found = std::find_if(clients_.begin(), clients_.end(), [](const auto& entry) {
     return entry.second.left && entry.second.urgent.empty();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what web clients say and do, as it comes. Out: the same in the order in which it is worked
-// off.
+// Queues web clients' events and decides the order in which they are handled.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +15,7 @@
 
 namespace tandem {
 
-/// What a WebSocket client did.
+/// An event of a WebSocket client.
 struct WebEvent {
   enum class Kind { kJoined, kText, kBinary, kLeft };
   ClientId client;
@@ -24,38 +23,39 @@ struct WebEvent {
   std::string bytes;
 };
 
-/// The events of one beat are taken lane by lane in this order.
+/// The events of one tick are handled lane by lane, in this order.
 enum class Lane {
-  kUrgent,     ///< frames that were marked urgent: the emergency stop; clients take turns
-  kLastWords,  ///< other frames of clients that have left
-  kLeft,       ///< departures
-  kJoined,     ///< arrivals
-  kUsual       ///< all other frames, of the client first that has the most work left
+  kUrgent,     ///< frames marked urgent (the emergency stop); clients take turns
+  kLastWords,  ///< other frames of disconnected clients
+  kLeft,       ///< disconnects
+  kJoined,     ///< connects
+  kUsual       ///< all other frames; the client with the largest budget first
 };
 
-/// A bounded queue for each client: what one of them sends delays and displaces nobody else's.
+/// A bounded queue for each client, so that no client can delay or displace the messages of
+/// another.
 class ClientQueues {
  public:
   struct Limits {
     std::size_t frames = 1000;
     std::size_t bytes = 1 << 20;
-    std::size_t urgent = 16;  ///< frames; one that repeats the frame before it is left out
+    std::size_t urgent = 16;  ///< frames; a repetition of the previous frame is dropped
   };
 
   explicit ClientQueues(Limits limits) : limits_{limits} {}
 
   void join(ClientId client, double now);
-  /// False: its queue is full, and the frame is not taken.
+  /// Returns false if the client's queue is full; the frame is dropped.
   [[nodiscard]] bool push(WebEvent frame);
   void leave(ClientId client);
 
-  /// Binary frames of the client that begin with one of these bytes are urgent from now on, those
-  /// that wait included.
+  /// From now on binary frames of the client with one of these prefixes are urgent, including those
+  /// already queued.
   void set_urgent(ClientId client, std::vector<std::string> prefixes);
 
-  /// The next event of a lane; nothing: there is none, or nobody in it has work left.
+  /// The next event of a lane; nullopt if there is none or its clients have no budget left.
   [[nodiscard]] std::optional<WebEvent> next(Lane lane, double now);
-  /// Work [s] that an event of the client has cost.
+  /// Charges the client for the work [s] that an event has caused.
   void charge(ClientId client, double work, double now);
 
  private:
@@ -63,10 +63,10 @@ class ClientQueues {
     explicit Client(double now) : budget{now} {}
 
     std::deque<WebEvent> urgent{}, usual{};
-    std::size_t bytes = 0;  // of the usual ones
+    std::size_t bytes = 0;  // of the usual frames
     std::vector<std::string> prefixes{};
     ClientBudget budget;
-    bool announced = false;  // its arrival was taken
+    bool announced = false;  // its connect event was handled
     bool left = false;
   };
   using Clients = std::map<ClientId, Client>;
@@ -79,7 +79,7 @@ class ClientQueues {
 
   Limits limits_;
   Clients clients_;
-  ClientId last_urgent_ = 0;  // whose turn it was
+  ClientId last_urgent_ = 0;  // client served last
 };
 
 }  // namespace tandem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: connections that come and go. Out: which of them has to make room.
+// Limits the connections of clients that have not authenticated yet.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace tandem {
 
-/// Connections that have not become a WebSocket yet: all that a stranger without the token can
-/// have. A new one always gets in, so that it can show a token; one that has waited makes room for
-/// it. The clients inside are not counted here and cannot be displaced.
+/// Connections that are not WebSockets yet, which is all that a client without the token can have.
+/// A new connection is always admitted, so that it can present a token; an older one is evicted for
+/// it. Clients with a WebSocket are not counted here and cannot be evicted.
 class ConnectionPool {
  public:
   using Id = std::uint64_t;
@@ -22,15 +22,16 @@ class ConnectionPool {
 
   explicit ConnectionPool(Limits limits) : limits_{limits} {}
 
-  /// A connection from an address; empty: it comes from a proxy, and the address is not known yet.
+  /// Admits a connection from an address; empty: it comes from a proxy, and the address is not
+  /// known yet.
   [[nodiscard]] Id admit(const std::string& address);
-  /// The address behind the proxy, from the request.
+  /// Sets the address behind the proxy, taken from the request.
   void set_address(Id connection, const std::string& address);
-  /// It is a client now, or it is closed.
+  /// Call when the connection became a client or was closed.
   void remove(Id connection) { waiting_.erase(connection); }
 
-  /// Takes out and returns the connection that has to be closed now, if any: the oldest of an
-  /// address that has more than its limit, or of those with the most when all places are taken.
+  /// Removes and returns the connection that must be closed now, if any: the oldest of an address
+  /// that exceeds its limit or, if all places are taken, of the address with the most connections.
   [[nodiscard]] std::optional<Id> evict();
 
   [[nodiscard]] std::size_t size() const { return waiting_.size(); }
@@ -38,7 +39,7 @@ class ConnectionPool {
  private:
   Limits limits_;
   Id last_ = 0;
-  std::map<Id, std::string> waiting_;  // the oldest first
+  std::map<Id, std::string> waiting_;  // oldest first
 };
 
 }  // namespace tandem

@@ -17,7 +17,7 @@ void put(std::string& frame, std::uint64_t number, int bytes) {
   for (int i = 0; i < bytes; ++i) frame.push_back(static_cast<char>(number >> (8 * i)));
 }
 
-// Reads numbers off the front of a frame.
+// Reads numbers from the start of a frame.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : rest_{bytes} {}
@@ -54,7 +54,7 @@ Request parse_call(Reader reader) {
   return ServiceCall{*service, *call, std::move(*encoding), reader.rest()};
 }
 
-// at() and get() throw for what is missing or of another type: parse_text() catches.
+// at() and get() throw if a value is missing or has another type; parse_text() catches.
 std::uint32_t number(const json& value) {
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > 0xffffffffULL)
     throw std::invalid_argument("a number of 32 bits is wanted");
@@ -113,7 +113,7 @@ json schema_of(const std::string& type, const std::string& schema) {
       {"encoding", "cdr"}, {"schemaName", type}, {"schemaEncoding", "ros2msg"}, {"schema", schema}};
 }
 
-// Text from the domain may hold anything.
+// Text from the domain may be invalid UTF-8.
 std::string dump(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: frames of a web client. Out: what it asks for. And back: the frames that answer it.
+// Parses the frames of web clients and builds the frames sent to them.
 //
 // The protocol is foxglove.websocket.v1 (https://github.com/foxglove/ws-protocol, docs/spec.md):
-// JSON in text frames, and binary frames whose first byte says what they are, numbers
-// little-endian.
+// JSON in text frames, and binary frames whose first byte is the opcode, numbers little-endian.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +30,7 @@ struct Subscribe {
 struct Unsubscribe {
   std::vector<std::uint32_t> subscriptions;
 };
-/// Channels that the client will publish on; their numbers are the client's own.
+/// Channels that the client will publish on; it chooses their ids.
 struct Advertise {
   struct One {
     std::uint32_t channel;
@@ -52,14 +51,14 @@ struct ServiceCall {
   Bytes payload;
 };
 struct GetParameters {
-  std::vector<std::string> names;  ///< none: all
+  std::vector<std::string> names;  ///< empty: all
   std::string id;
 };
 struct SetParameters {
   struct One {
     std::string name;
     json value;
-    std::string type;  ///< "float64", "float64_array": for numbers without a fraction
+    std::string type;  ///< "float64", "float64_array": marks numbers without a fraction
   };
   std::vector<One> all;
   std::string id;
@@ -68,7 +67,7 @@ struct SubscribeParameters {
   std::vector<std::string> names;
   bool wanted;
 };
-/// A frame that is none of the protocol, and why.
+/// A frame that violates the protocol, and why.
 struct Malformed {
   std::string reason;
 };
@@ -76,11 +75,11 @@ struct Malformed {
 using Request = std::variant<Subscribe, Unsubscribe, Advertise, Unadvertise, Message, ServiceCall,
                              GetParameters, SetParameters, SubscribeParameters, Malformed>;
 
-/// Never throw, whatever the bytes.
+/// Parse a frame; never throw, for any bytes.
 [[nodiscard]] Request parse_text(std::string_view frame);
 [[nodiscard]] Request parse_binary(std::span<const std::uint8_t> frame);
 
-/// What each frame with a client's message on that channel begins with.
+/// Prefix of every frame with a client's message on that channel.
 [[nodiscard]] std::string message_prefix(std::uint32_t channel);
 
 struct Channel {
@@ -102,10 +101,10 @@ enum class Level { kInfo, kWarning, kError };
 [[nodiscard]] std::string parameter_values(const json& parameters, const std::string& id);
 [[nodiscard]] std::string call_failure(const ServiceCall& call, const std::string& message);
 
-/// Heads of binary frames; the payload follows.
+/// Headers of binary frames; the payload follows.
 [[nodiscard]] std::string message_head(std::uint32_t subscription, std::uint64_t nanoseconds);
 [[nodiscard]] std::string response_head(const ServiceCall& call);
-/// A whole binary frame.
+/// A complete binary frame.
 [[nodiscard]] std::string time(std::uint64_t nanoseconds);
 
 }  // namespace tandem::foxglove

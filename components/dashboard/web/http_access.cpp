@@ -16,7 +16,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using tcp = asio::ip::tcp;
 
-constexpr int kPorts = 10;  // that are tried
+constexpr int kPorts = 10;  // ports tried
 
 std::string text_of(beast::string_view view) { return {view.data(), view.size()}; }
 
@@ -33,7 +33,7 @@ bool is_loopback_name(const std::string& name) {
   return !error && address.is_loopback();
 }
 
-// How long it takes says nothing about where they differ.
+// Constant time, so that the duration does not reveal where the strings differ.
 bool same_secret(const std::string& a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0U : 1U;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
@@ -59,8 +59,8 @@ bool has_word(const std::string& list, const std::string& word, char separator) 
   return padded.find(separator + word + separator) != std::string::npos;
 }
 
-// What the page may connect to: 'self' alone leaves out WebSockets in older browsers. A host with
-// characters that no host has would add words of its own to the policy.
+// Hosts that the page may connect to; in older browsers 'self' alone excludes WebSockets. A host
+// with invalid characters is left out, because it could inject words into the policy.
 std::string own_hosts(const Request& request) {
   const std::string host = text_of(request[http::field::host]);
   const bool is_host = !host.empty() && std::all_of(host.begin(), host.end(), [](unsigned char c) {
@@ -69,7 +69,7 @@ std::string own_hosts(const Request& request) {
   return is_host ? "'self' ws://" + host + " wss://" + host : "'self'";
 }
 
-// Throws std::invalid_argument if nobody should listen there.
+// Throws std::invalid_argument if the address is not an IP address.
 asio::ip::address address_of(const WebServerParams& params) {
   boost::system::error_code error;
   const auto address = asio::ip::make_address(params.address, error);
@@ -108,7 +108,7 @@ std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
   const auto& params = rules.params;
   const auto field = [&](http::field name) { return text_of(request[name]); };
   const std::string host = field(http::field::host), origin = field(http::field::origin);
-  // A page of another site reaches loopback under that site's name if its DNS says so.
+  // Against DNS rebinding: a page of another site can reach loopback under that site's name.
   if (rules.loopback && !is_loopback_name(host_name(host)))
     return Refusal{"the host \"" + host + "\" is not this machine"};
   if (!origin.empty() && origin != "http://" + host && origin != "https://" + host &&

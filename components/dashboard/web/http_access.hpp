@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the server listens, who may come in, and what a browser gets that asks for a file.
+// Access control of the web server: where it listens, which requests may open a WebSocket, and the
+// answers to HTTP requests.
 #pragma once
 
 #include <map>
@@ -17,29 +18,30 @@ namespace tandem::web_door {
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
-/// Listens where the parameters say. Throws std::invalid_argument in one line if it cannot.
+/// Listens at the address of the parameters. Throws std::invalid_argument with one line if it
+/// cannot.
 [[nodiscard]] boost::asio::ip::tcp::acceptor listen(boost::asio::io_context& io,
                                                     const WebServerParams& params);
 
 struct Rules {
   const WebServerParams& params;
   const std::string& subprotocol;
-  const std::string& token;  ///< empty: none is needed
-  bool loopback = true;      ///< only this machine can reach the door
-  int clients = 0;           ///< that are inside
+  const std::string& token;  ///< empty: no token is needed
+  bool loopback = true;      ///< only this machine can connect
+  int clients = 0;           ///< connected clients
 };
 
-/// One sentence for the client.
+/// Why a request was refused, in one sentence for the client.
 struct Refusal {
   std::string reason;
-  bool wrong_token = false;  ///< one was said
+  bool wrong_token = false;  ///< a token was given, but the wrong one
 };
 
-/// Why the request may not become a WebSocket: the host or the site it comes from, the token, the
-/// subprotocol, too many inside; nothing: it may.
+/// Why the request may not become a WebSocket: its host or origin, the token, the subprotocol, too
+/// many clients; nullopt if it may.
 [[nodiscard]] std::optional<Refusal> refuse(const Request& request, const Rules& rules);
 
-/// The file that it asks for, or what is wrong with asking.
+/// The requested file, or an error response.
 [[nodiscard]] Response answer(const Request& request, const std::map<std::string, WebFile>& files);
 
 }  // namespace tandem::web_door

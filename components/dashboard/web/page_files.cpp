@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/dashboard/web/page_files.hpp"
 
-// The assembler copies each file into the library, between two symbols of its own.
+// The assembler embeds each file into the library, between two symbols.
 #define TANDEM_EMBED(name, file)                                                 \
   asm(".section .rodata\n"                                                       \
       ".hidden tandem_" #name "\n.global tandem_" #name                          \

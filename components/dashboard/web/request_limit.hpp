@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often an address without a token is answered. Times are seconds on one monotonic clock.
+// Limits the rate of HTTP answers per address. Times are seconds on one monotonic clock.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace tandem {
 
-/// Files and refusals for each address: 200 at once, 20 a second. The addresses that asked last are
-/// remembered.
+/// Limits files and refusals per address to 20 per second, 200 at once. Only the most recent
+/// addresses are remembered.
 class RequestLimit {
  public:
   static constexpr double kRate = 20.0, kBurst = 200.0;  // [Hz], at once

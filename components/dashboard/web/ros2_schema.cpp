@@ -12,7 +12,7 @@ namespace {
 using runtime::DescribedField;
 using runtime::DescribedType;
 
-// type_description_interfaces/msg/FieldType: the kind of field, and what it is a field of.
+// Codes of type_description_interfaces/msg/FieldType: container kind and element type.
 constexpr int kKinds = 48, kNested = 1, kBoundedString = 21;
 enum class Kind { kOne, kArray, kBoundedSequence, kSequence };
 constexpr std::array<const char*, 23> kNames{

@@ -7,9 +7,9 @@
 
 namespace tandem {
 
-/// A type of the IDL ("pkg/msg/Type", "pkg/srv/Type_Request") as ROS 2 writes it in .msg files,
-/// the types that it is made of behind it, as Foxglove and MCAP want their "ros2msg". Nothing for
-/// a type that is not ours.
+/// The definition of an IDL type ("pkg/msg/Type", "pkg/srv/Type_Request") in ROS 2's .msg format,
+/// followed by the types it contains, as Foxglove and MCAP expect for "ros2msg". nullopt for a type
+/// that is not in the IDL.
 [[nodiscard]] std::optional<std::string> ros2msg(std::string_view type);
 
 }  // namespace tandem

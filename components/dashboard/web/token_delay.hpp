@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The delay that an address gets for wrong tokens.
+// Makes addresses that send wrong tokens wait, against guessing.
 #pragma once
 
 #include <algorithm>
@@ -10,17 +10,18 @@
 
 namespace tandem {
 
-/// After kFree wrong tokens of an address its next ones are put off, 1 s at first and twice as long
-/// each time, at most kLongest. Only wrong tokens are asked about here, so a valid one never waits.
-/// An address is forgotten kMemory after its last wrong token. Times are seconds on one monotonic
-/// clock.
+/// After kFree wrong tokens an address has to wait before its next attempt, 1 s at first and twice
+/// as long each time, up to kLongest. Only wrong tokens are passed to this class, so a valid one is
+/// never rejected. An address is forgotten kMemory after its last wrong token. Times are seconds on
+/// one monotonic clock.
 class TokenDelay {
  public:
   static constexpr int kFree = 5;
   static constexpr double kLongest = 60.0, kMemory = 600.0;  // [s]
-  static constexpr std::size_t kAddresses = 1024;            // that are remembered
+  static constexpr std::size_t kAddresses = 1024;            // remembered at most
 
-  /// A wrong token was said. Returns how long [s] the address has to wait already; 0: not at all.
+  /// Records a wrong token. Returns how long [s] the address still had to wait when it was sent; 0:
+  /// it did not have to wait.
   [[nodiscard]] double wrong(const std::string& address, double now) {
     forget(now);
     Record& record = records_[address];

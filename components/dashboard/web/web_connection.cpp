@@ -16,14 +16,14 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using web_door::Response;
 
-constexpr auto kRequestTime = std::chrono::seconds(5);  // to say what it wants
-constexpr auto kSilence = std::chrono::seconds(5);      // without a sign of life: gone
+constexpr auto kRequestTime = std::chrono::seconds(5);  // limit for the request to arrive
+constexpr auto kSilence = std::chrono::seconds(5);      // silent clients count as gone
 constexpr std::size_t kLargestHead = 8192;              // [B] of an HTTP request
-constexpr double kBurst = 2.0;                          // [s] of frames at once
-constexpr double kParts = 10.0;        // that a frame may come in, on average; TCP cuts it as well
-constexpr double kFrameCost = 128.0;   // [B] that a waiting frame takes beside its bytes
-constexpr double kOwnBacklog = 0.125;  // of max_backlog, for frames that other clients do not share
-constexpr std::size_t kPartSize = 65536;  // [B] that are read at once
+constexpr double kBurst = 2.0;                          // [s] of frames that may arrive at once
+constexpr double kParts = 10.0;           // average parts per frame; TCP splits frames as well
+constexpr double kFrameCost = 128.0;      // [B] overhead of a queued frame
+constexpr double kOwnBacklog = 0.125;     // share of max_backlog for frames sent to one client only
+constexpr std::size_t kPartSize = 65536;  // [B] maximum read at once
 
 double body_size(const WebFrame& frame) {
   return frame.body ? static_cast<double>(frame.body->size()) : 0.0;
@@ -38,7 +38,7 @@ double size_of(const WebFrame& frame) {
   return kFrameCost + static_cast<double>(frame.head.size()) + body_size(frame);
 }
 
-// All fields of that name count as one list.
+// All header fields of that name form one list.
 std::string forwarded_for(const web_door::Request& request) {
   std::string all;
   const auto [begin, end] = request.equal_range("X-Forwarded-For");
@@ -84,7 +84,7 @@ void WebConnection::start() {
   });
 }
 
-// Of answers that nobody shares any one may be large, but not many of them may wait.
+// Answers to one client only: a single one may be large, but few may wait.
 void WebConnection::send(WebFrame frame) {
   if (over_) return;
   const double most = 1e6 * server_.params.max_backlog;
@@ -106,7 +106,7 @@ void WebConnection::on_request() {
   address_ = client_address(peer_, forwarded_for(request), server_.proxies);
   server_.pool.set_address(place_, address_);
   server_.make_room();
-  if (!server_.waiting.contains(place_)) return;  // it had to make room itself
+  if (!server_.waiting.contains(place_)) return;  // it was evicted itself
   const bool wants_in = websocket::is_upgrade(request);
   const auto refusal = wants_in ? web_door::refuse(request, server_.rules()) : std::nullopt;
   if (wants_in && !refusal) return upgrade();
@@ -161,7 +161,8 @@ void WebConnection::upgrade() {
   });
 }
 
-// A client that says goodbye has left, even while the answer waits behind frames it has not read.
+// A close frame ends the client at once, even while the reply waits behind frames that it has not
+// read.
 void WebConnection::on_control(websocket::frame_type type) {
   if (type != websocket::frame_type::close) {
     if (!frames_.allows(steady_seconds())) drop("pings too often");
@@ -172,7 +173,7 @@ void WebConnection::on_control(websocket::frame_type type) {
 }
 
 void WebConnection::join() {
-  boost::system::error_code ignored;  // a client that is gone again must not throw here
+  boost::system::error_code ignored;  // a client may have closed already; do not throw
   beast::get_lowest_layer(*web_).socket().set_option(tcp::no_delay(true), ignored);
   server_.clients[id_] = weak_from_this();
   {
@@ -230,7 +231,7 @@ void WebConnection::leave() {
   server_.queues.leave(id_);
 }
 
-// No farewell: what is too slow to be told the robot's state is too slow for that.
+// No close frame: a client that is too slow for the robot's state is too slow for that, too.
 void WebConnection::drop(const std::string& why) {
   if (std::exchange(over_, true)) return;
   server_.log("web client " + std::to_string(id_) + " " + why + ": dropped");
@@ -238,7 +239,7 @@ void WebConnection::drop(const std::string& why) {
   close();
 }
 
-// It has left the robot at once; the connection ends when it answers, or after kRequestTime.
+// The client is removed immediately; the connection ends when it answers, or after kRequestTime.
 void WebConnection::farewell(const std::string& why) {
   if (std::exchange(over_, true)) return;
   server_.log("web client " + std::to_string(id_) + " " + why + ": dropped");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One TCP connection of the web server: an HTTP request, and then perhaps a WebSocket.
+// One TCP connection of the web server: an HTTP request that may be upgraded to a WebSocket.
 #pragma once
 
 #include <deque>
@@ -27,11 +27,11 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
 
   void start();
   void send(WebFrame frame);
-  /// At once and without a word.
+  /// Closes immediately, without a close frame.
   void close();
 
  private:
-  // Reads no more than so many bytes a second, whatever they are: the rest waits in the socket.
+  // Limits the bytes read per second; the rest waits in the socket.
   using Stream = boost::beast::basic_stream<boost::asio::ip::tcp, boost::asio::any_io_executor,
                                             boost::beast::simple_rate_policy>;
 
@@ -53,15 +53,15 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
   WebServer::State& server_;
   Stream tcp_;
   boost::asio::ip::address peer_;
-  std::string address_;  // that limits count by
+  std::string address_;  // the address that limits apply to
   ConnectionPool::Id place_ = 0;
   boost::beast::http::request_parser<boost::beast::http::empty_body> parser_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::websocket::stream<Stream>> web_;
-  ClientId id_ = 0;  // 0: no client yet
+  ClientId id_ = 0;  // 0: not a client yet
   RateLimit frames_, parts_;
   std::deque<WebFrame> queue_;
-  double backlog_ = 0.0, own_backlog_ = 0.0;  // [B] in the queue; in frames that nobody shares
+  double backlog_ = 0.0, own_backlog_ = 0.0;  // [B] in the queue; of unshared frames
   bool over_ = false;
 };
 

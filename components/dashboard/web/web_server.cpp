@@ -22,12 +22,12 @@ namespace {
 namespace asio = boost::asio;
 using tcp = asio::ip::tcp;
 
-constexpr auto kPause = std::chrono::milliseconds(100);      // after an accept that failed
-constexpr double kAccepts = 2000.0, kAcceptsAtOnce = 200.0;  // [Hz], without a pause
+constexpr auto kPause = std::chrono::milliseconds(100);      // after a failed accept
+constexpr double kAccepts = 2000.0, kAcceptsAtOnce = 200.0;  // [Hz], burst of accepts
 constexpr auto kAcceptPause = std::chrono::milliseconds(1);
-constexpr double kQueue = 4.0;  // [s] of frames that a client's queue holds
+constexpr double kQueue = 4.0;  // [s] of frames at max_rate that a client's queue holds
 
-// At least what the other limits let through at once.
+// At least as much as the other limits allow at once.
 ClientQueues::Limits queue_limits(const WebServerParams& params) {
   ClientQueues::Limits limits;
   limits.frames = std::max(limits.frames, static_cast<std::size_t>(kQueue * params.max_rate));
@@ -35,7 +35,7 @@ ClientQueues::Limits queue_limits(const WebServerParams& params) {
   return limits;
 }
 
-// Where others of the network find this machine; a phone seldom knows its name.
+// Address of this machine in the network; phones usually cannot resolve its name.
 std::string own_address() {
   ifaddrs* all = nullptr;
   if (getifaddrs(&all) != 0) return asio::ip::host_name();
@@ -65,7 +65,7 @@ WebServer::State::State(const WebServerParams& wanted, std::string protocol,
 void WebServer::State::listen() {
   acceptor = web_door::listen(io, params);
   const auto endpoint = acceptor.local_endpoint();
-  // What comes through a proxy may come from anywhere.
+  // Connections through a proxy may come from anywhere.
   loopback = endpoint.address().is_loopback() && proxies.empty();
   if (!params.token_file.empty())
     token = token_from(params.token_file);
@@ -75,12 +75,13 @@ void WebServer::State::listen() {
   accept();
 }
 
-// Not faster than kAccepts: connections that are renewed faster than a request takes to arrive
-// would displace each other. What waits in the kernel has its request there when it is accepted.
+// At most kAccepts per second: connections that are renewed faster than a request takes to arrive
+// would evict each other. A connection that waits in the kernel has its request ready when it is
+// accepted.
 void WebServer::State::accept() {
   acceptor.async_accept([this](auto error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (error) return accept_after(kPause);  // out of files, most likely
+    if (error) return accept_after(kPause);  // probably out of file descriptors
     std::make_shared<WebConnection>(*this, std::move(socket))->start();
     if (accepts.allows(steady_seconds())) return accept();
     accept_after(kAcceptPause);

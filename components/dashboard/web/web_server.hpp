@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: TCP connections. Out: what web clients say, one event after another; files for browsers.
+// The web server: serves the page over HTTP and turns WebSocket messages into a sequence of events.
 #pragma once
 
 #include <cstdint>
@@ -54,21 +54,21 @@ struct WebServerParams {
   }
 };
 
-inline constexpr double kReaderCost = 0.002;   // [s] that a new reader costs here and there
-inline constexpr double kCallCost = 0.005;     // [s] that a service call costs other nodes
-inline constexpr double kCostPerByte = 20e-9;  // [s] of an answer
+inline constexpr double kReaderCost = 0.002;   // [s] cost of a new reader in all processes
+inline constexpr double kCallCost = 0.005;     // [s] cost of a service call in other nodes
+inline constexpr double kCostPerByte = 20e-9;  // [s] cost per byte of an answer
 
-/// A file of the page, and where it lies in memory.
+/// A file of the page, embedded in the library.
 struct WebFile {
   std::string_view content_type, bytes;
 };
 
-/// A frame to a client: a head of its own and a body.
+/// A frame to a client: its own header and a body that may be shared.
 struct WebFrame {
   bool text = false;
   std::string head;
   std::shared_ptr<const std::vector<std::uint8_t>> body{};
-  bool shared = false;  ///< other clients get the same body
+  bool shared = false;  ///< other clients receive the same body
 };
 
 [[nodiscard]] inline std::shared_ptr<const std::vector<std::uint8_t>> body_of(
@@ -76,41 +76,41 @@ struct WebFrame {
   return std::make_shared<const std::vector<std::uint8_t>>(text.begin(), text.end());
 }
 
-/// Serves files over HTTP and speaks WebSocket, on a thread of its own: nothing here ever waits
-/// for the network, and a client that misbehaves (too much, too fast, too slow, from a strange
-/// site, without the token) loses its connection.
+/// Serves files over HTTP and WebSocket clients on its own thread. Calls never wait for the
+/// network. A client that misbehaves (too much, too fast, too slow, wrong origin, no token) is
+/// disconnected.
 class WebServer {
  public:
   using Log = std::function<void(const std::string&)>;  ///< called on the server's thread
 
-  /// Listens at once. Throws std::invalid_argument in one line if it cannot.
+  /// Starts listening. Throws std::invalid_argument with one line if it cannot.
   WebServer(const WebServerParams& params, std::string subprotocol,
             std::map<std::string, WebFile> files, Log log);
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// The next event of a lane, if there is one.
+  /// The next event of a lane; nullopt if there is none.
   [[nodiscard]] std::optional<WebEvent> next(Lane lane);
-  /// Work [s] that an event of the client has cost, here or in other nodes.
+  /// Charges the client for the work [s] that an event has caused, here or in other nodes.
   void charge(ClientId client, double work);
-  /// Binary frames of the client that begin with one of these bytes are urgent.
+  /// Marks binary frames of the client with one of these prefixes as urgent.
   void set_urgent(ClientId client, std::vector<std::string> prefixes);
-  /// Does not wait; a client that is gone gets nothing.
+  /// Does not block; frames to a disconnected client are dropped.
   void send(ClientId client, WebFrame frame);
-  /// The same text to many.
+  /// Sends the same text to many clients.
   template <class ClientIds>
   void send_text(const ClientIds& clients, std::string_view text) {
     const auto body = body_of(text);
     for (const ClientId client : clients) send(client, {true, {}, body, true});
   }
-  /// The same for what the client has asked for: it is charged for the bytes.
+  /// Sends an answer to a client's request: like send, but the client is charged for the bytes.
   void answer(ClientId client, WebFrame frame);
 
   [[nodiscard]] int port() const;
-  /// Where a browser finds the page; the token is not told.
+  /// URL of the page, without the token.
   [[nodiscard]] std::string url() const;
-  /// What clients have to say; empty: nothing.
+  /// Token that clients must present; empty: none.
   [[nodiscard]] const std::string& token() const;
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the connections of a WebServer share. All but the queues belongs to the server's thread.
+// State shared by the connections of a WebServer. Everything but the queues is used on the server's
+// thread only.
 #pragma once
 
 #include <chrono>
@@ -25,7 +26,7 @@ namespace tandem {
 
 class WebConnection;
 
-/// [s] of the clock that all limits of the server count by.
+/// Time [s] on the clock that all limits of the server use.
 [[nodiscard]] inline double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -50,9 +51,9 @@ struct WebServer::State {
   const TrustedProxies proxies;
 
   std::string token;
-  bool loopback = true;  // only programs of this machine can reach the door
+  bool loopback = true;  // only programs on this machine can connect
   int port = 0;
-  int inside = 0;  // connections that became clients and are not closed yet
+  int inside = 0;  // connections that became clients and are still open
   ClientId last_client = 0;
   std::map<ClientId, std::weak_ptr<WebConnection>> clients;
   std::map<ConnectionPool::Id, std::weak_ptr<WebConnection>> waiting;
@@ -64,7 +65,7 @@ struct WebServer::State {
   std::mutex queues_mutex;
   ClientQueues queues;
 
-  boost::asio::io_context io{1};  // after what connections refer to: they die with it
+  boost::asio::io_context io{1};  // declared after what connections use, because it destroys them
   boost::asio::ip::tcp::acceptor acceptor{io};
   boost::asio::steady_timer pause{io};
 

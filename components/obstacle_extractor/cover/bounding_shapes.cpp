@@ -23,7 +23,7 @@ Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
   return {0.5 * (p + q), 0.5 * (p - q).norm()};
 }
 
-// Through three points; around the two farthest apart if they are in line.
+// Circle through three points; if they are collinear, around the two farthest apart.
 Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
   const Eigen::Vector2d u = q - p, v = r - p;
   const double twice_area = 2.0 * cross(u, v);
@@ -81,7 +81,7 @@ TurnedBox smallest_box(const Points& hull) {
     best.angle += 0.5 * std::numbers::pi;
     std::swap(best.half.x(), best.half.y());
   }
-  best.angle = std::remainder(best.angle, std::numbers::pi);  // an ellipse looks both ways
+  best.angle = std::remainder(best.angle, std::numbers::pi);  // symmetric under half a turn
   return best;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to obstacle_extractor. In: points. Out: what lies round them: hull, rectangle, circle.
+// Private to obstacle_extractor. Bounding shapes of points: convex hull, smallest rectangle,
+// smallest circle.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,10 +8,10 @@
 
 namespace tandem {
 
-using Points = std::vector<Eigen::Vector2d>;  // in M [m]; a hull: of convex_hull
+using Points = std::vector<Eigen::Vector2d>;  // in M [m]; a `hull` is the result of convex_hull
 
-/// Convex hull of one point or more, counter-clockwise from its lowest one, without points on its
-/// edges.
+/// Convex hull of at least one point, counter-clockwise from its lowest point, without points on
+/// its edges.
 [[nodiscard]] Points convex_hull(Points points);
 
 /// Rectangle around points, turned by `angle` [rad].
@@ -22,10 +23,11 @@ struct TurnedBox {
   [[nodiscard]] double area() const { return half.x() * half.y(); }
 };
 
-/// The rectangle with a side along `angle` [rad].
+/// The smallest rectangle around the hull that has a side along `angle` [rad].
 [[nodiscard]] TurnedBox box_along(const Points& hull, double angle);
 
-/// The smallest rectangle; it has a side along an edge of the hull. Its length comes first.
+/// The rectangle of least area; it has a side along an edge of the hull. Its longer side comes
+/// first.
 [[nodiscard]] TurnedBox smallest_box(const Points& hull);
 
 struct Circle {
@@ -33,7 +35,7 @@ struct Circle {
   double radius;         ///< [m]
 };
 
-/// Smallest circle around the hull (Welzl 1991, point by point), but for rounding.
+/// Smallest circle around the hull up to rounding (Welzl 1991, incremental).
 [[nodiscard]] Circle smallest_circle(const Points& hull);
 
 }  // namespace tandem

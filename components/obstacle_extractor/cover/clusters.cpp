@@ -17,7 +17,7 @@ class Flood {
         seen_(static_cast<std::size_t>(window.width()) *
               static_cast<std::size_t>(window.height())) {}
 
-  // The group around an obstacle cell, without cells already given; empty if there are none.
+  // The group of an obstacle cell; empty if it was returned before.
   [[nodiscard]] std::vector<CellIndex> group(const CellIndex& start) {
     std::vector<CellIndex> cells;
     visit(start, cells);
@@ -65,8 +65,7 @@ CellIndex lowest(const std::vector<CellIndex>& cells) {
 
 std::vector<std::vector<CellIndex>> clusters_of_tile(const StaticMap& map, const CellRect& tile,
                                                      int whole) {
-  // Groups that meet the tile and end within the window are seen whole; those that do not end in
-  // it are larger than `whole`.
+  // A group that meets the tile lies either entirely within this window or is larger than `whole`.
   const CellRect grid{0, 0, map.grid().width, map.grid().height};
   const CellRect window =
       intersect({tile.x0 - whole, tile.y0 - whole, tile.x1 + whole, tile.y1 + whole}, grid);

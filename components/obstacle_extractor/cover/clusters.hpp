@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a tile of the map. Out: the connected groups of obstacle cells that it answers for.
+// Groups the obstacle cells of the map into connected clusters and assigns each to one tile.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace tandem {
 
-/// Connected groups (edges or corners touch) of obstacle cells. A group no larger than `whole`
-/// cells either way belongs whole to the tile of its lowest, leftmost cell, so that a pole on the
-/// border of two tiles stays one; a larger one is cut along the tiles' borders. Together the tiles
-/// of a map have every obstacle cell exactly once.
+/// The clusters that belong to `tile`: groups of obstacle cells connected by edges or corners. A
+/// group of at most `whole` cells in either direction belongs entirely to the tile of its lowest,
+/// leftmost cell, so that a pole on a tile border stays one cluster; a larger group is split at the
+/// tile borders. Every obstacle cell of the map belongs to exactly one tile.
 [[nodiscard]] std::vector<std::vector<CellIndex>> clusters_of_tile(const StaticMap& map,
                                                                    const CellRect& tile, int whole);
 

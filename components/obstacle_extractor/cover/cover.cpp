@@ -13,16 +13,17 @@
 namespace tandem {
 namespace {
 
-constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts are split until they take less
+constexpr double kTightShare = 0.1;  // of `space_per_shape`: parts that take more are split
 
-constexpr double kLeastGain = 0.005;  // of (1): what a rearrangement must save
+constexpr double kLeastGain = 0.005;  // of (1): minimum gain of a rearrangement
 constexpr int kRounds = 6;
 constexpr int kLevels = 16;      // of coarseness
-constexpr int kGuards = 8;       // times that ways are kept open, at most
-constexpr double kNearly = 1.2;  // as few as wanted: before that it is not worth the time
+constexpr int kGuards = 8;       // maximum number of attempts to keep passages open
+constexpr double kNearly = 1.2;  // times `crowded`: rearranging more is too slow
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-// Where a part is cut: turned from across its length, at a fraction of its extent.
+// A cut of one part: its direction relative to straight across the part's length, and its position
+// as a fraction of the extent.
 struct Cut {
   double turn, fraction;  // turn: [rad]
 };
@@ -35,8 +36,8 @@ constexpr std::array<Cut, 8> kCuts{{{0.0, 0.5},
                                     {0.0, 0.75},
                                     {2.0 * kQuarter, 0.25},
                                     {2.0 * kQuarter, 0.75}}};
-constexpr double kWaste = 0.04;  // of (1), above two ellipses: less is not worth a search
-// Where two parts together are cut.
+constexpr double kWaste = 0.04;  // of (1) beyond two ellipses: with less waste no cut is tried
+// Directions and positions tried when two parts are cut together.
 constexpr int kTurns = 6, kFractions = 5;
 
 class Coverer {
@@ -57,7 +58,7 @@ class Coverer {
     split({middle, part.cells.end()});
   }
 
-  // Joins the pair that lowers (1) most, until none does.
+  // Joins the pair that lowers (1) most until no pair lowers it.
   void join() {
     for (std::size_t i = 0; i < parts_.size(); ++i) try_with_earlier(i);
     while (!joins_.empty()) {
@@ -80,8 +81,8 @@ class Coverer {
     forget_empty();
   }
 
-  // Cuts two neighbours together elsewhere, or a part in two of which each goes to a neighbour or
-  // stays alone, where that lowers (1), until nothing does.
+  // Lowers (1) until nothing does: cuts the union of two neighbours at another place, or cuts a
+  // part in two pieces, each of which joins a neighbour or becomes its own part.
   void rearrange() {
     for (CoverPart& part : parts_) part.changed = 0;
     for (round_ = 0; round_ < kRounds; ++round_) {
@@ -99,8 +100,8 @@ class Coverer {
     }
   }
 
-  // Gives every cell to the largest shape that contains it; shapes left without cells go, those
-  // left with fewer are fitted again.
+  // Assigns every cell to the largest shape that contains it. Shapes left without cells are
+  // dropped, those left with fewer cells are refitted.
   [[nodiscard]] std::vector<CoverShape> shapes() const {
     std::vector<std::size_t> order(parts_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -127,9 +128,9 @@ class Coverer {
     CoverPart both;
   };
 
-  // Where a piece of a part goes: to part `to`, or (to = none) stays a part of its own.
+  // Target of a piece of a part: part `to`, or kNone for a new part.
   struct Move {
-    double cost = std::numeric_limits<double>::infinity();  // more than now
+    double cost = std::numeric_limits<double>::infinity();  // increase of (1)
     std::size_t to = kNone;
     CoverPart part;
   };
@@ -153,7 +154,7 @@ class Coverer {
     }
   }
 
-  // Whether it has not been looked at since it changed: what was in vain once is so again.
+  // Whether the part changed since it was last tried; an unchanged part gives the same result.
   [[nodiscard]] bool is_new(const CoverPart& part) const { return part.changed >= round_; }
 
   [[nodiscard]] bool is_surrounding_new(std::size_t i) const {
@@ -184,7 +185,7 @@ class Coverer {
       }
   }
 
-  // The best two moves of a piece, to different parts.
+  // The two cheapest moves of a piece, to different parts.
   [[nodiscard]] std::array<Move, 2> moves(const Cells& cells, std::size_t from, double most) const {
     std::array<Move, 2> best;
     const auto consider = [&](Move move) {
@@ -237,7 +238,7 @@ class Coverer {
     }
   }
 
-  // The part with these cells of its own alone.
+  // Part i reduced to these of its cells.
   [[nodiscard]] CoverPart of_cells(std::size_t i, Cells own) const {
     CoverPart part = parts_[i];
     const bool has_all = own.size() == part.cells.size();
@@ -259,7 +260,7 @@ std::vector<Obstacle> obstacles(const std::vector<CoverShape>& shapes) {
   return all;
 }
 
-// The same cells by fewer and coarser shapes.
+// Covers the same cells by at most `most` coarser shapes, if kLevels levels suffice.
 std::vector<CoverShape> coarser(PartFitter fitter, const Coverer& fine, std::size_t most) {
   Coverer coverer(fitter, fine.parts());
   for (int level = 0; level < kLevels && coverer.parts().size() > most; ++level) {
@@ -291,7 +292,7 @@ std::vector<CoverShape> cover(const Grid& grid, const std::vector<std::vector<Ce
     if (closed.empty()) return fewer;
     if (!kept.keep(ways.window(), closed)) break;
   }
-  return shapes;  // rather too many than a place cut off
+  return shapes;  // too many shapes are better than a closed passage
 }
 
 }  // namespace tandem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: occupied cells. Out: few shapes that cover them and little else.
+// Covers occupied cells by few shapes that take little free space.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,39 +12,42 @@
 
 namespace tandem {
 
-/// Shape and the box around the cells that it answers for [m].
+/// A shape and the bounding box of the cells it covers [m].
 struct CoverShape {
   Obstacle obstacle;
   Eigen::Vector2d low, high;
 };
 
-/// From a point to the box around the shape's cells [m].
+/// Distance from a point to the bounding box of the shape's cells [m].
 [[nodiscard]] inline double distance_to_cells(const CoverShape& shape, const Eigen::Vector2d& p) {
   return (shape.low - p).cwiseMax(p - shape.high).cwiseMax(0.0).norm();
 }
 
 struct CoverParams {
-  Excess excess;           ///< no shape reaches deeper into free space
-  double space_per_shape;  ///< free space that one shape less may take [m²]
-  std::size_t crowded;     ///< where it takes more shapes than these, they get coarser
+  Excess excess;           ///< maximum reach of a shape into free space
+  double space_per_shape;  ///< free space that saving one shape may cost [m²]
+  std::size_t crowded;     ///< with more shapes than this they are made coarser
 };
 
 /// Shapes that cover the connected `clusters` at little cost,
 ///
 ///   J = Σ over shapes of c + A / A₁                                                    (1)
 ///
-/// with A what the shape takes of the free space (FreeSpace::taken_by), A₁ = `space_per_shape`, and
-/// c = 1, or 0.7 for a circle: it has three numbers where an ellipse has five, its distance costs
-/// the planner less, and a pole stays one shape where ellipses are asked to be tight.
-/// Clusters are split until each part's shape takes next to nothing; then the two neighbours whose
-/// common shape lowers J most are joined, as long as one does; then neighbours are cut anew, and
-/// pieces of parts go to their neighbours, where that lowers J. If more than `crowded` are left,
-/// A₁ grows by 15 %, the reach into narrow ways by 3 cm up to that into open space, and it is
-/// joined and, with nearly as few as wanted, cut again; so up to sixteen times. Where that closes
-/// one of `ways` it is done again with shapes that reach no deeper than `excess.kept` there; if
-/// that does not help, the shapes are those before they got coarser. Every cell lies wholly in a
-/// shape; a single cell has one whatever its excess. Ids are 1 + the index of the lowest cell that
-/// the shape answers for. No randomness: equal arguments give equal shapes.
+/// where A is the free area lost to the shape (FreeSpace::taken_by) and A₁ = `space_per_shape`. c
+/// is 1 for an ellipse and 0.7 for a circle: a circle has three parameters instead of five, its
+/// distance is cheaper for the planner, and poles stay single shapes even when ellipses have to be
+/// tight.
+///
+/// Clusters are split until each part's shape takes almost no free space. Then the pair of
+/// neighbours whose common shape lowers J most is joined until no pair does. Then neighbouring
+/// parts are cut again and pieces are moved between neighbours as long as that lowers J. If more
+/// than `crowded` shapes are left, A₁ grows by 15 % and the reach into narrow passages by 3 cm, up
+/// to the reach into open space, and parts are joined again and, once the count is near `crowded`,
+/// cut again; this is repeated up to sixteen times. If that closes a passage of `ways`, it is
+/// repeated with shapes that reach no deeper than `excess.kept` there; if that does not help, the
+/// shapes before coarsening are returned. Every cell lies wholly in one shape; a single cell always
+/// gets a shape, whatever its excess. Ids are 1 + the index of the lowest cell that the shape
+/// covers. Deterministic: equal arguments give equal shapes.
 [[nodiscard]] std::vector<CoverShape> cover(const Grid& grid,
                                             const std::vector<std::vector<CellIndex>>& clusters,
                                             const FreeSpace& space, const Passages& ways,

@@ -10,8 +10,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kJoinGap = 0.8;  // [m] parts farther apart are not tried together
-// A level's.
+constexpr double kJoinGap = 0.8;  // [m] maximum distance of two parts that are joined
+// Increase per coarseness level.
 constexpr double kMoreSpace = 1.15, kMoreReach = 0.03;  // [-], [m]
 
 Points corners(const Grid& grid, const CellIndex& cell) {
@@ -53,7 +53,7 @@ CoverPart PartFitter::make(Cells cells, Points hull, double most) const {
   return part;
 }
 
-// Of the first and the last cell of each row: no other cell has a corner of the hull.
+// Corners of the first and last cell of each row; only these can be on the hull.
 Points PartFitter::corners_of_rows(const Cells& cells) const {
   const auto [low, high] = std::minmax_element(
       cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.iy < b.iy; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to obstacle_extractor. In: cells. Out: the shape that covers them, and what it costs.
+// Private to obstacle_extractor. Fits one shape to a group of cells and computes its cost.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,41 +15,42 @@ using Cells = std::vector<CellIndex>;
 
 /// Cells that one shape covers.
 struct CoverPart {
-  Cells cells;  ///< none: joined into another
+  Cells cells;  ///< empty: joined into another part
   Points hull;
   EllipseFit fit;
   Eigen::Vector2d low, high;  ///< of the hull [m]
-  int changed = 0;            ///< the round after which it is as it is
+  int changed = 0;            ///< the rearrangement round in which it last changed
 };
 
-/// Makes parts; `grid` and `space` have to outlive it.
+/// Fits parts; `grid` and `space` must outlive it.
 class PartFitter {
  public:
   PartFitter(const Grid& grid, const FreeSpace& space, const CoverParams& params)
       : grid_{grid}, space_{space}, params_{params} {}
 
-  /// A circle's cost in shapes; no shape costs less.
+  /// Cost of a circle relative to an ellipse; no shape costs less.
   static constexpr double kLeastCost = 0.7;
 
-  /// Share of one part in (1) of cover.hpp.
+  /// Contribution of one part to (1) of cover.hpp.
   [[nodiscard]] double cost(const CoverPart& part) const {
     const bool is_circle = part.fit.shape.a == part.fit.shape.b;
     return (is_circle ? kLeastCost : 1.0) + part.fit.taken / params_.space_per_shape;
   }
 
-  /// From now on shapes may take more: a level of cover.hpp.
+  /// Allows shapes to take more free space: the next coarseness level of cover.hpp.
   void coarsen();
 
-  /// The part of these cells. It is found only if it costs at most `most` shapes.
+  /// Fits these cells. `fit.found` is false if the shape would cost more than `most` (in units of
+  /// one ellipse).
   [[nodiscard]] CoverPart fit(Cells cells, double most) const;
-  /// The part that two will be together, still without its cells.
+  /// The joined part of two, with an empty cell list.
   [[nodiscard]] CoverPart fit_both(const CoverPart& p, const CoverPart& q, double most) const;
 
-  /// Sorts the cells into those before and behind a line across `angle` [rad], at this fraction of
-  /// their extent. Both have some if there is more than one cell.
+  /// Partitions the cells by a line perpendicular to `angle` [rad] at this fraction of their
+  /// extent. Neither side is empty if there is more than one cell.
   [[nodiscard]] Cells::iterator cut(Cells& cells, double angle, double fraction) const;
 
-  /// Whether they are near enough for one shape.
+  /// Whether the two parts are near enough to be tried as one shape.
   [[nodiscard]] static bool neighbours(const CoverPart& p, const CoverPart& q);
   [[nodiscard]] bool contains(const CoverPart& part, const CellIndex& cell) const;
 

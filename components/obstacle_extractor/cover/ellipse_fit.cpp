@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kRoom = 1.0 + 1e-9;  // so that rounding leaves no point outside
+constexpr double kRoom = 1.0 + 1e-9;  // margin so that rounding leaves no point outside
 
 Obstacle circle_around(const Points& hull) {
   const Circle circle = smallest_circle(hull);
@@ -22,7 +22,7 @@ Obstacle circle_around(const Points& hull) {
   return shape;
 }
 
-// (1) along the box's length.
+// Parameters of (1): the length lies along the box.
 struct Form {
   TurnedBox box;
   double b, shift;  // [m]
@@ -31,10 +31,10 @@ struct Form {
 struct Candidate {
   Obstacle shape;
   double price;
-  std::optional<Form> form;  // none: the circle
+  std::optional<Form> form;  // nullopt: the circle
 };
 
-// (1), or a circle of radius b if the ellipse would be shorter than wide.
+// The ellipse of (1), or a circle of radius b if the ellipse would be shorter than wide.
 Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, double shift) {
   const Eigen::Vector2d along{std::cos(box.angle), std::sin(box.angle)},
       across{-along.y(), along.x()};
@@ -52,7 +52,7 @@ Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, do
   return ellipse;
 }
 
-// Whether every point along an ellipse with the shape's centre and heading is allowed.
+// Whether all points on the outline of an ellipse with the shape's centre and heading are allowed.
 bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const FreeSpace& space,
                      const Excess& most) {
   constexpr double kSpacing = 0.04;  // [m]
@@ -72,10 +72,11 @@ bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const F
   return true;
 }
 
-// Whether the shape reaches no deeper into free space than `most`: its outline, smaller copies
-// inside, and its long axis, where those are far apart. False if it leaves the known window.
+// Whether the shape reaches no deeper into free space than `most`. Tests its outline, smaller
+// copies of it inside, and the long axis where the copies are far apart. False if the shape leaves
+// the known window.
 bool is_within(const Obstacle& shape, const FreeSpace& space, const Excess& most) {
-  constexpr double kRing = 0.07;  // [m] between two copies, across
+  constexpr double kRing = 0.07;  // [m] between two copies along the short axis
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const Eigen::Vector2d reach{std::hypot(c * shape.a, s * shape.b),
                               std::hypot(s * shape.a, c * shape.b)};
@@ -87,13 +88,13 @@ bool is_within(const Obstacle& shape, const FreeSpace& space, const Excess& most
   return is_within_along(shape, {shape.a, 0.0}, space, most);
 }
 
-// The ellipses around one hull, and the best so far.
+// Searches the ellipses around one hull.
 class Search {
  public:
   Search(const Points& hull, const FreeSpace& space, const FitLimits& limits)
       : hull_{hull}, space_{space}, limits_{limits} {}
 
-  // Exact up to `most`.
+  // Free space taken minus the bonus; exact only up to `most`.
   [[nodiscard]] double price(const Obstacle& shape, double most) const {
     return space_.taken_by(shape, most + bonus(shape)) - bonus(shape);
   }
@@ -107,7 +108,7 @@ class Search {
     return ellipse_of_width(hull_, form.box, form.b, form.shift);
   }
 
-  // The cheapest of a few forms and of the circle; nothing if none is allowed.
+  // The cheapest of a coarse grid of ellipses and the circle; nullopt if none is allowed.
   [[nodiscard]] std::optional<Candidate> coarse(const TurnedBox& box,
                                                 const Obstacle& circle) const {
     std::vector<Candidate> candidates;
@@ -128,7 +129,7 @@ class Search {
     return std::nullopt;
   }
 
-  // Steps in heading, width and shift, smaller ones where none is better.
+  // Pattern search over heading, width and shift; the steps shrink when none is better.
   [[nodiscard]] Candidate improved(Candidate best) const {
     double turn = kTurn, step = kStep;
     for (int round = 0; round < kRounds && best.price > kCheap; ++round) {
@@ -161,9 +162,9 @@ class Search {
   static constexpr double kTurn = 0.08;  // [rad] first step
   static constexpr double kStep = 0.03;  // [m]
   static constexpr int kRounds = 8;
-  static constexpr double kCheap = 1e-3;        // [m²] no need to pay less
+  static constexpr double kCheap = 1e-3;        // [m²] good enough: the search stops
   static constexpr double kLeastGain = 1e-4;    // [m²]
-  static constexpr double kLeastBulge = 0.004;  // [m] less, and (1) is out of all proportion
+  static constexpr double kLeastBulge = 0.004;  // [m] smaller values make (1) badly conditioned
 
   const Points& hull_;
   const FreeSpace& space_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to obstacle_extractor. In: cells of a plane. Out: those that can be reached from them.
+// Private to obstacle_extractor. Breadth-first flood fill on a row-major plane.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace tandem {
 
-/// Adds to `cells` (indices of a row-major plane of `size` cells) what can be reached from them
-/// over sides, the nearest first: the cells for which `enters(cell, from)` is true, which it has to
-/// be only once for each.
+/// Appends to `cells` (indices into a row-major plane of `size` cells) all cells that are reachable
+/// from them over edges, nearest first. `enters(cell, from)` decides whether a cell is entered; it
+/// must return true at most once per cell.
 template <class Enters>
 void flood_fill(std::vector<std::size_t>& cells, std::size_t width, std::size_t size,
                 const Enters& enters) {

@@ -13,8 +13,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kPocket = 0.25;  // [m²] a region of places this small leads nowhere
-constexpr double kAround = 3.0;   // [m] beyond the grid, if what is unknown is free
+constexpr double kPocket = 0.25;  // [m²] smaller regions are discarded as dead ends
+constexpr double kAround = 3.0;   // [m] margin around the grid if unknown cells count as free
 
 bool has_free_cell(const Grid& grid) {
   return std::find(grid.cells.begin(), grid.cells.end(), Cell::kFree) != grid.cells.end();
@@ -39,7 +39,7 @@ FreeRegions::FreeRegions(const StaticMap& map, double smallest_gap)
       const bool known_free = grid.contains(ix, iy) && grid.at(ix, iy) == Cell::kFree;
       useless.push_back(map.is_obstacle(ix, iy) || !(known_free || unknown_is_free) ? 1 : 0);
     }
-  const double most = area_.width() + area_.height();  // in place of infinity
+  const double most = area_.width() + area_.height();  // finite substitute for infinity
   gaps_.reserve(useless.size());
   regions_.reserve(useless.size());
   for (const double gap : distance_transform(useless, area_.width(), area_.height())) {
@@ -49,7 +49,7 @@ FreeRegions::FreeRegions(const StaticMap& map, double smallest_gap)
   label_regions();
 }
 
-// -1 stands for a place without a number.
+// -1 marks a place that has no region number yet.
 void FreeRegions::label_regions() {
   const auto least = static_cast<std::size_t>(kPocket / (resolution_ * resolution_));
   int region = 1;

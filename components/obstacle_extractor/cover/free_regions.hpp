@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a map. Out: where a disc as narrow as the robot can be, and between which places it can go.
+// Computes where a disc of the narrowest passable width fits, and which of these places are
+// connected.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,30 +30,31 @@ struct CellRect {
   [[nodiscard]] bool contains(int ix, int iy) const {
     return ix >= x0 && iy >= y0 && ix < x1 && iy < y1;
   }
-  /// Place of a contained cell in row-major order.
+  /// Row-major index of a contained cell.
   [[nodiscard]] std::size_t index(int ix, int iy) const {
     return static_cast<std::size_t>(iy - y0) * static_cast<std::size_t>(width()) +
            static_cast<std::size_t>(ix - x0);
   }
 };
 
-/// Cells where the centre of a disc of diameter `smallest_gap` can be without contact, in regions
-/// that are connected by such cells. Where a map has free cells, only these are free; else all that
-/// is no obstacle. Pockets too small to drive in are no places.
+/// Free cells where the centre of a disc of diameter `smallest_gap` can be without contact
+/// ("places"), grouped into connected regions. If the map has free cells, only these are free;
+/// otherwise every cell that is not an obstacle is. Regions too small to drive in are discarded.
 class FreeRegions {
  public:
   /// Throws std::invalid_argument if the gap is negative or not finite.
   FreeRegions(const StaticMap& map, double smallest_gap);
 
-  /// Number of the cell's region, from 1; 0: no place.
+  /// The cell's region, from 1; 0: the disc does not fit there.
   [[nodiscard]] int region(int ix, int iy) const {
     return area_.contains(ix, iy) ? regions_[area_.index(ix, iy)] : 0;
   }
-  /// Distance from the cell's centre to what is not free, in cells; 0 beyond what is known.
+  /// Distance from the cell's centre to the nearest cell that is not free, in cells; 0 outside the
+  /// known area.
   [[nodiscard]] float gap(int ix, int iy) const {
     return area_.contains(ix, iy) ? gaps_[area_.index(ix, iy)] : 0.0F;
   }
-  /// Whether there is a place of the region within kBeside of the point.
+  /// Whether the region has a place within kBeside of the point.
   [[nodiscard]] bool is_beside(const Eigen::Vector2d& p_MQ, int region) const;
   /// Region of the place nearest to the point; 0 if none is within kBeside.
   [[nodiscard]] int region_at(const Eigen::Vector2d& p_MQ) const;

@@ -11,11 +11,11 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-constexpr double kFine = 0.027;    // [m] between two points at most
-constexpr int kRows = 40;          // of points that a long shape is judged by
-constexpr double kPassage = 0.30;  // [m] a way that leaves the disc less room sideways is narrow
+constexpr double kFine = 0.027;    // [m] maximum spacing of the fine points
+constexpr int kRows = 40;          // rows sampled of a long shape
+constexpr double kPassage = 0.30;  // [m] a passage with less sideways room for the disc is narrow
 
-// Cells farther than `radius` (in cells) from all of the mask's.
+// Cells at least `radius` (in cells) away from all cells of the mask.
 Mask far_from(const Mask& mask, const CellRect& window, double radius) {
   const auto gap = distance_transform(mask, window.width(), window.height());
   Mask far(mask.size());
@@ -23,7 +23,7 @@ Mask far_from(const Mask& mask, const CellRect& window, double radius) {
   return far;
 }
 
-// What the places make of a cell is decided within the disc's width.
+// A cell's state depends on the places within the disc's diameter.
 CellRect with_border(CellRect window, double radius) {
   const int border = static_cast<int>(std::ceil(2.0 * radius)) + 2;
   return {window.x0 - border, window.y0 - border, window.x1 + border, window.y1 + border};
@@ -48,10 +48,10 @@ FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const Cell
       all[window_.index(ix, iy)] = at != 0 ? 1 : 0;
       own[window_.index(ix, iy)] = at != 0 && (region == 0 || at == region) ? 1 : 0;
     }
-  // No disc reaches farther: the middles of discs along a straight wall are so far from its foot.
+  // Maximum reach of a disc. Along a straight wall the disc centres are this far from its foot.
   const double least = radius_ > 0.5 ? std::ceil(radius_ + 0.5) - 1.5 : 0.0;
   const Mask useless = far_from(all, window_, least + 1e-6);
-  const double most = window_.width() + window_.height();  // in place of infinity
+  const double most = window_.width() + window_.height();  // finite substitute for infinity
   for (const double depth : distance_transform(useless, window_.width(), window_.height()))
     depth_.push_back(static_cast<float>(resolution_ * std::min(depth, most)));
   find_useless();
@@ -59,7 +59,8 @@ FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const Cell
   sum_up(places, own);
 }
 
-// A way is narrow where the places are no wider than twice kPassage; there the disc reaches it.
+// A passage is narrow where the region of places is at most 2 kPassage wide; narrow cells are those
+// that the disc covers there.
 void FreeSpace::find_passages(const Mask& places) {
   const double room = kPassage / resolution_;
   const auto transform = [&](const Mask& mask) {
@@ -89,7 +90,7 @@ bool FreeSpace::keep(const CellRect& window, const Mask& cells) {
 }
 
 void FreeSpace::sum_up(const FreeRegions& places, const Mask& own) {
-  Mask beside(own.size());  // a point between two cells' centres may be a place by either
+  Mask beside(own.size());  // a point between two cell centres can be a place through either cell
   for (int iy = window_.y0 + 1; iy < window_.y1 - 1; ++iy)
     for (int ix = window_.x0 + 1; ix < window_.x1 - 1; ++ix) {
       if (own[window_.index(ix, iy)] == 0) continue;
@@ -108,7 +109,7 @@ void FreeSpace::sum_up(const FreeRegions& places, const Mask& own) {
   }
 }
 
-// Linear between the cells' centres: exact along a wall.
+// Linear interpolation between cell centres; exact along a straight wall.
 double FreeSpace::gap_at(const FreeRegions& places, int x, int y) const {
   const double cx = (x + 0.5) / fine_ - 0.5, cy = (y + 0.5) / fine_ - 0.5;
   const int ix = static_cast<int>(std::floor(cx)), iy = static_cast<int>(std::floor(cy));
@@ -124,10 +125,11 @@ bool FreeSpace::knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) c
   return (low.array() >= low_.array()).all() && (high.array() <= high_.array()).all();
 }
 
-// By rows: of an ellipse xᵀQx ≤ 1 a row at height y has the x with
-// Qxx x² + 2 Qxy x y + Qyy y² ≤ 1. The disc about a place touches the shape if the place lies in
-// the shape grown by the radius; the ellipse with longer axes that stands for it lies inside of
-// that (its support function is the smaller), which is near enough for a cost.
+// Sums row by row: in the ellipse xᵀQx ≤ 1 the row at height y contains the x with
+//   Qxx x² + 2 Qxy x y + Qyy y² ≤ 1.
+// The disc at a place touches the shape if the place lies in the shape dilated by the radius. The
+// dilated shape is approximated by an ellipse with axes longer by the radius, which lies inside it
+// (its support function is smaller); that is accurate enough for a cost.
 double FreeSpace::taken_by(const Obstacle& shape, double most) const {
   const double step = resolution_ / fine_, grown = radius_ * resolution_;
   const double a = (shape.a + grown) / step, b = (shape.b + grown) / step;
@@ -140,7 +142,7 @@ double FreeSpace::taken_by(const Obstacle& shape, double most) const {
   const int low = std::max(0, static_cast<int>(std::ceil(m.y() - reach)));
   const int high = std::min(height - 1, static_cast<int>(std::floor(m.y() + reach)));
   const double all = width;
-  const auto column = [all](double x) {  // points left of it: a truncation is quicker than a ceil
+  const auto column = [all](double x) {  // points left of x: truncation is faster than ceil
     return static_cast<std::size_t>(std::clamp(x + 1.0, 0.0, all));
   };
   const double per = 1.0 / qxx;
@@ -178,7 +180,7 @@ bool FreeSpace::allows(const Eigen::Vector2d& p_MQ, const Excess& most) const {
   return at <= std::min(most.narrow, most.kept);
 }
 
-// Most points asked for: without interpolation.
+// Fast path without interpolation: true for most points queried.
 bool FreeSpace::is_useless(const Eigen::Vector2d& p_MQ) const {
   const Eigen::Vector2d c = (p_MQ - first_center_) / resolution_;
   if (!(c.x() >= 0.0 && c.y() >= 0.0 && c.x() < window_.width() && c.y() < window_.height()))
@@ -187,7 +189,7 @@ bool FreeSpace::is_useless(const Eigen::Vector2d& p_MQ) const {
                                 window_.y0 + static_cast<int>(c.y()))] != 0;
 }
 
-// A square between four cells' centres is so if all of them are.
+// A square between four cell centres is useless if the depth is 0 at all four.
 void FreeSpace::find_useless() {
   useless_.resize(window_.size());
   const auto at = [&](int ix, int iy) { return depth_[window_.index(ix, iy)] <= 0.0F; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a window of the map. Out: which of its free space a robot can use, and what a shape takes.
+// Computes which free space of a map window the robot can use, and how much of it a shape takes.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,37 +12,39 @@
 
 namespace tandem {
 
-/// How deep a shape may reach into free space [m]: where there is room, where a way is narrow, and
-/// at most in a narrow way that is kept open.
+/// Maximum reach of a shape into free space [m]: in open space, in narrow passages, and in narrow
+/// passages that must stay open.
 struct Excess {
   double open, narrow, kept;
 };
 
-/// What a robot can use of a window: not the obstacles, not narrow slots and corners, not pockets
-/// without a way out, nor unknown space.
+/// The usable free space of a window. Excludes obstacles, narrow slots and corners, pockets without
+/// an exit, and unknown space.
 class FreeSpace {
  public:
-  static constexpr double kAll = 1e9;  ///< [m²] more than any shape takes
+  static constexpr double kAll = 1e9;  ///< [m²] larger than any shape's area
 
-  /// `region`: the places the robot can go to; 0: all.
+  /// `region`: the free region that the robot can reach; 0: all.
   FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region);
 
-  /// Distance from the point to the nearest place that no disc at any of the map's places
-  /// reaches [m], linear between cell centres; 0 there.
+  /// Depth of the point in the usable space: its distance to the nearest point that no disc at a
+  /// place of the map reaches [m], interpolated linearly between cell centres; 0 outside the usable
+  /// space.
   [[nodiscard]] double depth(const Eigen::Vector2d& p_MQ) const;
 
-  /// Whether a shape may contain the point: it lies no deeper than that.
+  /// Whether a shape may contain the point: its depth is within the limit that applies there.
   [[nodiscard]] bool allows(const Eigen::Vector2d& p_MQ, const Excess& most) const;
 
-  /// Keeps narrow ways open from now on, where they lead through these cells (by CellRect::index).
-  /// False if there are none, or if that was so already.
+  /// Marks the narrow passages through these cells (indexed by CellRect::index) as kept open. False
+  /// if there are none, or if all of them were marked before.
   [[nodiscard]] bool keep(const CellRect& window, const std::vector<std::uint8_t>& cells);
 
-  /// Area of the region's places that the shape takes [m²]: those where the disc touches it. What
-  /// is more than `most` may be told too small, but not as small as that.
+  /// Area of the region's places that are lost to the shape [m²]: those where the disc would touch
+  /// it. Exact up to `most`; a larger area may be underestimated, but the result stays above
+  /// `most`.
   [[nodiscard]] double taken_by(const Obstacle& shape, double most = kAll) const;
 
-  /// Whether the box lies in the window: only there is the space known.
+  /// Whether the box lies in the window; outside of it the free space is not known.
   [[nodiscard]] bool knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
  private:
@@ -54,18 +56,19 @@ class FreeSpace {
 
   double resolution_;
   double radius_;                 // of the disc, in cells
-  CellRect window_;               // with a border, so that gaps at its edge are judged whole
+  CellRect window_;               // includes a border, so that gaps at the edge are complete
   Eigen::Vector2d first_center_;  // of the window's lowest cell [m]
   Eigen::Vector2d low_, high_;    // of the window without the border [m]
   std::vector<float> depth_;
-  std::vector<std::uint8_t> useless_;  // by the cell at its lower left: depth 0
+  std::vector<std::uint8_t> useless_;  // 1: depth 0 in the square with this lower-left corner
   enum class Room : std::uint8_t { kOpen, kNarrow, kKept };
   std::vector<Room> room_;
 
-  // The places again at `fine_` points per cell and axis: a shape's bulge is less than a cell.
+  // The places sampled at `fine_` points per cell and axis, because a shape's bulge is smaller than
+  // a cell.
   int fine_;
   Eigen::Vector2d first_point_;  // [m]
-  std::vector<float> sums_;      // of the places, from the left of each row
+  std::vector<float> sums_;      // prefix sums along each row
 };
 
 }  // namespace tandem

@@ -11,23 +11,24 @@
 namespace tandem {
 namespace {
 
-// What the disc has to spare on either side [m]: less after than before, so that a way that is
-// merely narrower is not closed.
+// Room to spare on either side of the disc [m]. It is less for the coarse shapes, so that a passage
+// that only became narrower does not count as closed.
 constexpr double kBefore = 0.075, kAfter = 0.045;
 constexpr double kLeastRoom = 0.1;  // [m²]
 
 using Mask = std::vector<std::uint8_t>;
 using Labels = std::vector<int>;
 
-// A part before, and the rooms that are left of it after, the largest first.
+// A connected part of the fine labels and the rooms that remain of it in the coarse ones, largest
+// first.
 struct Division {
   int part;
   std::vector<int> rooms;
 };
 
-// The parts of which more than one room is left.
+// The parts that fall into more than one room.
 std::vector<Division> divisions(const Labels& before, const Labels& after, double least) {
-  std::map<int, std::map<int, int>> cells;  // by part, then by piece of it
+  std::map<int, std::map<int, int>> cells;  // cell counts by part, then by piece
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before[i] != 0 && after[i] != 0) ++cells[before[i]][after[i]];
   std::vector<Division> all;
@@ -42,7 +43,7 @@ std::vector<Division> divisions(const Labels& before, const Labels& after, doubl
   return all;
 }
 
-// Marks the shortest ways by which the other rooms could be reached from the largest.
+// Marks the shortest paths from the largest room to the others.
 void mark_ways(const Division& division, const Labels& before, const Labels& after,
                std::size_t width, Mask& way) {
   constexpr auto kNowhere = static_cast<std::size_t>(-1);
@@ -84,7 +85,7 @@ Passages::Passages(const StaticMap& map, const FreeRegions& places, const CellRe
       if (window.contains(cell.ix, cell.iy)) others_[window.index(cell.ix, cell.iy)] = 0;
 }
 
-// The cells whose centres lie in a shape.
+// Cells whose centres lie in a shape.
 Mask Passages::covered(const std::vector<Obstacle>& shapes) const {
   Mask mask(window_.size());
   for (const Obstacle& shape : shapes) {
@@ -99,12 +100,13 @@ Mask Passages::covered(const std::vector<Obstacle>& shapes) const {
   return mask;
 }
 
-// Where the disc that has so much to spare can be, in connected parts. `to_others`: in cells.
+// Labels the connected parts where a disc with `spare` [m] on either side fits. `to_others`:
+// distance to the other occupied cells, in cells.
 Labels Passages::parts(const std::vector<Obstacle>& shapes, const std::vector<double>& to_others,
                        double spare) const {
   const auto to_shapes = distance_transform(covered(shapes), window_.width(), window_.height());
   const double least = radius_ + spare / grid_.resolution;
-  constexpr int kOpen = -1;  // without a number yet
+  constexpr int kOpen = -1;  // not labelled yet
   Labels labels(window_.size());
   for (std::size_t i = 0; i < labels.size(); ++i)
     if (is_place_[i] != 0 && std::min(to_shapes[i], to_others[i]) >= least) labels[i] = kOpen;
@@ -124,7 +126,7 @@ Labels Passages::parts(const std::vector<Obstacle>& shapes, const std::vector<do
   return labels;
 }
 
-// What the disc passes over on the way, with what it has to spare.
+// Cells that the disc covers along the path, including its spare room.
 Mask Passages::swept(const Mask& way) const {
   const auto to_way = distance_transform(way, window_.width(), window_.height());
   Mask mask(way.size());

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to obstacle_extractor. In: shapes before and after they got coarser. Out: the ways that
-// this has closed.
+// Private to obstacle_extractor. Finds the passages that coarser shapes have closed.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +12,27 @@
 
 namespace tandem {
 
-/// Ways of a disc as wide as the robot between the places of a window, past shapes that cover some
-/// of its obstacles.
+/// Passages for a disc of the robot's width between the free places of a window, past shapes that
+/// cover some of its obstacles.
 class Passages {
  public:
-  /// `region`: the places the robot can go to; 0: all. `width`: of the robot [m]. `clusters`: the
-  /// cells that the shapes cover; what else is not free is as it is. `map` has to outlive this.
+  /// `region`: the free region that the robot can reach; 0: all. `width`: of the robot [m].
+  /// `clusters`: the cells that the shapes cover; all other cells that are not free stay as they
+  /// are. `map` must outlive this.
   Passages(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region,
            double width, const std::vector<std::vector<CellIndex>>& clusters);
 
   [[nodiscard]] const CellRect& window() const { return window_; }
 
-  /// Where a disc that is 7.5 cm wider on either side gets through between the `fine` shapes from
-  /// one room to another, and one that is 4.5 cm wider does not any more between the `coarse` ones:
-  /// the cells that it passes over, by CellRect::index; empty if there are none. A room is a piece
-  /// of places of more than 0.1 m².
+  /// The cells (by CellRect::index) swept in passages that are open between the `fine` shapes for a
+  /// disc with 7.5 cm to spare on either side, but closed between the `coarse` ones for a disc with
+  /// 4.5 cm to spare; empty if there are none. Only passages between pieces of free space of more
+  /// than 0.1 m² count.
   [[nodiscard]] std::vector<std::uint8_t> closed(const std::vector<Obstacle>& fine,
                                                  const std::vector<Obstacle>& coarse) const;
 
  private:
-  using Labels = std::vector<int>;  // of the window's cells: the connected part, from 1; 0: none
+  using Labels = std::vector<int>;  // connected part of each cell of the window, from 1; 0: none
 
   [[nodiscard]] Labels parts(const std::vector<Obstacle>& shapes,
                              const std::vector<double>& to_others, double spare) const;
@@ -43,7 +43,7 @@ class Passages {
   double radius_;  // of the disc, in cells
   CellRect window_;
   std::vector<std::uint8_t> is_place_;
-  std::vector<std::uint8_t> others_;  // what is not free and no cell of the clusters
+  std::vector<std::uint8_t> others_;  // cells that are not free and not in the clusters
 };
 
 }  // namespace tandem
