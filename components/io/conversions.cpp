@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kLeastNorm = 1e-6;  // a quaternion that is shorter says nothing
+constexpr double kLeastNorm = 1e-6;  // a shorter quaternion defines no rotation
 
 geometry_msgs::msg::Point point(double x, double y, double z = 0.0) {
   geometry_msgs::msg::Point p;

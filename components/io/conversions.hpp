@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: messages. Out: model types, and back. The only place where message fields are touched; what
-// is not finite stops here.
+// Converts between messages and model types, and rejects values that are not finite.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -46,12 +45,11 @@ struct Odometry {
 [[nodiscard]] std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg);
 [[nodiscard]] geometry_msgs::msg::Twist to_msg(const Twist2& twist);
 
-/// The twist of B on a robot whose frame C moves so, with B fixed at X_CB in C. What it would be to
-/// the side in B is not read.
+/// The twist of frame B, fixed at X_CB on a robot whose frame C moves with `of_C`. B's lateral
+/// velocity is ignored.
 [[nodiscard]] Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C);
 
-/// What is wrong with a pose that from_msg refuses: "is not finite", or that its quaternion is
-/// zero.
+/// Why from_msg rejects a pose: "is not finite", or that its quaternion is zero.
 [[nodiscard]] const char* fault_of(const geometry_msgs::msg::Quaternion& orientation);
 
 /// Heading from the quaternion's yaw. Nothing if a number is not finite or the quaternion is zero.
@@ -91,15 +89,15 @@ struct Obstacles {
 [[nodiscard]] tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
                                                      const std_msgs::msg::Header& header);
 
-/// The scan, which looks into the message. Intensities are not read.
+/// The scan as a view into the message, which must outlive it. Intensities are not read.
 [[nodiscard]] RangeScan from_msg(const sensor_msgs::msg::LaserScan& msg);
-/// What a sensor measured; malformed messages give an error in it.
+/// The range returns of a sensor; a malformed message sets their error.
 [[nodiscard]] RangeReturns from_msg(const sensor_msgs::msg::PointCloud2& msg);
 
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
                                           const std_msgs::msg::Header& header);
-/// The plane of the message, whatever it says; error_of tells what is wrong with it. An origin that
-/// is not finite or has a zero quaternion becomes one that is not finite.
+/// The unchecked plane of the message; error_of() reports faults. An origin that is not finite or
+/// has a zero quaternion becomes one that is not finite.
 [[nodiscard]] OccupancyPlane from_msg(const nav_msgs::msg::OccupancyGrid& msg);
 /// 100 occupied, 0 free, −1 unknown, as RViz and Nav2 read it.
 [[nodiscard]] nav_msgs::msg::OccupancyGrid to_msg(const Grid& grid,
@@ -108,13 +106,13 @@ struct Obstacles {
 /// Flat cylinders, `namespace` "obstacles", preceded by a marker that deletes the old ones.
 [[nodiscard]] visualization_msgs::msg::MarkerArray to_markers(std::span<const Obstacle> obstacles,
                                                               const std_msgs::msg::Header& header);
-/// Outlines of forbidden regions and guidance lines, in namespaces of their own.
+/// Outlines of forbidden regions and guidance lines, in separate marker namespaces.
 [[nodiscard]] std::vector<visualization_msgs::msg::Marker> to_markers(
     const VirtualFixtures& fixtures, const std_msgs::msg::Header& header);
 /// An arrow for the leader and a line for its leash.
 [[nodiscard]] visualization_msgs::msg::MarkerArray leader_markers(
     const Pose2& X_ML, const Pose2& X_MB, const std_msgs::msg::Header& header);
-/// An arrow at each goal, as solid as it is likely, and its likelihood in percent.
+/// An arrow at each goal, whose opacity is its likelihood, and the likelihood in percent.
 [[nodiscard]] visualization_msgs::msg::MarkerArray goal_markers(
     std::span<const Pose2> X_MG, std::span<const double> belief,
     const std_msgs::msg::Header& header);

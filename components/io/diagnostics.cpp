@@ -31,7 +31,7 @@ bool gives(const Status& status, const std::string& topic) {
   return false;
 }
 
-// Who gives that topic and is unwell.
+// The faulty node that publishes the topic; null if there is none.
 const Status* unwell_giver(const Diagnoses& diagnoses, const std::string& topic) {
   if (topic.empty()) return nullptr;
   for (const auto& [name, status] : diagnoses)
@@ -88,7 +88,7 @@ std::string value_of(const Status& status, std::string_view key) {
   return {};
 }
 
-// As many steps as there are nodes: two that wait for each other make no endless loop.
+// At most one step per node, so that nodes waiting for each other cause no endless loop.
 const Status& first_cause(const Diagnoses& diagnoses, const Status& of) {
   const Status* cause = &of;
   for (std::size_t step = 0; step < diagnoses.size(); ++step) {

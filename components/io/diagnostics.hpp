@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Publishes a node's health on /diagnostics, and follows what nodes say there to the first cause.
+// Publishes a node's health on /diagnostics, and traces the reports of all nodes to the first
+// cause.
 #pragma once
 
 #include <initializer_list>
@@ -12,10 +13,9 @@
 
 namespace tandem {
 
-/// What a node says of itself on /diagnostics: every second, and a trouble at once when it comes,
-/// changes or goes. Beside the message stand the values `remedy` (from the table of reasons.hpp),
-/// `gives` (the topics that suffer if the node is unwell) and `waits_for` (the topic that it
-/// lacks).
+/// Publishes a node's status on /diagnostics every second, and immediately when a fault appears,
+/// changes or ends. Besides the message it has the values `remedy` (from the table in reasons.hpp),
+/// `gives` (the topics affected by a fault) and `waits_for` (the missing input topic).
 class Diagnostics {
  public:
   static constexpr double kPeriod = 1.0;  // [s]
@@ -25,12 +25,12 @@ class Diagnostics {
   Diagnostics(const Diagnostics&) = delete;
   Diagnostics& operator=(const Diagnostics&) = delete;
 
-  /// All is well (level OK), or as well as it can be while nobody wants anything.
+  /// The node works or is idle (level OK).
   void report_well(const std::string& message) { report({.well = true, .message = message}); }
-  /// Something is wrong (level WARN). `waits_for`: the topic whose silence it is due to; empty if
-  /// it is not due to another node.
+  /// The node has a fault (level WARN). `waits_for`: the silent topic that causes it; empty if no
+  /// other node causes it.
   void report_trouble(const std::string& message, const char* waits_for = "");
-  /// The same, with a cause that another node gave, and its remedy.
+  /// Reports a fault with the cause and remedy that another node reported.
   void report_cause(const std::string& message, const std::string& remedy) {
     report({.message = message, .remedy = remedy});
   }
@@ -51,26 +51,26 @@ class Diagnostics {
   rt::Timer timer_;
 };
 
-/// The last word of each part of each node on /diagnostics, by the part's name.
+/// The last status of each part of each node on /diagnostics, by the part's name.
 using Diagnoses = std::map<std::string, diagnostic_msgs::msg::DiagnosticStatus>;
 
-/// Adds what a message says. Of more than a thousand parts, further ones are not kept.
+/// Adds the statuses of a message. Keeps at most a thousand parts.
 void add(Diagnoses& diagnoses, const diagnostic_msgs::msg::DiagnosticArray& msg);
 
 /// A value of a status; empty if it has none of that key.
 [[nodiscard]] std::string value_of(const diagnostic_msgs::msg::DiagnosticStatus& status,
                                    std::string_view key);
 
-/// The first cause of an unwell node's trouble: the node that gives what it waits for, if that is
-/// unwell too, and so on; `of` itself if there is none.
+/// The first cause of a node's fault: follows `waits_for` to the faulty node that publishes the
+/// topic, and so on; `of` itself if there is none.
 [[nodiscard]] const diagnostic_msgs::msg::DiagnosticStatus& first_cause(
     const Diagnoses& diagnoses, const diagnostic_msgs::msg::DiagnosticStatus& of);
 
-/// Subscribes /diagnostics for a node that says why the robot stands. What the node itself says
-/// there is no cause.
+/// Subscribes to /diagnostics for a node that reports why the robot is stopped. Ignores the node's
+/// own status.
 class Causes {
  public:
-  /// Words older than this [s] come from a node that is gone.
+  /// A node whose last status is older than this [s] counts as gone.
   static constexpr double kGone = 3.0 * Diagnostics::kPeriod;
 
   struct Cause {
@@ -82,8 +82,7 @@ class Causes {
   Causes(const Causes&) = delete;
   Causes& operator=(const Causes&) = delete;
 
-  /// Another node's trouble, to which that of the node which gives `topic` is due; nothing if there
-  /// is none.
+  /// The fault of another node that explains why `topic` is missing; nullopt if there is none.
   [[nodiscard]] std::optional<Cause> behind(const char* topic);
 
  private:

@@ -57,7 +57,7 @@ void FramesInput::hear(const geometry_msgs::msg::TransformStamped& msg, const Fr
         msg.header().frame_id());
 }
 
-// The publishers are known a moment later, once discovery has been asked.
+// Reported with a delay, because discovery needs a moment to name the publishers.
 void FramesInput::react(LinkFate fate, const std::string& child, const std::string& parent) {
   if (fate == LinkFate::kFull)
     node_.log().error_every(10.0, "/tf has more than {} frames: `{}` is dropped", FrameTree::kMost,
@@ -97,7 +97,7 @@ std::optional<FramePose> FramesInput::find(std::string_view a, std::string_view 
   return std::nullopt;
 }
 
-// A clock that was set back makes what was heard before of no known age.
+// After the clock jumps back, older timestamps lie in the future and their age is unknown.
 bool FramesInput::is_fresh(const FramePose& found) const {
   const double now = node_.now();
   return found.is_static() || (found.heard <= now && now - found.heard <= timeout_);

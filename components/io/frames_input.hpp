@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Subscribes /tf and /tf_static for a node, and places what other messages say of their frames.
+// Subscribes to /tf and /tf_static, and looks up the frames of other messages.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace tandem {
 
-/// Where a frame is in another one, or why nobody knows.
+/// The result of a transform lookup: the transform, or why there is none.
 struct Placing {
   std::optional<Eigen::Isometry3d> X_AB = {};
   bool is_static = true;     ///< X_AB does not change
@@ -24,8 +24,8 @@ struct Placing {
   std::string refusal = {};  ///< empty if X_AB is there
 };
 
-/// The one frame tree of a node. Every input whose numbers depend on a frame asks it, so that all
-/// of them take a frame that /tf knows, and refuse another one with the same reason.
+/// The frame tree shared by all inputs of a node, so that they accept the same frames and reject
+/// unknown ones with the same reason.
 ///
 /// A frame is as old as the oldest dynamic link of its chain, and too old after
 /// `transform_timeout`. With `map_is_odom` map and odom are one frame. A child with two parents is
@@ -45,7 +45,8 @@ class FramesInput {
 
   [[nodiscard]] const Frames& names() const { return names_; }
   [[nodiscard]] const FrameTree& tree() const { return tree_; }
-  /// Messages so far: while it stays, so do the answers, unless a frame grows old.
+  /// Number of messages so far. While it is unchanged, lookups change only by frames growing too
+  /// old.
   [[nodiscard]] std::uint64_t heard() const { return heard_; }
 
   /// X_AB of frame B in frame A, at the stamp or, if that is zero, as they are now.
@@ -53,11 +54,11 @@ class FramesInput {
                               const Stamp& stamp = {}) const;
   /// X_MF of a message's frame in the map. An empty name is the map's.
   [[nodiscard]] Placing in_map(std::string_view frame, const Stamp& stamp = {}) const;
-  /// The same in the plane, for a message of `topic`; logs why it has to be dropped.
+  /// The same in the plane, for a message of `topic`. Logs the reason if there is no result.
   [[nodiscard]] std::optional<Pose2> in_map(const std_msgs::msg::Header& header,
                                             const char* topic) const;
-  /// The same for what a person points at: `/tf` alone counts, for their tool knows nothing of
-  /// `map_is_odom`, and takes map and odom for two frames.
+  /// The same for poses set by a person in a tool such as RViz: uses `/tf` only, because the tool
+  /// does not know `map_is_odom` and treats map and odom as two frames.
   [[nodiscard]] std::optional<Pose2> in_map_by_tf(const std_msgs::msg::Header& header,
                                                   const char* topic) const;
   /// Whether it is the map's own frame, or odom with `map_is_odom`. An empty name is the map's.
@@ -69,7 +70,7 @@ class FramesInput {
 
   /// The sender's GUID, hexadecimal, as rt::DomainEndpoint::id.
   [[nodiscard]] static std::string id_of(const FrameSender& sender);
-  /// The publisher as "/ns/name"; its GUID as long as nobody claims it.
+  /// The publisher as "/ns/name"; its GUID until discovery assigns it to a node.
   [[nodiscard]] std::string name_of(const FrameSender& sender) const;
   /// Each child that was given two parents in the last kRecently [s], in words; may be empty.
   [[nodiscard]] std::string two_parents() const;

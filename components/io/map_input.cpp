@@ -57,7 +57,8 @@ MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInp
   if (params_.map_source != "local")
     with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
-  worker_ = std::thread{[this] { run(); }};  // last: whoever throws before has no thread to end
+  worker_ =
+      std::thread{[this] { run(); }};  // last, so that an exception above leaves no thread running
 }
 
 MapInput::~MapInput() {
@@ -115,7 +116,7 @@ void MapInput::hand_over(Inbox& inbox, Job job) {
   arrived_.notify_one();
 }
 
-// Nothing, and why, if the frame is not known.
+// Returns nullopt and sets `refusal` if the frame is unknown or not level.
 std::optional<MapInput::Place> MapInput::place_of(const std::string& frame,
                                                   std::string& refusal) const {
   const Placing placing = frames_.in_map(frame);
@@ -132,7 +133,7 @@ std::optional<MapInput::Place> MapInput::place_of(const std::string& frame,
                .follows = !frames_.is_map(frame)};
 }
 
-// How far something near the robot moves if the frame does [m].
+// How far a point near the robot moves when the frame moves [m].
 double MapInput::shift(const Place& from, const Place& to) const {
   const Eigen::Vector2d p_MQ = p_MB_.value_or(from.X_MF.position());
   const Eigen::Vector2d p_FQ = transform(inverse(from.X_MF), p_MQ);
@@ -140,8 +141,8 @@ double MapInput::shift(const Place& from, const Place& to) const {
          kNear * std::abs(wrap_angle(to.X_MF.theta - from.X_MF.theta));
 }
 
-// Hands over a map whose frame has become known, or has moved; says if the one in force is
-// misplaced by now. What is seen now comes again by itself.
+// Queues a map whose frame has become known or has moved, and sets `trouble` if the map in force is
+// misplaced. octomap_local is not queued again after a move because a new one arrives soon.
 void MapInput::follow_frame(Inbox& inbox) {
   if (inbox.unplaced && inbox.tried != frames_.heard())
     hand_over(inbox, *std::exchange(inbox.unplaced, std::nullopt));
@@ -163,8 +164,8 @@ void MapInput::follow_frame(Inbox& inbox) {
                                 in_force->frame);
 }
 
-// Where two publish, nobody knows whose map is this robot's: the one in force stays. A second one's
-// map may come before DDS has counted it, so who sent it counts too.
+// With two publishers the map's owner is ambiguous, so keep the current map. A second publisher's
+// map may arrive before DDS has counted it, so check the sender too.
 bool MapInput::is_foreign(const char* topic, const Inbox& inbox) const {
   const int publishers = inbox.subscription.matched();
   if (publishers <= 1) return inbox.sender && *inbox.sender != inbox.subscription.sender();
@@ -175,8 +176,8 @@ bool MapInput::is_foreign(const char* topic, const Inbox& inbox) const {
   return true;
 }
 
-// Who is left sends its latched map to whoever subscribes anew: to one that was refused for another
-// robot's sake, or for that of a map_server that died without a word.
+// Subscribing again makes the remaining publisher resend its latched map, which was rejected while
+// there was a second publisher or a map_server that had crashed.
 template <class M>
 void MapInput::ask_again(const rt::Topic<M>& topic, Inbox& inbox) {
   if (inbox.refused && inbox.subscription.matched() <= 1) subscribe(topic, inbox);
@@ -284,7 +285,7 @@ MapInput::Live MapInput::take_local(const Job& job,
                                                  : nullptr};
 }
 
-// Where nothing is seen nothing may stand: only a map that stays must hold something.
+// octomap_local may be empty when nothing is in view; an empty static map is an error.
 Grid MapInput::decode(const MapMessage& msg, double height, bool may_be_empty) const {
   return std::visit([&](const auto& map) { return grid_of(map, height, may_be_empty); }, msg);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: octomap_binary or map, octomap_local. Out: the world they show, decoded off the node's
-// thread.
+// Subscribes to octomap_binary or map and to octomap_local, and decodes them into a StaticMap on a
+// worker thread.
 #pragma once
 
 #include <condition_variable>
@@ -69,24 +69,25 @@ struct MapInputParams {
                                                                   const Eigen::Vector2d& p_MB,
                                                                   const MapInputParams& params);
 
-/// Whether a node asks for ground that nobody has seen too.
+/// Whether a node also uses ground that no sensor has seen.
 enum class UnseenGround { kIgnored, kHeeded };
 
-/// Subscribes the maps for a node, by `map_source` and `static_map`. A whole building takes 50 to
-/// 90 ms to decode, so a thread of its own does it; the node goes on with the old map meanwhile.
-/// Only the newest message of each topic waits. Bytes that are no map are logged and leave the old
-/// map in force; so does a map that comes while two nodes publish its topic, or from another one
-/// than the one in force. Once one is left, its map is asked for.
+/// Subscribes to the maps selected by `map_source` and `static_map`. Decoding a whole building
+/// takes 50 to 90 ms, so a worker thread does it while the node uses the old map. Only the newest
+/// message of each topic is queued. Invalid messages are logged and leave the old map in force. So
+/// do maps that arrive while two nodes publish the topic, or from another publisher than the map in
+/// force. When one publisher is left, its map is requested again.
 ///
-/// A map in another frame than the map's is placed by `/tf`: turned into the map's grid, so that no
-/// obstacle is lost, and again whenever the frame has moved; a slice costs far less than decoding.
+/// A map in another frame is transformed into the map frame by `/tf` without losing obstacles, and
+/// again whenever its frame has moved; a slice costs far less than decoding.
 /// Obstacles of a frame that may move are grown by kSpread, and hold for so long as it has moved by
 /// less: the next placing begins at half of it. Where it has moved farther, as after a jump, there
 /// is no map until it is placed anew. A map whose frame is not known waits for `/tf`, and the old
 /// one stays in force.
 ///
-/// `octomap_local` is small and comes with every scan. It is laid over the static map within
-/// `local_reach` of the robot only, so that an update costs the same in any building.
+/// `octomap_local` is small and arrives with every scan. It is merged with the static map only
+/// within `local_reach` of the robot, so that the cost of an update does not depend on the
+/// building's size.
 class MapInput {
  public:
   static constexpr double kSpread = 0.03;    ///< [m]
@@ -110,9 +111,9 @@ class MapInput {
   /// null if it is ignored, and without octomap_local.
   [[nodiscard]] std::shared_ptr<const StaticMap> unseen() const;
 
-  /// Why `map` gave none.
+  /// Why map() returned null.
   [[nodiscard]] std::string missing() const;
-  /// The topic that it lacks then, by its name in topics.hpp; empty if it lacks none.
+  /// The missing topic, by its name in topics.hpp; empty if none is missing.
   [[nodiscard]] const char* missing_topic() const;
 
  private:

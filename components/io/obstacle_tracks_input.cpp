@@ -38,7 +38,7 @@ void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
   heard_(std::move(people.all));
 }
 
-// By who spoke, not by whom DDS knows: a tracker that died is known for a while yet.
+// Compares senders instead of matched publishers, because DDS lists a dead tracker for a while.
 bool ObstacleTracksInput::two_speak() {
   const double now = node_.steady_now();
   const auto sender = people_.sender();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: people. Out: who walks where, for every node that must know.
+// Subscribes to people and delivers the obstacle tracks in the map frame.
 #pragma once
 
 #include <functional>
@@ -11,11 +11,10 @@
 
 namespace tandem {
 
-/// Subscribes `people` for a node. A list in another frame is transformed where `/tf` knows that
-/// frame. One of an unknown frame or of none, or with somebody in it who is no finite
-/// ellipse, is logged and dropped whole: who is left out of it might be the one in the way. So is
-/// each while two nodes publish them, and for `kTwoSpeak` after: a list tells of everybody near,
-/// and one of the two leaves out whom the other sees.
+/// Subscribes to `people`. Lists in another frame are transformed by `/tf`. A list with an unknown
+/// or empty frame or any invalid ellipse is logged and rejected whole, because dropping one person
+/// could drop the one in the robot's path. Lists are also rejected while two nodes publish them,
+/// and for `kTwoSpeak` after, because each list must contain everybody nearby.
 class ObstacleTracksInput {
  public:
   using Stamped = std::function<void(std::vector<Obstacle>)>;

@@ -54,7 +54,7 @@ std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odom
   return {};
 }
 
-// What moves elsewhere in the tree is no news of the robot.
+// Changes elsewhere in the tree do not affect the robot's state.
 void RobotStateInput::on_frames() {
   const auto found = frames_.tree().find(frames_.names().map, frames_.names().odom);
   if (!found ||

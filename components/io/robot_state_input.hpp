@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: odom and tf. Out: where the robot is, for every node that must know.
+// Subscribes to odom and tf, and composes the robot's state in the map frame.
 #pragma once
 
 #include <functional>
@@ -32,8 +32,8 @@ class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
                   std::function<void(double)> on_odom = {});
-  /// From now on odometry that is older by its stamp than `usual` [s] counts as of when it was due,
-  /// not of when it came: a slow network must not make an old pose new.
+  /// From now on odometry whose stamp is older than `usual` [s] is dated by when it was due, not by
+  /// its arrival, so that a slow network does not make an old pose look new.
   void believe_stamps(double usual) { usual_age_ = usual; }
   /// Calls `heard` after each odometry and each transform, with the state that it made, if any.
   void on_state(std::function<void(const RobotState&)> heard) { on_state_ = std::move(heard); }

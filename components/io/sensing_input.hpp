@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: sensing_status. Out: why octomap_local must not be driven by.
+// Subscribes to sensing_status and reports why octomap_local must not be used for driving.
 #pragma once
 
 #include <string>
@@ -10,17 +10,16 @@
 
 namespace tandem {
 
-/// Subscribes what the octomap_builder says of its sensors, for a node whose `map_source` is local
-/// or both. Where no node publishes it, octomap_local is of another source and is believed as long
-/// as it is fresh (MapInput).
+/// Subscribes to the octomap_builder's sensor status if `map_source` is local or both. If no node
+/// publishes it, octomap_local has another source and is trusted while it is fresh (MapInput).
 class SensingInput {
  public:
   SensingInput(rt::Node& node, const MapInputParams& params);
   SensingInput(const SensingInput&) = delete;
   SensingInput& operator=(const SensingInput&) = delete;
 
-  /// Why the robot must stand, in one line; empty if the sensors see, or nobody tells. Silence of
-  /// longer than `local_timeout` of a node that publishes is a reason too.
+  /// Why the robot must stop, in one line; empty if the sensors work or no node publishes their
+  /// status. A publisher that is silent for longer than `local_timeout` is also a reason.
   [[nodiscard]] std::string trouble();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the stamp of a message. Out: whether it is from now.
+// Checks whether a message's stamp is recent.
 #pragma once
 
 #include <functional>
@@ -21,8 +21,7 @@ struct StampParams {
   }
 };
 
-/// What a person wants now may not be what a slow link held back: tells by the stamp. A stamp of
-/// zero counts as none.
+/// Rejects commands that a slow link has delayed, by their stamps. A zero stamp counts as no stamp.
 class StampCheck {
  public:
   StampCheck(rt::Node& node, std::string topic, const StampParams& params);

@@ -16,14 +16,14 @@ using runtime::kLatched;
 using runtime::kSensorData;
 using runtime::Topic;
 
-/// Velocity commands: the newest only, and none that the network has held back for longer.
+/// Velocity commands: only the newest, and none that the network delayed beyond the lifespan.
 inline constexpr runtime::QoS kCommand{.depth = 1, .lifespan = 0.2};
 
 // the person
 inline constexpr Topic<sensor_msgs::msg::Joy> joy{"joy"};
 inline constexpr Topic<sensor_msgs::msg::JoyFeedback> joy_feedback{"joy/set_feedback"};
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_user{"cmd_vel_user", kCommand};
-/// The person's command as `hindsight` would have it, for the planner in the place of cmd_vel_user.
+/// The person's command as corrected by `hindsight`; replaces cmd_vel_user as the planner's input.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assisted", kCommand};
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
@@ -31,7 +31,7 @@ inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"lea
 /// Why a stick that somebody holds moves nothing; empty once it does. Repeated while it holds.
 inline constexpr Topic<std_msgs::msg::String> teleop_status{"teleop/status"};
 inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
-/// How user input is read: best effort, so that no device goes unheard.
+/// QoS for reading user input: best effort, which matches every device's publisher.
 inline constexpr runtime::QoS kUserInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
 /// The same for joy, with a queue: the next sample must not overwrite one at rest, which teleop has
@@ -48,7 +48,7 @@ inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
 inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
     "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
 inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
-/// Whoever walks about, with velocity; everybody near, in each message.
+/// People with their velocities. Each message must contain everybody nearby.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
     "people", {.depth = 1}, Hears::kEvery};
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
@@ -62,7 +62,7 @@ inline constexpr Topic<nav_msgs::msg::Path> plan{"plan"};
 inline constexpr Topic<nav_msgs::msg::Path> user_path{"user_path"};
 inline constexpr Topic<tandem_msgs::msg::PlannerStatus> planner_status{"planner/status"};
 
-// arbitration and the last word
+// arbitration and safety filter
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_nav{"cmd_vel_nav", kCommand};
 inline constexpr Topic<std_msgs::msg::Bool> e_stop{"e_stop", kLatched};
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_arbitrated{"cmd_vel_arbitrated",
@@ -78,8 +78,7 @@ inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> diagnostics{"/diag
 inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
     "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Hears::kEvery};
-/// What is fixed to what: said once, kept for those who come later; each who says it keeps their
-/// own.
+/// Latched static transforms, one history per publisher.
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
     "/tf_static",
     {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: Twist and TwistStamped under one topic name. Out: the commands of both, none that is old.
+// Subscribes to velocity commands as Twist and TwistStamped under one topic name, and drops stale
+// ones.
 #pragma once
 
 #include <functional>
@@ -28,7 +29,7 @@ class TwistInput {
   void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
   /// What map and odom are called here, if not by their usual names.
   void set_frames(Frames frames) { frames_ = std::move(frames); }
-  /// Commands that are not finite go on too, to a node that stops for them.
+  /// Also delivers commands that are not finite, for a node that stops on them.
   void pass_not_finite() { passes_not_finite_ = true; }
   /// The publisher of the last command; valid within its callback.
   [[nodiscard]] rt::PublisherId sender() const { return sender_; }

@@ -21,10 +21,11 @@ struct MapServerParams {
   }
 };
 
-/// A map file → octomap_binary and map, latched for whoever joins late.
+/// Publishes a map file once on octomap_binary and map, latched for late subscribers.
 class MapServerNode {
  public:
-  /// Throws std::runtime_error if the file is no map, before anything moves.
+  /// Throws std::runtime_error if the file is not a valid map and std::invalid_argument if none is
+  /// given.
   explicit MapServerNode(rt::Node& node);
 
  private:

@@ -35,7 +35,7 @@ void apply_remapping(NodeOptions& options, const std::string& from, const std::s
     options.remappings[from] = to;
 }
 
-// "ns.name", as ROS 2 calls a node's logger.
+// "ns.name": ROS 2's logger name for a node.
 std::string logger_name_of(const NodeOptions& options) {
   std::string name = options.ns + "/" + options.name;
   std::replace(name.begin(), name.end(), '/', '.');
@@ -80,7 +80,7 @@ class Parser {
     } else if (word == "-e" || word == "--enclave") {
       set_enclave(value_of(word));
     } else if (word == "--log-config-file") {
-      (void)value_of(word);  // of rcl's logging library, which is not here
+      (void)value_of(word);  // configures rcl's logging library: ignored
     } else if (word.find(":=") != std::string::npos && word.starts_with("__")) {
       const Rule rule = parse_rule(word);
       result_.remappings[rule.node][rule.from] = rule.to;
@@ -96,7 +96,7 @@ class Parser {
     result_.log_levels[text.substr(0, assign)] = log_level_from(text.substr(assign + 2));
   }
 
-  // "--disable-rosout-logs"; other libraries' logs are what they are.
+  // Handles "--disable-rosout-logs" and the like; switches for external libraries have no effect.
   void switch_logs(const std::string& word) {
     const bool on = word.starts_with("--enable-");
     const std::string what = word.substr(on ? 9 : 10);

@@ -10,26 +10,27 @@
 
 namespace tandem::runtime {
 
-/// What `--ros-args … [--]` of a command line says. The entry "" of `rules` holds for every node.
+/// Parsed `--ros-args … [--]` of a command line. In `remappings` and `parameters` the entry ""
+/// applies to every node.
 struct RosArguments {
   std::map<std::string, std::map<std::string, std::string>> remappings;  ///< node → from → to
   std::map<std::string, std::map<std::string, std::string>> parameters;  ///< node → key → value
   std::vector<std::string> parameter_files;
-  std::map<std::string, LogLevel> log_levels;  ///< of a node's logger ("node", "ns.node")
+  std::map<std::string, LogLevel> log_levels;  ///< by logger name ("node", "ns.node")
   bool rosout = true;                          ///< whether nodes log to /rosout
   std::vector<std::string> rest;               ///< the arguments that are not ROS's
 };
 
-/// The process's enclave, log level and whether it logs to stderr are set at once. Throws
-/// std::invalid_argument for an argument that ROS 2 would not understand.
+/// Applies the enclave, the log level and the stderr switch to the process immediately. Throws
+/// std::invalid_argument for an argument that ROS 2 would reject.
 [[nodiscard]] RosArguments parse_ros_arguments(const std::vector<std::string>& arguments);
 
-/// The nodes that rules name and that are none of these: with those rules nothing is done. A rule
-/// holds under the name a node has before remapping; a parameter's also under the name after it.
+/// Node names in the rules that match none of `nodes`; those rules have no effect. Rules match the
+/// node's name before remapping; parameter rules also match the name after it.
 [[nodiscard]] std::vector<std::string> strangers_in(const RosArguments& arguments,
                                                     const std::vector<NodeOptions>& nodes);
 
-/// `options` with what the command line says laid over it (`__node`, `__name` and `__ns` too).
+/// `options` overridden by the command line (including `__node`, `__name` and `__ns`).
 [[nodiscard]] NodeOptions with_arguments(NodeOptions options, const RosArguments& arguments);
 
 }  // namespace tandem::runtime

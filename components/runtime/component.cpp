@@ -71,7 +71,7 @@ std::string join(const std::set<std::string>& names) {
   throw std::invalid_argument(text.str());
 }
 
-// The library stays loaded: its code is in use until the process ends.
+// Never unloaded: the library's code is in use until the process ends.
 void open_library(const std::string& component) {
   const std::string file = std::string{kPrefix} + component + std::string{kSuffix};
   for (const auto& folder : component_folders()) {
@@ -92,7 +92,8 @@ MakeComponent find(const std::string& component) {
                               " has no TANDEM_COMPONENT(…, \"" + component + "\")");
 }
 
-// An exception in a callback ends the process: silence then stops the robot.
+// An exception in a callback ends the process; the timeouts of downstream nodes then stop the
+// robot.
 void spin(Node& node) {
   try {
     node.spin();

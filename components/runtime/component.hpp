@@ -11,11 +11,11 @@ namespace tandem::runtime {
 
 using MakeComponent = std::shared_ptr<void> (*)(Node& node);
 
-/// Makes a component known by name; what TANDEM_COMPONENT calls.
+/// Registers a component under its name. Called by TANDEM_COMPONENT.
 bool register_component(const char* name, MakeComponent make);
 
-/// In one .cpp of libtandem_<name>.so: `TANDEM_COMPONENT(tandem::SafetyFilterNode,
-/// "safety_filter")`.
+/// Use once, in one .cpp of libtandem_<name>.so:
+/// `TANDEM_COMPONENT(tandem::SafetyFilterNode, "safety_filter")`.
 #define TANDEM_COMPONENT(Type, component_name)                                                     \
   namespace {                                                                                      \
   [[maybe_unused]] const bool tandem_component_registered = ::tandem::runtime::register_component( \
@@ -24,7 +24,7 @@ bool register_component(const char* name, MakeComponent make);
       });                                                                                          \
   }
 
-/// Where libtandem_<name>.so are looked for: TANDEM_COMPONENT_PATH, the program's folder, ../lib.
+/// Folders searched for libtandem_<name>.so: TANDEM_COMPONENT_PATH, the program's folder, ../lib.
 [[nodiscard]] std::vector<std::string> component_folders();
 /// Names of the components that can be loaded.
 [[nodiscard]] std::vector<std::string> list_components();
@@ -33,7 +33,7 @@ bool register_component(const char* name, MakeComponent make);
 class RunningComponent {
  public:
   /// Loads and constructs; spins only after start(). Throws std::invalid_argument for an unknown
-  /// component (saying what was found where) and whatever its constructor throws.
+  /// component (listing the components found in each folder) and whatever its constructor throws.
   RunningComponent(const std::string& component, NodeOptions options);
   ~RunningComponent();
   RunningComponent(RunningComponent&&) noexcept;

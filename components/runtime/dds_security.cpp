@@ -38,9 +38,9 @@ constexpr std::array<SecurityFile, 6> kFiles{{
     {kAccess, "governance", "governance.p7s"},
     {kAccess, "permissions", "permissions.p7s"},
 }};
-constexpr SecurityFile kRevoked{kAuthentication, "identity_crl", "crl.pem"};  // may be missing
+constexpr SecurityFile kRevoked{kAuthentication, "identity_crl", "crl.pem"};  // optional
 
-// Whether the variable is `yes`, not `no` or empty.
+// True for `yes`, false for `no` or empty.
 bool choice_from(const char* name, const std::string& yes, const std::string& no) {
   const std::string text = variable(name);
   if (text == yes) return true;
@@ -55,7 +55,7 @@ std::pair<std::string, std::string> property_of(const SecurityFile& file, const 
   return {std::string{file.prefix} + file.property, "file://" + (folder / file.name).string()};
 }
 
-// How to get the files of an enclave.
+// Instructions for creating an enclave's files.
 std::string mending(const SecurityRequest& request, const std::string& enclave) {
   if (enclave == "/")
     return "no enclave is named: say --enclave /NAME or " + std::string{kOverride} + "=/NAME";
@@ -63,7 +63,7 @@ std::string mending(const SecurityRequest& request, const std::string& enclave) 
          " …` makes enclaves, and --enclave names another one";
 }
 
-// What is missing, and how to mend it; empty if nothing is.
+// Error text naming what is missing and the remedy; empty if complete.
 std::string missing(const SecurityRequest& request, const std::string& enclave,
                     const fs::path& folder) {
   if (request.keystore.empty())
@@ -76,7 +76,7 @@ std::string missing(const SecurityRequest& request, const std::string& enclave,
   return {};
 }
 
-// Absolute, so that a message says where it is; empty without a keystore.
+// Absolute, so that error messages show the full path; empty without a keystore.
 fs::path folder_of(const std::string& keystore, const std::string& enclave) {
   if (keystore.empty()) return {};
   const fs::path folder = fs::absolute(keystore) / "enclaves" / enclave.substr(1);
@@ -88,7 +88,7 @@ std::string text_in(const fs::path& file) {
   return {std::istreambuf_iterator<char>{stream}, {}};
 }
 
-// What stands between <name> and </name>, each time.
+// The contents of every <name>…</name> element.
 std::vector<std::string> values_of(const std::string& name, const std::string& document) {
   const std::string begin = "<" + name + ">", end = "</" + name + ">";
   std::vector<std::string> values;

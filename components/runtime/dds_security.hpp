@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DDS Security as ROS 2 users ask for it (rcl's variables, SROS2's keystore). In: environment, the
-// enclave, files. Out: the properties that DDS is given, or what is missing.
+// Turns ROS 2's security settings (rcl's environment variables, SROS2's keystore) into DDS Security
+// properties, or reports what is missing.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace tandem::runtime {
 
-/// What the environment asks for.
+/// Security settings from the environment.
 struct SecurityRequest {
   bool enabled = false;       ///< ROS_SECURITY_ENABLE=true
   bool enforced = false;      ///< ROS_SECURITY_STRATEGY=Enforce
@@ -17,28 +17,29 @@ struct SecurityRequest {
   std::string override_with;  ///< ROS_SECURITY_ENCLAVE_OVERRIDE: an enclave, or empty
 };
 
-/// What DDS is given. Without properties the process is unsecured.
+/// Security properties for DDS. Without properties the process is unsecured.
 struct Security {
   std::vector<std::pair<std::string, std::string>> properties;
   std::string folder;     ///< of the enclave
   std::string complaint;  ///< why there are no properties although security is enabled
 
-  /// Whether the governance protects every datagram of everybody.
+  /// See protects_every_datagram().
   bool protects_all = false;
 
   [[nodiscard]] bool on() const { return !properties.empty(); }
 };
 
 /// Whether a governance document, signed or not, protects every datagram in each of its domains and
-/// lets nobody in unauthenticated.
+/// refuses unauthenticated participants.
 [[nodiscard]] bool protects_every_datagram(const std::string& governance);
 
-/// Throws std::runtime_error naming a variable whose value ROS 2 does not have: rcl would take
-/// ROS_SECURITY_ENABLE=1 for false, and speak unsecured.
+/// Throws std::runtime_error naming a variable whose value ROS 2 does not define: rcl would read
+/// ROS_SECURITY_ENABLE=1 as false and communicate unsecured.
 [[nodiscard]] SecurityRequest read_security_request();
 
 /// The properties of `enclave` ("/" or "/a/b"), or of the one that overrides it. Throws
-/// std::runtime_error if security is enforced and a file is missing, saying which and what to do.
+/// std::runtime_error if security is enforced and a file is missing, naming the file and the
+/// remedy.
 [[nodiscard]] Security find_security(const SecurityRequest& request, const std::string& enclave);
 
 /// The enclave of this process, "/" unless it is set before the first node. Throws

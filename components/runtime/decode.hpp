@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: recorded bytes. Out: the message in them.
+// Decodes recorded messages.
 #pragma once
 
 #include "tandem/runtime/pubsub.hpp"
 
 namespace tandem::runtime {
 
-/// Reads a message of a type from plain CDR, encapsulation included, as a recording holds it. False
-/// for bytes that are none.
+/// Decodes a message from plain CDR with its encapsulation header, as recordings store it. Returns
+/// false if the bytes are not a valid message of the type.
 [[nodiscard]] bool decode(const TypeRef& type, const std::vector<std::uint8_t>& bytes,
                           void* message);
 

@@ -28,7 +28,7 @@ std::string hex(const rtps::GUID_t& guid) {
   return hex(guid.guidPrefix.value, kPrefix) + hex(guid.entityId.value, kGuid - kPrefix);
 }
 
-// What one participant said last: its nodes, and which endpoint is whose.
+// A participant's last announcement: its nodes and the owner of each endpoint.
 struct Said {
   GraphForm form;
   std::vector<std::string> nodes;
@@ -57,7 +57,7 @@ struct DomainView::State {
                                  [this](const Bytes& bytes, const auto&) { return hear(bytes); })} {
   }
 
-  // The forms differ in length, and a codec takes its own length only.
+  // The two formats differ in length, and each codec accepts only its own length.
   bool hear(const Bytes& bytes) {
     SinceIron info;
     Humble old;

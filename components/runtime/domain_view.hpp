@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: discovery and ros_discovery_info. Out: who is on the domain, for people to look at.
+// Lists the participants, nodes and endpoints of a domain for display, from DDS discovery and
+// ros_discovery_info.
 #pragma once
 
 #include <memory>
@@ -10,33 +11,33 @@
 
 namespace tandem::runtime {
 
-/// What a participant says of its nodes.
+/// Format in which a participant announces its nodes.
 enum class GraphForm { kNone, kSinceIron, kHumble };
 
 struct DomainParticipantInfo {
   std::string id;  ///< GUID prefix, hexadecimal
   bool ours = false;
-  GraphForm form = GraphForm::kNone;  ///< kNone: a DDS program that is no ROS 2 node
+  GraphForm form = GraphForm::kNone;  ///< kNone: not a ROS 2 program
   std::vector<std::string> nodes{};   ///< "/ns/name"
 };
 
 struct DomainEndpoint {
-  std::string participant;  ///< its id
-  std::string node;         ///< "/ns/name"; empty if nobody claims it
+  std::string participant;  ///< DomainParticipantInfo::id
+  std::string node;         ///< "/ns/name"; empty if no node announced it
   std::string topic, type;  ///< ROS 2's names; services by their DDS names ("rq/…Request")
   bool writes = false;
   Policies policies;
-  std::string type_hash;  ///< empty: none told
+  std::string type_hash;  ///< empty if not announced
   std::string id = {};    ///< GUID, hexadecimal
 };
 
 struct Domain {
   std::vector<DomainParticipantInfo> participants;
   std::vector<DomainEndpoint> endpoints;
-  int malformed = 0;  ///< samples of ros_discovery_info that were none
+  int malformed = 0;  ///< samples of ros_discovery_info that failed to decode
 };
 
-/// Collects while its node spins. Samples of others are bounded and never trusted.
+/// Collects while its node spins. Received samples are validated and their number is bounded.
 class DomainView {
  public:
   explicit DomainView(Node& node);

@@ -9,7 +9,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr int kMaxDomain = 232;  // beyond it the well-known ports pass 65535
+constexpr int kMaxDomain = 232;  // above it the well-known ports exceed 65535
 
 // An integer from `least` to `most`; `value` if the variable is not set.
 int integer_from(const char* name, int value, int least, int most) {
@@ -52,7 +52,7 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-// The default is above the largest map that a subscription takes.
+// The default exceeds the largest map that a subscription accepts.
 std::uint32_t largest_sample() {
   constexpr int kUsual = 64 << 20, kLeast = 1 << 16, kMost = 1 << 30;
   return static_cast<std::uint32_t>(integer_from("TANDEM_MAX_SAMPLE_SIZE", kUsual, kLeast, kMost));
@@ -68,7 +68,7 @@ Environment read_environment() {
                           .security = read_security_request(),
                           .unguarded_transports = flag_from("TANDEM_UNGUARDED_TRANSPORTS")};
   const bool since_iron = !distribution.empty() && !environment.humble;
-  if (environment.loopback_only && since_iron) {  // there it is the old word for a range, and wins
+  if (environment.loopback_only && since_iron) {  // since Iron a deprecated range setting that wins
     environment.loopback_only = false;
     environment.range = DiscoveryRange::kLocalhost;
     environment.static_peers.clear();

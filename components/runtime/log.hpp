@@ -15,7 +15,7 @@ namespace tandem::runtime {
 
 enum class LogLevel { kDebug, kInfo, kWarn, kError, kOff };
 
-/// Where in the sources a line was logged. (clang 14 has no std::source_location.)
+/// Source location of a log call. (clang 14 has no std::source_location.)
 struct Place {
   const char* file;
   const char* function;
@@ -28,7 +28,7 @@ struct Place {
   }
 };
 
-/// A format text, checked against its arguments, and where it stands.
+/// A format string, checked against its arguments at compile time, and its source location.
 template <class... Args>
 struct LogFormat {
   template <class Text>
@@ -39,25 +39,25 @@ struct LogFormat {
   Place place;
 };
 
-/// One event as it goes to other places than stderr.
+/// A log event as passed to a Logger::Sink.
 struct LogLine {
   LogLevel level;
   const std::string& text;
   const Place& place;
 };
 
-/// Least level that is written by loggers without a level of their own; from TANDEM_LOG_LEVEL
-/// (debug, info, warn, error, off) at start.
+/// Sets the lowest level written by loggers that have no own level; initially TANDEM_LOG_LEVEL
+/// (debug, info, warn, error, off).
 void set_log_level(LogLevel level);
 
 /// Whether lines go to stderr.
 void set_log_to_stderr(bool wanted);
 
-/// In capitals or not; "warning" and ROS 2's "fatal" too, of which there is nothing here. Throws
-/// std::invalid_argument for a name that is no level.
+/// Case-insensitive; also accepts "warning" and ROS 2's "fatal". Throws std::invalid_argument for
+/// an unknown level.
 [[nodiscard]] LogLevel log_level_from(std::string_view name);
 
-/// Writes one line per event to stderr: `[level] [time] [node]: text`. May be used by any thread.
+/// Writes one line per event to stderr: `[level] [time] [node]: text`. Thread-safe.
 class Logger {
  public:
   using Sink = std::function<void(const LogLine&)>;
@@ -84,8 +84,8 @@ class Logger {
     log(LogLevel::kError, format, std::forward<Args>(args)...);
   }
 
-  /// As warn, error, but at most once per `period` [s] for one format text; what was held
-  /// back is counted and said with the next line.
+  /// Like warn and error, but at most once per `period` [s] for each format string. The next line
+  /// reports how many were suppressed.
   template <class... Args>
   void warn_every(double period, LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log_every(period, LogLevel::kWarn, format, std::forward<Args>(args)...);
@@ -95,8 +95,8 @@ class Logger {
     log_every(period, LogLevel::kError, format, std::forward<Args>(args)...);
   }
 
-  /// Something that is needed is not there: at most once per `period` [s] for one text. A warning,
-  /// but an info in the logger's first 2 s, when it is most likely on its way.
+  /// Reports a missing input at most once per `period` [s] for each text. Logs a warning, but only
+  /// an info in the logger's first 2 s, while the system is still starting.
   template <class... Args>
   void missing_every(double period, LogFormat<std::type_identity_t<Args>...> format,
                      Args&&... args) {
@@ -106,15 +106,16 @@ class Logger {
 
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] bool enabled(LogLevel level) const { return level >= this->level(); }
-  /// Least level that is written: its own or the process's.
+  /// Lowest level that is written: the logger's own or the process's.
   [[nodiscard]] LogLevel level() const;
-  /// Its own level; none: the process's again.
+  /// Sets the logger's own level; nullopt restores the process's.
   void set_level(std::optional<LogLevel> level);
-  /// Where lines go beside stderr, on whatever thread logs. It must not log. Empty: nowhere.
+  /// Additional destination besides stderr, called on the logging thread; it must not log. An empty
+  /// sink removes it.
   void set_sink(Sink sink);
 
   void write(LogLevel level, const std::string& text, const Place& place = Place::here());
-  /// As write, but at most once per `period` [s] for one `key`.
+  /// Like write, but at most once per `period` [s] for each `key`.
   void write_every(double period, LogLevel level, std::string_view key, const std::string& text,
                    const Place& place = Place::here());
 

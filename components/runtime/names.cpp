@@ -6,11 +6,11 @@
 namespace tandem::runtime {
 namespace {
 
-// rmw's limits (rmw/validate_*.h): DDS takes 255 characters, of which rmw keeps 8 for its prefixes
-// and suffixes.
+// rmw's limits (rmw/validate_*.h): DDS allows 255 characters, of which rmw reserves 8 for its
+// prefixes and suffixes.
 constexpr std::size_t kMaxTopic = 247, kMaxNamespace = kMaxTopic - 2, kMaxNode = 255;
 
-// Long names come from scripts; an error stays a line.
+// Keeps error messages to one line even for very long names.
 std::string shortened(std::string_view name) {
   constexpr std::size_t kShown = 40;
   return name.size() <= kShown ? std::string{name} : std::string{name.substr(0, kShown)} + "…";

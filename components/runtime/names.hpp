@@ -7,7 +7,7 @@
 
 namespace tandem::runtime {
 
-/// A node's place among the names: what relative and private names start from.
+/// A node's namespace and name, against which relative and private names are resolved.
 struct NodeName {
   std::string ns;    ///< "/" or "/a/b"
   std::string name;  ///< "planner"
@@ -16,20 +16,20 @@ struct NodeName {
   [[nodiscard]] std::string full() const;
 };
 
-/// Whether it is "/a/b", tokens of letters, digits and '_' behind slashes: DDS programs that are no
-/// ROS 2 nodes may use other names.
+/// Whether the name has the form "/a/b" (tokens of letters, digits and '_' after slashes). DDS
+/// programs outside ROS 2 may use other names.
 [[nodiscard]] bool is_full_name(std::string_view name);
 
 /// Throws std::invalid_argument unless both follow ROS 2's rules (at most 255 characters, the
 /// namespace 245); "a" as namespace means "/a".
 [[nodiscard]] NodeName make_node_name(const std::string& ns, const std::string& name);
 
-/// Absolute form of "/x", "x" or "~/x"; {node}, {ns} and {namespace} stand for the node's. Throws
-/// std::invalid_argument for a name that ROS 2 would not take (letters, digits, '_', '/'; no token
+/// Absolute form of "/x", "x" or "~/x"; substitutes {node}, {ns} and {namespace}. Throws
+/// std::invalid_argument for a name that ROS 2 would reject (letters, digits, '_', '/'; no token
 /// starts with a digit; at most 247 characters).
 [[nodiscard]] std::string expand_name(std::string_view name, const NodeName& node);
 
-/// expand_name(), then the first remapping whose expanded left side is that name.
+/// expand_name(), then the first remapping whose expanded left side equals the result.
 [[nodiscard]] std::string resolve_name(std::string_view name, const NodeName& node,
                                        const std::map<std::string, std::string>& remappings);
 
@@ -38,10 +38,10 @@ struct NodeName {
 [[nodiscard]] std::string dds_request_name(const std::string& service);
 [[nodiscard]] std::string dds_reply_name(const std::string& service);
 
-/// For messages to people: "rt/a" → "/a", "a::msg::dds_::B_" → "a/msg/B".
+/// ROS 2 form for display: "rt/a" → "/a", "a::msg::dds_::B_" → "a/msg/B".
 [[nodiscard]] std::string ros_name(const std::string& dds_name);
 [[nodiscard]] std::string ros_type(const std::string& dds_type);
-/// "a/msg/B" → "a::msg::dds_::B_". Throws std::invalid_argument for what is no name of a type.
+/// "a/msg/B" → "a::msg::dds_::B_". Throws std::invalid_argument if it is not a type name.
 [[nodiscard]] std::string dds_type(const std::string& ros_type);
 
 }  // namespace tandem::runtime

@@ -8,7 +8,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr const char* kRequest = "_Request";  // a service's type and this: its request's type
+constexpr const char* kRequest = "_Request";  // suffix of a service's request type
 
 }  // namespace
 
@@ -131,7 +131,8 @@ GenericClient Node::create_generic_client(const std::string& service, const std:
 }
 
 std::vector<ServiceInfo> Node::services() const {
-  std::map<std::string, std::string> services;  // type by name: a second server adds nothing
+  std::map<std::string, std::string>
+      services;  // name → type; further servers of a service add nothing
   for (const auto& endpoint : core_->discovery().endpoints()) {
     const std::string type = ros_type(endpoint.type);
     if (endpoint.writes || !endpoint.topic.starts_with("rq/") || !type.ends_with(kRequest) ||

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: messages, requests and time. Out: callbacks, one at a time, on the node's own thread.
+// The ROS 2 node: publishers, subscriptions, services, timers and parameters, with all callbacks on
+// one thread.
 #pragma once
 
 #include <functional>
@@ -30,16 +31,16 @@ struct NodeOptions {
   std::string ns = "/";
   std::map<std::string, std::string> remappings{};  ///< from → to, ROS 2 names
   ParameterSources parameters{};
-  bool use_sim_time = false;            ///< a parameter `use_sim_time` wins
-  std::optional<LogLevel> log_level{};  ///< least that it logs; none: the process's
+  bool use_sim_time = false;            ///< overridden by a parameter `use_sim_time`
+  std::optional<LogLevel> log_level{};  ///< lowest level logged; nullopt: the process's
   bool logs_to_rosout = true;
-  /// Whether it answers what ROS 2 tools ask of every node: parameters, logger levels, types; and
-  /// logs to /rosout unless logs_to_rosout forbids it.
+  /// Whether it offers the services that ROS 2 tools expect of every node (parameters, logger
+  /// levels, type descriptions) and logs to /rosout if `logs_to_rosout`.
   bool serves_tools = true;
 };
 
-/// A ROS 2 node. Its callbacks run one after another on the thread that spins it; every method but
-/// stop(), log() and steady_now() belongs to that thread (or to any other while nobody spins).
+/// A ROS 2 node. Its callbacks run one after another on the thread that spins it. Only stop(),
+/// log() and steady_now() may be called from other threads while the node spins.
 class Node {
  public:
   /// Throws std::invalid_argument for a bad name, remapping, parameter file or environment.
@@ -58,8 +59,8 @@ class Node {
     return Publisher<M>{make_publisher(topic.name, type_ref<M>(), qos)};
   }
 
-  /// Hears every publisher of a topic with Hears::kEvery: whatever offers less than the topic's QoS
-  /// is heard at most 0.1 s after it is discovered.
+  /// With Hears::kEvery, also receives from publishers that offer less than the topic's QoS, at
+  /// most 0.1 s after they are discovered.
   template <class M, class Fn>
   [[nodiscard]] Subscription create_subscription(const Topic<M>& topic, Fn fn) {
     return make_subscription(topic.name, topic.qos, make_receiver<M>(std::move(fn)), topic.hears);
@@ -69,27 +70,27 @@ class Node {
     return make_subscription(topic.name, qos, make_receiver<M>(std::move(fn)));
   }
 
-  /// Endpoints of a topic whose type is known by name only ("pkg/msg/Type"): bytes in plain CDR,
-  /// encapsulation included. `type_hash`: for ROS 2 from Iron on, if it is no type of the IDL here.
+  /// Endpoints of a topic whose type is known only by name ("pkg/msg/Type"); bytes are plain CDR,
+  /// encapsulation included. `type_hash` is needed by ROS 2 since Iron for types not in this IDL.
   [[nodiscard]] GenericPublisher create_generic_publisher(const std::string& topic,
                                                           const std::string& type, const QoS& qos,
                                                           const std::string& type_hash = {});
   [[nodiscard]] Subscription create_generic_subscription(
       const std::string& topic, const std::string& type, const QoS& qos,
       std::function<void(const std::vector<std::uint8_t>&)> fn);
-  /// ROS 2's topics on the domain now, as far as they are discovered; by name and type.
+  /// ROS 2 topics discovered on the domain so far, by name and type.
   [[nodiscard]] std::vector<TopicInfo> topics() const;
 
-  /// Whether that publisher is on the domain now: one that died is until DDS notices.
+  /// Whether that publisher is on the domain. One that died remains until DDS notices.
   [[nodiscard]] bool is_present(const PublisherId& publisher) const;
-  /// Publishers of a topic on the domain now, of whatever type, own ones included.
+  /// Number of publishers of a topic on the domain, of any type, including this node's.
   [[nodiscard]] std::size_t count_publishers(const std::string& topic) const;
 
-  /// The topic's name as it is on the domain: "/ns/name", after remapping.
+  /// The topic's full name "/ns/name" after remapping.
   [[nodiscard]] std::string resolve(const char* topic) const;
 
-  /// Calls `fn` once, as soon as anybody publishes messages of that type on that topic; not after
-  /// the result is destroyed.
+  /// Calls `fn` once, as soon as a publisher of that type is discovered on the topic. Destroying
+  /// the result cancels the call.
   template <class M>
   [[nodiscard]] std::shared_ptr<void> when_published(const Topic<M>& topic,
                                                      std::function<void()> fn) {
@@ -107,29 +108,28 @@ class Node {
                                  type_ref<typename S::Response>())};
   }
 
-  /// A client of a service whose type is known by name only ("pkg/srv/Type").
+  /// A client of a service whose type is known only by name ("pkg/srv/Type").
   [[nodiscard]] GenericClient create_generic_client(const std::string& service,
                                                     const std::string& type);
-  /// ROS 2's services on the domain now, as far as they are discovered; by name.
+  /// ROS 2 services discovered on the domain so far, by name.
   [[nodiscard]] std::vector<ServiceInfo> services() const;
 
-  /// Fires every `period` [s] on the node's clock; beats that were missed are skipped.
+  /// Fires every `period` [s] on the node's clock; missed ticks are skipped.
   [[nodiscard]] Timer create_timer(double period, std::function<void()> fn);
-  /// Fires every `period` [s] of steady time, also while /clock stands.
+  /// Fires every `period` [s] of steady time, even while /clock is stopped.
   [[nodiscard]] Timer create_wall_timer(double period, std::function<void()> fn);
 
-  /// Loads the given values over `defaults`; they stay what they are while the node runs. Throws
-  /// std::invalid_argument in one clear line.
+  /// Loads the given values over `defaults`; they are fixed while the node runs. Throws
+  /// std::invalid_argument with a one-line message.
   template <class P>
   [[nodiscard]] Parameters<P> declare_parameters(P defaults = {}) {
     auto values = load(std::move(defaults));
     declare(make_fixed_group(values));
     return Parameters<P>{std::move(values)};
   }
-  /// As above, and `ros2 param set` may change the part `live(P&)` of the values: a struct that is
-  /// sound as a whole is offered to `on_change(const P&)`, between callbacks, and takes the place
-  /// of the old one after it. `on_change` refuses by throwing std::invalid_argument, having changed
-  /// nothing.
+  /// As above, but `ros2 param set` may change the part `live(P&)` of the values. Between callbacks
+  /// the complete, checked struct is passed to `on_change(const P&)` and then replaces the old one.
+  /// To reject a change, `on_change` must throw std::invalid_argument and change nothing.
   template <class P, class Live>
   [[nodiscard]] Parameters<P> declare_parameters(P defaults, Live live,
                                                  std::function<void(const P&)> on_change) {
@@ -137,7 +137,7 @@ class Node {
     declare(make_group<P>(values, names_of(live(*values)), std::move(on_change)));
     return Parameters<P>{std::move(values)};
   }
-  /// Throws std::invalid_argument for a given key that nobody declared; spin() calls it first.
+  /// Throws std::invalid_argument for a given key that was not declared. spin() calls it first.
   void check_parameters() const;
 
   [[nodiscard]] double now() const;         ///< [s] node's clock: steady, or /clock (0 before it)
@@ -145,7 +145,7 @@ class Node {
   /// [s] of steady time since the last /clock (or the node's start); 0 without use_sim_time.
   [[nodiscard]] double clock_silence() const;
   [[nodiscard]] bool use_sim_time() const;
-  /// For message headers: system clock, or /clock under use_sim_time.
+  /// Timestamp for message headers: system clock, or /clock under use_sim_time.
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
 
   [[nodiscard]] Logger& log() const;
@@ -154,9 +154,9 @@ class Node {
 
   /// Runs callbacks until stop().
   void spin();
-  /// Runs callbacks that are due, waiting at most `max_wait` [s] for the first.
+  /// Runs the callbacks that are due, waiting at most `max_wait` [s] for the first.
   void spin_some(double max_wait);
-  /// Ends spin() soon; may be called by any thread.
+  /// Makes spin() return soon. Thread-safe.
   void stop();
   [[nodiscard]] bool stopped() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenSSL's objects, freed with their owner, and reading them from files.
+// RAII wrappers for OpenSSL objects, and functions that read them from files.
 #pragma once
 
 #include <openssl/bio.h>
@@ -26,7 +26,7 @@ using Certificate = std::unique_ptr<X509, Free<X509_free>>;
 using Key = std::unique_ptr<EVP_PKEY, Free<EVP_PKEY_free>>;
 using Signature = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
 
-/// These are null if the file cannot be read or holds no such thing.
+/// Both readers return null if the file cannot be read or does not contain the object.
 [[nodiscard]] inline Certificate read_certificate(const std::filesystem::path& file) {
   const Bio bio{BIO_new_file(file.c_str(), "r")};
   return Certificate{bio ? PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr) : nullptr};
@@ -36,14 +36,14 @@ using Signature = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
   return Key{bio ? PEM_read_bio_PrivateKey(bio.get(), nullptr, nullptr, nullptr) : nullptr};
 }
 
-/// What a memory BIO holds.
+/// The contents of a memory BIO.
 [[nodiscard]] inline std::string text_of(BIO& bio) {
   char* data = nullptr;
   const long size = BIO_get_mem_data(&bio, &data);
   return {data, static_cast<std::size_t>(size)};
 }
 
-/// Whether the certificate holds now: -1 not yet, 0 it does, 1 no longer.
+/// Validity of the certificate now: -1 not yet valid, 0 valid, 1 expired.
 [[nodiscard]] inline int age_of(const X509& certificate) {
   if (X509_cmp_current_time(X509_get0_notBefore(&certificate)) > 0) return -1;
   return X509_cmp_current_time(X509_get0_notAfter(&certificate)) < 0 ? 1 : 0;

@@ -143,7 +143,7 @@ ParameterValue from_scalar(const YAML::Node& node) {
   return to_value(node.Scalar());
 }
 
-// A list of one type, integers beside real numbers being real; anything else is no parameter.
+// A list of one type, where integers among real numbers count as real; other lists are rejected.
 ParameterValue from_sequence(const YAML::Node& node) {
   std::vector<ParameterValue> elements;
   for (const auto& element : node)
@@ -174,7 +174,7 @@ ParameterValue from_sequence(const YAML::Node& node) {
 
 std::string quoted(const std::string& text) { return '"' + text + '"'; }
 
-// Long lists and texts come from outside; a line stays a line.
+// Keeps a message to one line even if the value is very long.
 std::string shortened(std::string text) {
   constexpr std::size_t kMost = 200;
   if (text.size() > kMost) text.replace(kMost, std::string::npos, "…");
@@ -280,7 +280,7 @@ ParameterValue value_from_yaml(const std::string& yaml) {
     const YAML::Node node = parse_document(yaml);
     if (node.IsScalar()) return from_scalar(node);
     if (node.IsSequence()) return from_sequence(node);
-  } catch (const YAML::Exception&) {  // no YAML is no parameter
+  } catch (const YAML::Exception&) {  // invalid YAML is not a parameter value
   }
   return {};
 }

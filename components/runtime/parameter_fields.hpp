@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a params struct with its visit(). Out: its fields as a list, one by one readable, settable
-// and checked; what files, command lines and the parameter services have in common.
+// Lists the fields of a params struct and reads, sets and checks them one by one. Shared by
+// parameter files, the command line and the parameter services.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ struct Field {
   std::string meaning;
 };
 
-/// Visitor that collects the fields.
+/// Visitor that collects a struct's fields.
 struct FieldCollector {
   std::vector<Field>& fields;
 
@@ -40,7 +40,7 @@ struct FieldCollector {
   }
 };
 
-/// The fields of `params`, which must outlive them and stay where it is.
+/// The fields of `params`, which must outlive them and must not move.
 template <class P>
 [[nodiscard]] std::vector<Field> fields_of(P& params) {
   std::vector<Field> fields;
@@ -48,24 +48,25 @@ template <class P>
   return fields;
 }
 
-/// Throws std::invalid_argument naming value and bound if the field is outside its declaration.
+/// Throws std::invalid_argument naming value and bound if the field is outside its declared limits.
 void check(const Field& field);
 
-/// The field's value as ROS 2 sends it.
+/// The field's value as a ROS 2 message.
 [[nodiscard]] rcl_interfaces::msg::ParameterValue value_of(const Field& field);
 
-/// Throws std::invalid_argument if `value` is of another type than the field. An integer will do
-/// for a real number (rclcpp refuses that), an empty list for any other; bounds are check()'s.
+/// Throws std::invalid_argument if `value` has a different type than the field. Accepts an integer
+/// for a real number (unlike rclcpp) and an empty list for any list. Does not check limits; check()
+/// does.
 void assign(const Field& field, const rcl_interfaces::msg::ParameterValue& value);
 
-/// Type, bounds, choices and meaning for those who set it.
+/// Type, bounds, choices and meaning of the field.
 [[nodiscard]] rcl_interfaces::msg::ParameterDescriptor descriptor_of(const Field& field,
                                                                      bool read_only);
 
-/// What YAML text means as a parameter: quotes make it text; PARAMETER_NOT_SET for what is none.
+/// Parses YAML text as a parameter value; quoted values are strings. PARAMETER_NOT_SET if invalid.
 [[nodiscard]] rcl_interfaces::msg::ParameterValue value_from_yaml(const std::string& yaml);
 
-/// The value in one line, for people.
+/// The value as one line of readable text.
 [[nodiscard]] std::string to_text(const rcl_interfaces::msg::ParameterValue& value);
 
 }  // namespace tandem::runtime

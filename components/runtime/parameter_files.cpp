@@ -25,12 +25,12 @@ std::string place(const std::string& path, const YAML::Node& node) {
 YAML::Node load(const std::string& path) {
   const YAML::Node root = load_document(path);
   if (!root.IsNull()) return root;
-  // Half a robot file is another robot; an empty one is what a power loss leaves of it.
+  // A truncated robot file would describe a different robot; a power loss can leave an empty file.
   throw std::invalid_argument("parameter file " + path +
                               " is empty; restore it, or take it out of the list");
 }
 
-// What YAML's reader complains of, with the file's name.
+// Adds the file's name to the YAML reader's errors.
 template <class Read>
 auto named(const std::string& path, const Read& read) {
   try {
@@ -40,7 +40,7 @@ auto named(const std::string& path, const Read& read) {
   }
 }
 
-// Collects the sections of one file that mean one node.
+// Collects the sections of one file that apply to one node.
 class Collector {
  public:
   Collector(const std::string& path, const std::string& full_name)
@@ -100,7 +100,7 @@ class Collector {
   std::vector<FileSection> sections_;
 };
 
-// Takes the first token off "/a/b".
+// Removes and returns the first token of "/a/b".
 std::string_view take_token(std::string_view& name) {
   name.remove_prefix(1);
   const auto end = std::min(name.find('/'), name.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading parameter files of ROS 2's form.
+// Reads ROS 2 parameter files.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tandem::runtime {
 
-/// One value of a parameter file that is meant for a node.
+/// One value that a parameter file gives to a node.
 struct FileValue {
   std::string key;     ///< nested keys joined by '.'
   std::string yaml;    ///< text of the value
@@ -22,17 +22,17 @@ struct FileSection {
   std::string origin;  ///< "robot.yaml:1"
 };
 
-/// Sections that match none of these nodes, with wildcards or without. Throws as
-/// read_parameter_file.
+/// Sections, with or without wildcards, that match none of these nodes. Throws like
+/// read_parameter_file().
 [[nodiscard]] std::vector<FileSection> sections_for_nobody(
     const std::string& path, const std::vector<std::string>& full_names);
 
 /// The values of `path` for node `full_name`: first those of wildcard sections, then the node's
-/// own. Throws std::invalid_argument naming file and line for what is not of ROS 2's form.
+/// own. Throws std::invalid_argument naming file and line if the format is not ROS 2's.
 [[nodiscard]] std::vector<FileValue> read_parameter_file(const std::string& path,
                                                          const std::string& full_name);
 
-/// Whether section name `pattern` ("/a/b", "/**", "/**/b", "/*/b") means node `full_name`.
+/// Whether section name `pattern` ("/a/b", "/**", "/**/b", "/*/b") matches node `full_name`.
 [[nodiscard]] bool matches_node(std::string_view pattern, std::string_view full_name);
 
 }  // namespace tandem::runtime

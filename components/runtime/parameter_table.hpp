@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: declared params structs, and what ROS 2 asks about them. Out: its answers, and changes that
-// were checked. No DDS.
+// Implements ROS 2's parameter services on declared params structs, without DDS: answers queries
+// and applies checked changes.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,19 @@
 
 namespace tandem::runtime {
 
-/// A params struct in force and a second one in which a change is made up, whatever their type.
+/// Type-erased pair of params structs: the one in force, and one in which a change is prepared.
 struct ParameterGroup {
   std::vector<Field> in_force;
   std::vector<Field> wanted;     ///< the same fields of the second struct
-  std::set<std::string> live{};  ///< what may change while the node runs
+  std::set<std::string> live{};  ///< fields that may change while the node runs
   std::function<void()> begin;   ///< wanted = in force
-  /// Offers what is wanted to the owner, who may throw std::invalid_argument and then has changed
-  /// nothing; else exchanges the two, so that a second call takes the change back.
+  /// Passes `wanted` to the owner, then swaps the two structs, so that a second call undoes the
+  /// change. The owner rejects a change by throwing std::invalid_argument without changing
+  /// anything.
   std::function<void()> exchange;
 };
 
-/// A node's declared parameters. Belongs to the node's thread.
+/// A node's declared parameters. Use on the node's thread only.
 class ParameterTable {
  public:
   using Names = std::vector<std::string>;
@@ -35,21 +36,22 @@ class ParameterTable {
   /// Called after a declaration or a change, with the values now in force.
   std::function<void(const Values& declared, const Values& changed)> on_event;
 
-  /// Throws std::invalid_argument for a name that is declared already, or twice in the group: one
-  /// given value would fill both.
+  /// Throws std::invalid_argument for a name that is already declared or occurs twice in the group,
+  /// because one given value would set both fields.
   void declare(ParameterGroup group);
 
-  /// As rclpy: PARAMETER_NOT_SET for a name that nobody declared.
+  /// Like rclpy, returns PARAMETER_NOT_SET for an undeclared name.
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterValue> get(const Names& names) const;
   [[nodiscard]] std::vector<std::uint8_t> types(const Names& names) const;
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterDescriptor> describe(
       const Names& names) const;
-  /// As rclcpp: names under any of the prefixes (none: all), at most `depth` tokens below it
-  /// (0: all), and the prefixes that they have.
+  /// Like rclcpp: the names under any of the prefixes (all names if there are none), at most
+  /// `depth` tokens below it (0: unlimited), and the prefixes of these names.
   [[nodiscard]] rcl_interfaces::msg::ListParametersResult list(const Names& prefixes,
                                                                std::uint64_t depth) const;
 
-  /// All of them or none; the reason if none. Checks the structs as a whole.
+  /// Sets all of the parameters or none; the result gives the reason for a rejection. Checks each
+  /// struct as a whole.
   [[nodiscard]] rcl_interfaces::msg::SetParametersResult set(
       std::span<const rcl_interfaces::msg::Parameter> parameters);
 
@@ -62,14 +64,15 @@ class ParameterTable {
     std::size_t index;
   };
 
-  [[nodiscard]] Place find(const std::string& name) const;  // group null: nowhere
+  [[nodiscard]] Place find(const std::string& name) const;  // group is null if not found
   void apply(std::span<const rcl_interfaces::msg::Parameter> parameters,
              std::vector<ParameterGroup*>& exchanged);
 
   std::vector<std::unique_ptr<ParameterGroup>> groups_;
 };
 
-/// Values of type P as a group. `on_change(const P&)` is offered each change of the fields `live`.
+/// A group for values of type P. Each change of the `live` fields is passed to `on_change(const
+/// P&)`.
 template <class P>
 [[nodiscard]] ParameterGroup make_group(std::shared_ptr<P> in_force, std::set<std::string> live,
                                         std::function<void(const P&)> on_change) {
@@ -82,7 +85,7 @@ template <class P>
           }};
 }
 
-/// Values that never change while the node runs.
+/// A group of values that never change while the node runs.
 template <class P>
 [[nodiscard]] ParameterGroup make_fixed_group(std::shared_ptr<P> in_force) {
   return make_group<P>(std::move(in_force), {}, [](const P&) {});

@@ -9,7 +9,7 @@
 namespace tandem::runtime {
 namespace {
 
-// Keys of wildcard sections → whether some node of this process declared them.
+// Keys of wildcard sections → whether any node of this process declared them.
 struct Wildcards {
   std::mutex mutex;
   std::map<std::string, bool> used;
@@ -47,7 +47,7 @@ struct ParameterStore::State {
     if (value.for_all) note_wildcard(value.origin, key, false);
     const auto [entry, is_new] = given.try_emplace(key, Given{value});
     if (is_new) return;
-    const ParameterValue& before = entry->second.value;  // whoever has the later one has this too
+    const ParameterValue& before = entry->second.value;  // overridden, but it still counts as used
     if (before.for_all) note_wildcard(before.origin, key, true);
     entry->second = {std::move(value)};
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: parameter files of ROS 2's form, a system file's values, -p k:=v. Out: checked structs.
+// Fills params structs from ROS 2 parameter files, system file values and `-p k:=v`, and checks
+// them.
 #pragma once
 
 #include <map>
@@ -17,10 +18,10 @@ namespace tandem::runtime {
 struct ParameterValue {
   std::string yaml;
   std::string origin;
-  bool for_all = false;  ///< given for every node, as `/**` and a plain `-p`: some may lack it
+  bool for_all = false;  ///< given for every node (`/**`, plain `-p`); nodes may lack the key
 };
 
-/// Where a node's parameters come from; later ones win: files in order, values, overrides.
+/// Sources of a node's parameters. Later ones win: files in order, values, overrides.
 struct ParameterSources {
   std::vector<std::string> files{};  ///< ROS 2 form: `node: ros__parameters:`, `/**:`
   std::map<std::string, ParameterValue> values{};
@@ -28,7 +29,7 @@ struct ParameterSources {
   std::map<std::string, ParameterValue> overrides{};  ///< -p k:=v
 };
 
-/// A node's parameters as read, before any struct has declared them.
+/// A node's given parameters, before any struct has declared them.
 class ParameterStore {
  public:
   /// Throws std::runtime_error naming file and line if a file is missing or not of ROS 2's form.
@@ -37,8 +38,8 @@ class ParameterStore {
   ParameterStore(ParameterStore&&) noexcept;
   ParameterStore& operator=(ParameterStore&&) noexcept;
 
-  /// Loads the field, if it is given, and checks it. Throws std::invalid_argument in one line:
-  /// origin, key, value, bound.
+  /// Loads the field if a value is given, and checks it. Throws std::invalid_argument with one
+  /// line: origin, key, value, bound.
   void load(const Field& field);
 
   /// Visitor of a params struct: loads each field.
@@ -51,16 +52,16 @@ class ParameterStore {
     load({name, &value, {}, meaning});
   }
 
-  /// Whether a key that starts so is given.
+  /// Whether any key with that prefix is given.
   [[nodiscard]] bool gives_any(const std::string& prefix) const;
 
-  /// Throws std::invalid_argument for the first key that is meant for this node and that no
-  /// struct declared. Keys of `/**` sections are exempt, except retired names: ignoring one
-  /// would silently replace the file's value by a default.
+  /// Throws std::invalid_argument for the first key for this node that no struct declared. Keys of
+  /// `/**` sections are exempt, except retired names: ignoring one would silently replace the
+  /// file's value by a default.
   void check_unknown() const;
 
   /// Throws std::invalid_argument for the first key that is a retired name, unless a struct has
-  /// declared it. check_unknown() does so too.
+  /// declared it. check_unknown() includes this check.
   void check_retired() const;
 
  private:

@@ -28,10 +28,10 @@ class NodeCore;
 class ReaderSet;
 class Writer;
 
-/// Which publishers a subscription to a topic hears.
+/// Which publishers a subscription matches.
 enum class Hears {
-  kFitting,  ///< those that offer the topic's QoS
-  kEvery,    ///< all: drivers of other makes publish it too, and may offer less
+  kFitting,  ///< those whose offer satisfies the topic's QoS
+  kEvery,    ///< all: third-party publishers may offer weaker QoS
 };
 
 /// A topic: its name (ROS 2 form), its type, its QoS.
@@ -53,10 +53,10 @@ template <class M>
   return {MessageType<M>::name, &MessageType<M>::create};
 }
 
-/// A publisher, unique in its domain (its DDS GUID).
+/// A publisher's DDS GUID, unique in its domain.
 using PublisherId = std::array<std::uint8_t, 16>;
 
-/// Sends messages of one type, of whatever type: the part of Publisher<M> that is no template.
+/// The type-erased part of Publisher<M>.
 class AnyPublisher {
  public:
   AnyPublisher() = default;
@@ -80,7 +80,7 @@ class AnyPublisher {
   std::shared_ptr<Writer> writer_;
 };
 
-/// Sends messages to a topic until it is destroyed. Empty (default constructed): sends nothing.
+/// Publishes messages on a topic until it is destroyed. A default-constructed one sends nothing.
 template <class M>
 class Publisher {
  public:
@@ -90,7 +90,7 @@ class Publisher {
   /// Never blocks longer than 10 ms; a failure is logged once per second.
   void publish(const M& message) const { publisher_.publish(&message); }
 
-  /// Subscriptions that receive it now.
+  /// Number of matched subscriptions.
   [[nodiscard]] int matched() const { return publisher_.matched(); }
   /// The id that Subscription::sender() returns for its messages; zeros if it is empty.
   [[nodiscard]] PublisherId id() const { return publisher_.id(); }
@@ -99,7 +99,7 @@ class Publisher {
   AnyPublisher publisher_;
 };
 
-/// Sends bytes (plain CDR, encapsulation included) of a type that is known by name only.
+/// Publishes serialized messages (plain CDR, encapsulation included) of a type known only by name.
 class GenericPublisher {
  public:
   GenericPublisher() = default;
@@ -121,13 +121,13 @@ class Subscription {
   Subscription(Subscription&&) noexcept = default;
   Subscription& operator=(Subscription&& other) noexcept;
 
-  /// Publishers that send to it now.
+  /// Number of matched publishers.
   [[nodiscard]] int matched() const;
-  /// Who sent the last message.
+  /// The publisher of the last message.
   [[nodiscard]] PublisherId sender() const;
   /// The last message's number among those of its sender: 1, 2, …
   [[nodiscard]] std::uint64_t sequence() const;
-  /// Samples dropped since the start because their bytes were no message of the type.
+  /// Number of samples dropped so far because they failed to decode.
   [[nodiscard]] long malformed() const;
 
  private:
@@ -137,25 +137,25 @@ class Subscription {
   std::shared_ptr<ReaderSet> readers_;
 };
 
-/// One reused message of a type and the function that wants it; what a Subscription needs of M.
+/// A reused message and its callback: the type-erased part that a Subscription needs of M.
 struct Receiver {
   TypeRef type;
   std::function<void*()> message;  ///< where to decode to
-  std::function<void()> reset;     ///< makes it anew after bytes that were no message
+  std::function<void()> reset;     ///< clears it after a failed decode
   std::function<void()> deliver;   ///< calls the function with it
 };
 
-/// False, never an exception, for bytes that are no message of the type (plain CDR).
+/// Decodes plain CDR. Returns false, and never throws, if the bytes are not a message of the type.
 [[nodiscard]] bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type, void* message);
 
-/// The message that the bytes (plain CDR, encapsulation included) are; nothing if they are none.
+/// Decodes plain CDR with its encapsulation header; nullopt if the bytes are not a valid message.
 template <class M>
 [[nodiscard]] std::optional<M> decode(const std::vector<std::uint8_t>& bytes) {
   M message;
   if (!decode(bytes, type_ref<M>(), &message)) return std::nullopt;
   return message;
 }
-/// The other way round; empty if it cannot be written.
+/// Encodes a message as plain CDR with its encapsulation header; empty if it cannot be encoded.
 [[nodiscard]] std::vector<std::uint8_t> encode(TypeRef type, const void* message);
 template <class M>
 [[nodiscard]] std::vector<std::uint8_t> encode(const M& message) {

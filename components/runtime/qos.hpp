@@ -10,7 +10,7 @@ namespace tandem::runtime {
 enum class Reliability { kBestEffort, kReliable };
 enum class Durability { kVolatile, kTransientLocal };
 
-/// What sender and receiver of a topic agree on. The default is ROS 2's default profile.
+/// QoS of a publisher or subscription. The default is ROS 2's default profile.
 struct QoS {
   Reliability reliability = Reliability::kReliable;
   Durability durability = Durability::kVolatile;
@@ -25,8 +25,7 @@ inline constexpr QoS kDefault{};
 inline constexpr QoS kSensorData{Reliability::kBestEffort, Durability::kVolatile, 5};
 inline constexpr QoS kLatched{Reliability::kReliable, Durability::kTransientLocal, 1};
 inline constexpr QoS kServices{};
-/// The lifespan is for a process that stood still: it must not live through the time it missed, in
-/// which what it last heard is still news.
+/// The lifespan keeps a process that resumes from a stall from replaying stale clock samples.
 inline constexpr QoS kClock{.reliability = Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
 
 /// Best effort, volatile, keep last `depth`.
@@ -34,8 +33,8 @@ constexpr QoS kBestEffort(int depth) {
   return {Reliability::kBestEffort, Durability::kVolatile, depth};
 }
 
-/// The policies by which DDS decides whether two endpoints fit. Kinds in DDS's order: a higher one
-/// promises more.
+/// The policies by which DDS decides whether two endpoints are compatible. Kinds are in DDS's
+/// order: a higher value is a stronger guarantee.
 struct Policies {
   int reliability = 0;  ///< 0 best effort, 1 reliable
   int durability = 0;   ///< 0 volatile, 1 transient local, 2 transient, 3 persistent
@@ -45,20 +44,20 @@ struct Policies {
 
 [[nodiscard]] Policies policies_of(const QoS& qos);
 
-/// A policy of which less is offered than is requested, in words.
+/// A policy whose offered value is weaker than the requested one, as text.
 struct Misfit {
   std::string policy, offered, requested;
 };
 
-/// What to set the policy to at the end that requests too much (`at_subscription`), or at the one
-/// that offers too little: "reliability: best_effort", a parameter below `qos_overrides.<topic>.`
-/// Empty: no parameter mends it.
+/// The parameter below `qos_overrides.<topic>.` that resolves the mismatch, for example
+/// "reliability: best_effort", set either at the subscription (`at_subscription`) or at the
+/// publisher. Empty if no parameter does.
 [[nodiscard]] std::string override_for(const Misfit& misfit, bool at_subscription);
 
-/// A subscription of that depth that hears every one of these publishers.
+/// QoS of a subscription with that depth that is compatible with all of these publishers.
 [[nodiscard]] QoS request_for(const std::vector<Policies>& offered, int depth);
 
-/// Every policy by which an offering writer fails a requesting reader; empty: they fit.
+/// The policies in which the offer does not satisfy the request; empty if compatible.
 [[nodiscard]] std::vector<Misfit> misfits(const Policies& offered, const Policies& requested);
 
 }  // namespace tandem::runtime

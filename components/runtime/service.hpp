@@ -21,7 +21,7 @@ struct ServiceName {
 class Server;
 class Caller;
 
-/// A service of the domain: its name and type, "/arbitration/set_policy",
+/// A service found on the domain, for example "/arbitration/set_policy" of type
 /// "tandem_msgs/srv/SetPolicy".
 struct ServiceInfo {
   std::string name, type;
@@ -43,7 +43,7 @@ class Service {
   std::shared_ptr<Server> server_;
 };
 
-/// The part of Client<S> that is no template.
+/// The type-erased part of Client<S>.
 class AnyClient {
  public:
   AnyClient() = default;
@@ -69,7 +69,8 @@ class AnyClient {
   std::shared_ptr<Codec> request_, response_;
 };
 
-/// Calls a service. A call waits for its server and its answer, but no longer than its timeout.
+/// Calls a service asynchronously. The timeout of a call covers both finding a server and the
+/// response.
 template <class S>
 class Client {
  public:
@@ -81,8 +82,8 @@ class Client {
   Client() = default;
   explicit Client(AnyClient client) : client_{std::move(client)} {}
 
-  /// `fn` gets the answer on the node's thread. Without an answer within `timeout` [s] of steady
-  /// time `on_timeout` is called instead (if empty: a warning is logged).
+  /// Calls `fn` with the response on the node's thread. Without a response within `timeout` [s] of
+  /// steady time, calls `on_timeout` instead or, if that is empty, logs a warning.
   void call(const Request& request, std::function<void(const Response&)> fn,
             double timeout = kTimeout, std::function<void()> on_timeout = {}) const {
     client_.call(&request, make_receiver<Response>(std::move(fn)), timeout, std::move(on_timeout));
@@ -95,13 +96,13 @@ class Client {
   AnyClient client_;
 };
 
-/// Calls a service whose type is known by name only: bytes in plain CDR, encapsulation included.
+/// Calls a service whose type is known only by name; bytes are plain CDR, encapsulation included.
 class GenericClient {
  public:
   GenericClient() = default;
   explicit GenericClient(AnyClient client) : client_{std::move(client)} {}
 
-  /// As Client<S>::call().
+  /// Like Client<S>::call().
   void call(const std::vector<std::uint8_t>& request,
             std::function<void(const std::vector<std::uint8_t>&)> fn, double timeout,
             std::function<void()> on_timeout) const {
@@ -113,7 +114,7 @@ class GenericClient {
   AnyClient client_;
 };
 
-/// One reused request and response and the function between them.
+/// A reused request and response, and the callback that turns one into the other.
 struct Responder {
   Receiver request;  ///< deliver() fills the response
   TypeRef response_type;

@@ -35,12 +35,12 @@ Process& process() {
 
 int signal_pipe[2] = {-1, -1};
 std::atomic<int> signals_seen = 0;
-static_assert(std::atomic<int>::is_always_lock_free);  // or the handler might not use it
+static_assert(std::atomic<int>::is_always_lock_free);  // required in a signal handler
 
 // Only async-signal-safe calls.
 extern "C" void on_signal(int number) {
   if (signals_seen.fetch_add(1) > 0) {
-    if (number == SIGHUP) return;  // shell and system may each tell of a closed terminal
+    if (number == SIGHUP) return;  // shell and kernel may each send one
     _exit(128 + number);
   }
   const int saved = errno;
@@ -69,7 +69,7 @@ void install_signal_handlers() {
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     struct sigaction before {};
-    sigaction(SIGHUP, nullptr, &before);  // ignored: started by nohup, to outlive the terminal
+    sigaction(SIGHUP, nullptr, &before);  // keep it ignored if started by nohup
     if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
   });
 }

@@ -3,8 +3,8 @@
 
 namespace tandem::runtime {
 
-/// SIGINT, SIGTERM and SIGHUP (a terminal that is closed; not under nohup) then stop every node of
-/// the process; a second one exits at once, but for SIGHUP.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP (unless ignored, as under nohup) that stop
+/// every node of the process. A second signal other than SIGHUP exits immediately.
 void install_signal_handlers();
 
 /// Stops every node of the process, present and future. May be called by any thread.
@@ -13,7 +13,7 @@ void shutdown();
 
 /// Returns after shutdown() or a signal.
 void wait_for_shutdown();
-/// The same, but waits at most `max_wait` [s]; true if shutting down.
+/// Waits at most `max_wait` [s]; returns true if shutting down.
 bool wait_for_shutdown(double max_wait);
 
 }  // namespace tandem::runtime

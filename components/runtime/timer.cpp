@@ -15,7 +15,7 @@ Beat::Beat(double start, double period) : period_{period}, next_{start + period}
 }
 
 bool Beat::due(double now) {
-  if (now < next_ - 1.5 * period_) next_ = now + period_;  // the clock was set back
+  if (now < next_ - 1.5 * period_) next_ = now + period_;  // the clock jumped back
   if (now < next_) return false;
   next_ += period_ * (std::floor((now - next_) / period_) + 1.0);
   return true;

@@ -8,13 +8,14 @@ namespace tandem::runtime {
 
 class NodeCore;
 
-/// Beats of a fixed period. Late beats are skipped, never replayed.
+/// A fixed-period schedule. Missed ticks are skipped, never replayed.
 class Beat {
  public:
-  /// The first beat is one period after `start`. Throws std::invalid_argument unless period > 0.
+  /// The first tick is one period [s] after `start` [s]. Throws std::invalid_argument unless
+  /// period > 0.
   Beat(double start, double period);
 
-  /// True if a beat is due; the next one is then the first of the grid that lies after `now`.
+  /// True if a tick is due; this advances the schedule to the first grid point after `now` [s].
   [[nodiscard]] bool due(double now);
   [[nodiscard]] double next() const { return next_; }
 

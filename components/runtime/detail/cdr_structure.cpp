@@ -45,7 +45,7 @@ CdrField field_of(const DescribedField& described) {
 
 }  // namespace
 
-// Through the bytes of one message, field by field.
+// Walks through the bytes of one message, field by field.
 class CdrWalk {
  public:
   CdrWalk(std::span<const std::uint8_t> bytes, bool little) : bytes_{bytes}, little_{little} {}

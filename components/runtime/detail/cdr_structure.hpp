@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: what the bytes of a message type can be, before they are decoded.
+// Checks the serialized bytes of a message against its type before they are decoded. Private to
+// runtime/.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +13,15 @@
 
 namespace tandem::runtime {
 
-/// The fields of a type of idl/*.idl, as plain CDR (XCDR1) lays them out.
+/// The plain CDR (XCDR1) layout of a type from idl/*.idl.
 class CdrStructure {
  public:
-  /// Null for a type that is not ours. "geometry_msgs/msg/Twist"; made once per name.
+  /// The layout of a type such as "geometry_msgs/msg/Twist", cached by name. Null for a type that
+  /// is not in idl/.
   [[nodiscard]] static const CdrStructure* of(std::string_view type);
 
-  /// Whether all that the fields claim is there: no text or sequence has more elements than bytes
-  /// that could hold them. `bytes` begin with the encapsulation. Decoding what passes makes room
-  /// for no more elements than there are.
+  /// Whether every string and sequence has no more elements than the remaining bytes can hold, so
+  /// that decoding cannot over-allocate. `bytes` begin with the encapsulation header.
   [[nodiscard]] bool fits(std::span<const std::uint8_t> bytes) const;
 
   /// [bytes] of the largest message, encapsulation included; nothing if it has no bound.

@@ -15,7 +15,7 @@ namespace {
 std::size_t usual_limit(std::string_view type_name) {
   constexpr std::array<std::string_view, 3> kBulk{
       "octomap_msgs/msg/Octomap", "nav_msgs/msg/OccupancyGrid", "sensor_msgs/msg/PointCloud2"};
-  // Every node takes these from anyone, and their elements are fifty times their least bytes.
+  // Every node accepts these from anyone, and decoded elements take fifty times their least bytes.
   if (type_name.starts_with("rcl_interfaces/srv/")) return std::size_t{1} << 17;
   const bool bulk = std::find(kBulk.begin(), kBulk.end(), type_name) != kBulk.end();
   return bulk ? BytesType::kMaxSize : std::size_t{1} << 20;

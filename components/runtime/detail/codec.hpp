@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: messages ↔ bytes, and the one DDS type under which all bytes travel.
+// Encodes and decodes messages, and defines the DDS type that carries all samples as bytes. Private
+// to runtime/.
 #pragma once
 
 #include <memory>
@@ -24,10 +25,10 @@ class Codec {
 
   [[nodiscard]] const std::string& dds_name() const { return dds_name_; }
 
-  /// False if the message cannot be written or is larger than a receiver would take.
+  /// False if the message cannot be encoded or is larger than a receiver would accept.
   bool encode(const void* message, Bytes& bytes) const;
-  /// False, never an exception, for bytes that are no message of the type: truncated, too long,
-  /// lengths beyond their end, booleans that are none. Numbers are not judged (NaN passes).
+  /// Returns false, and never throws, for invalid bytes: truncated, too long, lengths beyond the
+  /// end, invalid booleans. Number values are not checked (NaN passes).
   bool decode(const Bytes& bytes, void* message) const;
 
  private:

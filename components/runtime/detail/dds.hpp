@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: what differs between Fast DDS 2.9 and 3.1, under one name each.
+// Common names for what differs between Fast DDS 2.9 and 3.1. Private to runtime/.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr std::size_t kMaxEndpoints = 100'000;  // of a domain gone mad
+constexpr std::size_t kMaxEndpoints = 100'000;  // bound against a flood of announcements
 
 double seconds(const DdsDuration& duration) {
   if (duration == to_duration(1e9)) return std::numeric_limits<double>::infinity();

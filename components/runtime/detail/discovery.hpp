@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: the publishers and subscriptions of the whole domain, as discovery tells.
+// Lists all discovered publishers and subscriptions of the domain. Private to runtime/.
 #pragma once
 
 #include <atomic>
@@ -29,13 +29,14 @@ struct KnownEndpoint {
 /// "RIHS01_…" out of an endpoint's user data; empty if it has none.
 [[nodiscard]] std::string type_hash_in(const std::string& user_data);
 
-/// Whether two endpoints are of one process. DDS Security hides the process: there, of one enclave.
+/// Whether two endpoints belong to the same process. With DDS Security, which hides the process:
+/// to the same enclave.
 [[nodiscard]] bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b);
 
-/// Knows all endpoints of the domain. May be asked by any thread.
+/// All discovered endpoints of the domain. Thread-safe.
 class Discovery final : public fdds::DomainParticipantListener {
  public:
-  /// An endpoint of this participant itself, which DDS does not tell of.
+  /// Adds an endpoint of this participant, which DDS does not report.
   void add(KnownEndpoint endpoint);
   void remove(const rtps::GUID_t& guid);
 

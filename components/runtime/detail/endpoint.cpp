@@ -148,7 +148,7 @@ void Reader::take_one(const fdds::SampleInfo& info) {
   refused_.malformed(bytes_.size());
 }
 
-// DDS's own lifespan of a reader compares two computers' clocks.
+// DDS's own lifespan check on the reader compares the clocks of two computers.
 bool Reader::is_late(const fdds::SampleInfo& info) {
   if (std::isinf(lifespan_) || info.source_timestamp.seconds() <= 0) return false;
   if (transit_.size() > kMostWriters) transit_.clear();

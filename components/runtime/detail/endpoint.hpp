@@ -48,7 +48,7 @@ class Reader {
   /// Delivers what has arrived, but at most one batch (the rest is `waiting`); how many it took.
   int drain();
   [[nodiscard]] bool waiting() const { return waiting_; }
-  void close() { closed_ = true; }  ///< nothing is delivered any more
+  void close() { closed_ = true; }  ///< stops delivery
 
   [[nodiscard]] fdds::Condition& condition() { return dds_->get_statuscondition(); }
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
@@ -90,7 +90,7 @@ class Writer {
   /// Grows with every reader that was matched, first 1.
   using Turn = std::uint64_t;
   /// When that reader was matched; of a writer's GUID: the latest reader of its participant (a
-  /// client that is not rmw_fastrtps tells of its writer only). 0: none is.
+  /// client that is not rmw_fastrtps gives its writer only). 0: not matched.
   [[nodiscard]] Turn matched_at(const rtps::GUID_t& peer) const;
   [[nodiscard]] const std::string& topic() const { return name_; }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: ros_discovery_info, by which ROS 2 tools see nodes.
+// Publishes ros_discovery_info, which shows nodes to ROS 2 tools. Private to runtime/.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 namespace tandem::runtime {
 
-/// Says which nodes of this process have which endpoints, anew after each change or batch of them.
+/// Publishes which endpoints each node of this process has, after each change or batch of changes.
 class Graph {
  public:
   /// Whose nodes these are: the process's own; or the same under hidden names ("_name_2"), that
@@ -21,7 +21,7 @@ class Graph {
 
   Graph(Participant& participant, Nodes nodes);
 
-  /// While one lives nothing is said; when the last goes, all that has changed in one sample.
+  /// Suspends publishing. When the last batch ends, all changes are published in one sample.
   class Batch {
    public:
     explicit Batch(Graph& graph);

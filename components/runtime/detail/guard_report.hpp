@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: what the process's WireGuard drops, on /diagnostics and in the log.
+// Reports the datagrams that WireGuard drops, on /diagnostics and in the log. Private to runtime/.
 #pragma once
 
 #include <memory>
@@ -25,7 +25,7 @@ class GuardReport {
   GuardReport(const GuardReport&) = delete;
   GuardReport& operator=(const GuardReport&) = delete;
 
-  /// Does what is due; when to be asked next [s, steady].
+  /// Does what is due and returns when to poll next [s, steady].
   double poll(double now);
 
  private:

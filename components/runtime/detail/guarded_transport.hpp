@@ -11,7 +11,7 @@ namespace tandem::runtime {
 
 using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;
 
-/// The same transport behind the process's WireGuard; null if it is none of UDP.
+/// The transport behind the process's WireGuard; null if it is not a UDP transport.
 [[nodiscard]] std::shared_ptr<TransportDescriptor> guarded(
     const std::shared_ptr<TransportDescriptor>& transport);
 

@@ -153,7 +153,7 @@ std::shared_ptr<Reader> NodeCore::open_reader(const Endpoint& endpoint, Reader::
   return reader;
 }
 
-// What DDS will not tell this participant of itself.
+// DDS does not report a participant's own endpoints to it.
 void NodeCore::know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
   participant_->discovery().add({.guid = guid,
                                  .writes = writes,

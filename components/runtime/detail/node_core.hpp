@@ -24,10 +24,9 @@ struct TimerState {
   bool closed = false;
 };
 
-/// Something with deadlines of its own on steady time: replies not yet sent, calls not yet
-/// answered.
+/// Work with deadlines on steady time, such as unsent replies and unanswered calls.
 struct Poller {
-  std::function<double(double now)> poll;  ///< does what is due; when to be polled next [s]
+  std::function<double(double now)> poll;  ///< does what is due; returns when to poll next [s]
   double next = 0.0;
   bool closed = false;
 };

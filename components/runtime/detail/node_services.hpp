@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: the endpoints that every ROS 2 node has, so that tools may ask it.
+// Provides the services and topics that ROS 2 tools expect of every node. Private to runtime/.
 #pragma once
 
 #include <memory>
@@ -14,8 +14,8 @@ namespace tandem::runtime {
 /// A node's services for parameters, logger levels and type descriptions, its writers of
 /// /parameter_events and /rosout. Answers on the node's thread.
 ///
-/// rclcpp offers the logger levels only when asked to; here every node has them, for one wants to
-/// see more of a running robot just when nobody thought of it before the start.
+/// Unlike in rclcpp, the logger level services are always enabled, because the need to debug a
+/// running robot is rarely foreseen.
 class NodeServices {
  public:
   explicit NodeServices(NodeCore& node);

@@ -125,7 +125,7 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   guard_transports(qos, environment);
 }
 
-// Replaces what a profile says of security.
+// Overrides the security settings of a profile.
 void secure(fdds::DomainParticipantQos& qos, const Security& security) {
   if (!security.on()) return;
   auto& properties = qos.properties().properties();
@@ -193,7 +193,7 @@ std::shared_ptr<Participant> Participant::shared() {
   return participant;
 }
 
-// The first alone listens: to it the second is a stranger like all others.
+// Only the first participant listens; it discovers the second like any other.
 Participant::Participant(const Environment& environment, const Security& security, bool is_first)
     : environment_{environment}, security_{security} {
   redirect_dds_log();

@@ -40,7 +40,7 @@ class SharedTopic {
 class Participant {
  public:
   /// The participant of this process, made if there is none. Throws std::runtime_error for an
-  /// environment that makes no sense or if DDS refuses.
+  /// invalid environment or if DDS refuses.
   static std::shared_ptr<Participant> shared();
   ~Participant();
   Participant(const Participant&) = delete;

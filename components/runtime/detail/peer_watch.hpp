@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: a node's publishers and subscriptions against all that discovery knows.
+// Compares a node's endpoints with the discovered ones and reports mismatches. Private to runtime/.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,8 @@
 
 namespace tandem::runtime {
 
-/// Says, once per peer, which peers a node cannot hear or reach, and why; calls whoever waits for a
-/// publisher of a type. On the node's thread.
+/// Logs, once per peer, which peers cannot communicate with a node and why, and runs callbacks that
+/// wait for a publisher of a type. Use on the node's thread only.
 class PeerWatch {
  public:
   /// `settling`: [s] in which a peer may open what fits after all.
@@ -38,7 +38,7 @@ class PeerWatch {
                                                      const std::string& type,
                                                      std::function<void(const Policies&)> fn);
 
-  /// Does what is due at `now` [s]; when to be polled next.
+  /// Does what is due at `now` [s] and returns when to poll next [s].
   double poll(double now);
 
  private:

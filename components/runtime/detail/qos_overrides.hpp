@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: a topic's QoS by parameters, under rclcpp's names.
+// Overrides a topic's QoS by parameters with rclcpp's names. Private to runtime/.
 #pragma once
 
 #include <map>

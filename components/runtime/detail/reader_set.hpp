@@ -20,7 +20,7 @@ class NodeCore;
 /// The readers of one subscription. There is one, unless hear_every_publisher() opens others for
 /// publishers that offer less than it requests. A weaker reader also receives what publishers with
 /// a stronger one send; each publisher is therefore delivered by the strongest reader that its
-/// QoS fits, so that nothing comes twice and a reliable publisher is still heard reliably.
+/// QoS fits, so that no message arrives twice and reliable publishers are still received reliably.
 class ReaderSet {
  public:
   ReaderSet(NodeCore& node, Endpoint endpoint, Reader::Deliver deliver);

@@ -6,8 +6,7 @@ namespace {
 
 using rcl_interfaces::msg::Log;
 
-// As rcl_qos_profile_rosout_default: a console that starts hears what was said last, not all there
-// was.
+// rcl_qos_profile_rosout_default: a console that starts later receives only recent lines.
 constexpr QoS kRosOut{Reliability::kReliable, Durability::kTransientLocal, 1000, 10.0};
 
 Log to_log(const LogLine& line, const std::string& logger) {

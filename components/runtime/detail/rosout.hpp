@@ -8,8 +8,8 @@
 
 namespace tandem::runtime {
 
-/// Sends what the node logs to /rosout, from whatever thread logs it. A line that DDS does not take
-/// is on stderr only: complaining of it here would be the next line.
+/// Publishes the node's log lines on /rosout, from the logging thread. If DDS rejects a line, it
+/// appears on stderr only; logging the failure would recurse.
 class RosOut {
  public:
   explicit RosOut(NodeCore& node);

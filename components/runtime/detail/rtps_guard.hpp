@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/. In: the bytes of one datagram. Out: whether Fast DDS may parse them.
+// Decides whether a datagram is safe for Fast DDS to parse. Private to runtime/.
 #pragma once
 
 #include <cstddef>

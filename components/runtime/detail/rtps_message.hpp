@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: how an RTPS datagram is laid out (OMG RTPS 2.5, chapter 9).
+// The layout of an RTPS datagram (OMG RTPS 2.5, chapter 9). Private to runtime/.
 #pragma once
 
 #include <cstddef>

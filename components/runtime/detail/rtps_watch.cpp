@@ -12,7 +12,7 @@ namespace {
 
 using namespace rtps_message;
 
-constexpr std::uint8_t kTakenOut = 0x7f;    // a submessage that nobody knows
+constexpr std::uint8_t kTakenOut = 0x7f;    // an unknown submessage id, which readers skip
 constexpr std::size_t kMostWriters = 4096;  // that are followed
 constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr int kEndpointsOfAll = 24;          // that each participant may have at once
@@ -183,7 +183,7 @@ ReaderProgress::Source* ReaderProgress::find(const GuidPrefix& prefix, const std
   return found == writers_.end() ? nullptr : &found->second;
 }
 
-// Beyond a number of writers any of them goes: nothing is kept of it then until it is heard again.
+// Above kMostWriters an arbitrary writer is forgotten until its next message.
 ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::uint8_t* entity) {
   if (Source* known = find(prefix, entity)) return *known;
   if (writers_.size() >= kMostWriters) writers_.erase(writers_.begin());

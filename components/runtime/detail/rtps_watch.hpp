@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/. In: datagrams that check_datagram() passed, and those that this process
-// sends. Out: the same without what would make Fast DDS keep more than it should.
+// Removes from checked datagrams what would make Fast DDS allocate without bound, using what this
+// process sends and has received. Private to runtime/.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: why DDS refuses an enclave, which it does not say itself.
+// Explains why DDS rejects an enclave, because DDS does not. Private to runtime/.
 #pragma once
 
 #include <string>

@@ -44,16 +44,17 @@ class Server {
   std::shared_ptr<Poller> poller_;
 };
 
-/// Asks, and gives each call its answer or its timeout. Requests wait for the server.
+/// Sends requests and completes each call with a response or a timeout. Requests are queued until a
+/// server is matched.
 class Caller {
  public:
-  /// False for bytes that are no answer: a good one may follow.
+  /// Returns false for bytes that do not decode; the call then keeps waiting for a valid response.
   using OnResponse = std::function<bool(const Bytes&)>;
 
   /// Types by their DDS names.
   Caller(NodeCore& node, const std::string& service, const std::string& request_type,
          const std::string& response_type);
-  /// An empty request is one that could not be written: it fails.
+  /// An empty request means that encoding failed; the call then fails.
   void call(Bytes request, OnResponse on_response, double timeout,
             std::function<void()> on_timeout);
   [[nodiscard]] bool ready() const;

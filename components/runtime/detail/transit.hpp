@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: when samples were sent and taken. Out: which of them come too late.
+// Detects late samples from their send and receive times, without synchronized clocks.
 #pragma once
 
 namespace tandem::runtime {
 
-/// Tells of one writer's samples which were under way for longer than others by more than a
-/// lifespan: in the queue of a process that stood still, in a network that was gone.
+/// Detects samples of one writer whose transit took longer than that of others by more than the
+/// lifespan, because a process stalled or the network was down.
 ///
-/// The two clocks need not agree. The least of (taken − sent) stands for their difference and the
-/// shortest way; it is followed where it grows slowly (clocks drift) or for good (one was set).
+/// The clocks need not be synchronized. The minimum of (taken − sent) estimates the clock offset
+/// plus the shortest delay; it follows slow growth (clock drift) and lasting jumps (a clock was
+/// set).
 class Transit {
  public:
   static constexpr double kDrift = 1e-3;   ///< [s/s] that the clocks may drift apart

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: the one guard of the process, before all its transports.
+// Filters the datagrams of all transports of the process. Private to runtime/.
 #pragma once
 
 #include <array>
@@ -21,8 +21,7 @@ struct DropCount {
   std::uint64_t count;
 };
 
-/// Judges each datagram before Fast DDS sees it, and counts what it drops. Called from several
-/// threads.
+/// Checks each datagram before Fast DDS parses it and counts the dropped ones. Thread-safe.
 class WireGuard {
  public:
   static constexpr std::size_t kMostSources = 64;  ///< that are counted apart
