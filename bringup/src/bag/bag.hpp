@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: bytes of topics. Out: rosbag2's own recordings (a folder with one SQLite file and
-// metadata.yaml), and back. As ROS 2 Humble writes them, which every later one reads.
+// Writes and reads rosbag2 recordings (a folder with one SQLite file and metadata.yaml), in the
+// format of ROS 2 Humble, which every later release reads.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +41,9 @@ class BagWriter {
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// The id under which to write. Throws std::runtime_error if the disk takes no more.
+  /// Returns the id to pass to write(). Throws std::runtime_error if the disk is full.
   int add_topic(const BagTopic& topic);
-  /// Throws std::runtime_error if the disk takes no more.
+  /// Throws std::runtime_error if the disk is full.
   void write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes);
   /// Puts on the disk what was written so far, and metadata.yaml with it.
   void commit();
