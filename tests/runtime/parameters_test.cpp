@@ -196,7 +196,7 @@ TEST_F(ParameterFile, TellsOfAMisspeltNodeUnderAWildcard) {
   EXPECT_EQ(strangers[1].name, "/a/*");
 }
 
-// A default in the place of what the file means would be another robot.
+// Falling back to a default instead of the value in the file would configure a different robot.
 TEST_F(ParameterFile, WithARetiredNameIsRefusedAndToldTheNewOnes) {
   for (const std::string node : {"gate", "/**"}) {
     expect_complaint(node + ":\n  ros__parameters:\n    command_timeout: 0.6\n",
@@ -281,7 +281,7 @@ TEST(RosArguments, TakeWhatRos2Takes) {
                std::invalid_argument);
 }
 
-// A plain -p is for whoever has the parameter, as in rcl; one for a node must be one of its own.
+// A plain -p applies to every node that has the parameter, as in rcl. One that names a node must name a parameter of that node.
 TEST(RosArguments, APlainParameterMayBeAnothersNodes) {
   const auto plain = rt::parse_ros_arguments({"--ros-args", "-p", "margn:=0.4"});
   {

@@ -207,8 +207,7 @@ TEST(Topics, RefuseAThirdTypeUnderOneName) {
   }
 }
 
-// A sample that outlived its lifespan is not given to who comes late: so no old command is carried
-// out after a reconnect.
+// A late subscriber does not receive a sample whose lifespan has expired, so no old command is executed after a reconnect.
 TEST(Lifespan, KeepsOldSamplesFromLateSubscriptions) {
   rt::Node node{"lifespan"};
   rt::QoS brief = rt::kLatched;

@@ -39,7 +39,7 @@ class HearsEvery : public ::testing::Test {
   [[nodiscard]] bool wait_until(Predicate predicate) {
     return spin_until(predicate, kPatience, receiver_, sender_);
   }
-  // Says `value` until it is heard.
+  // Publishes `value` until it is received.
   [[nodiscard]] bool is_heard(const rt::Publisher<Float64>& publisher, double value) {
     return wait_until([&] {
       publisher.publish(number(value));
