@@ -16,7 +16,7 @@ constexpr double kWay = 0.3;    // [m]
 
 class ForeignDrivers : public OneComponent {
  protected:
-  // Whether a publisher that offers the least is heard.
+  // True if a best-effort publisher, the weakest offer, is received.
   template <class M>
   [[nodiscard]] bool hears_best_effort(const rt::Topic<M>& topic) {
     int heard = 0;

@@ -111,7 +111,7 @@ TEST_F(JoystickOverDds, DoesNotHandTheHoldFromOneDeviceToTheNext) {
   second.axis(0, 32767);
   first.reset();
   ASSERT_TRUE(wait_until([&] { return !pressed(); }));
-  ASSERT_TRUE(wait_until([&] { return last_.axes()[0] == -1.0F; }));  // the second is heard
+  ASSERT_TRUE(wait_until([&] { return last_.axes()[0] == -1.0F; }));  // the second joystick is read
   EXPECT_FALSE(pressed());
   second.button(0, false);
   const int before = count_;

@@ -87,7 +87,7 @@ struct Seen {
 TEST(LargeMap, IsDecodedWhileTheLoopsGoOn) {
   const Octomap map = large_map();
   SystemUnderTest system;
-  std::set<std::string> taken;  // by whom
+  std::set<std::string> taken;  // names of the nodes that loaded the map
   const auto rosout = system.node().create_subscription(
       rt::Topic<rcl_interfaces::msg::Log>{"/rosout", rt::kDefault}, [&](const auto& msg) {
         if (msg.msg().starts_with("map: ")) taken.insert(msg.name());

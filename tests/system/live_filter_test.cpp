@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A safety filter that goes by what sensors see, without a map.
+// Tests a safety filter that uses only sensor data, without a map.
 #include <optional>
 
 #include "system/builder_over_dds.hpp"

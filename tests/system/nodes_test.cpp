@@ -366,7 +366,7 @@ TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
 }
 
-// Another robot's tracker sees nobody, and says so more often.
+// Another robot's tracker reports an empty list, and at a higher rate.
 TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
   list_ = somebody(5.0);
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));

@@ -156,7 +156,7 @@ TEST(Security, SeparateProcessesAreInTheEnclavesOfTheirNodes) {
   EXPECT_TRUE(time_to_drive_by({"--separate"}));
 }
 
-// TwistStamped goes by a second participant of each process that hears Twist too.
+// TwistStamped uses a second participant in each process that also receives Twist.
 TEST(Security, TheSecondParticipantOfAProcessIsSecuredToo) {
   const SecuredDomain domain;
   domain.add_system(forest());

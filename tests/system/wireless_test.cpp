@@ -72,8 +72,8 @@ TEST_F(Wireless, LosesPackets) {
   suffer(faults);
 }
 
-// Whoever lets go while the network is away wants to stand when it comes back, whatever was said
-// last through it, and whatever waits to be sent again.
+// A driver who releases the stick during a network outage wants the robot to stand when the network
+// returns, whatever was sent last before and whatever is queued for retransmission.
 TEST_F(Wireless, NoOldCommandComesBackWithTheNetwork) {
   ASSERT_TRUE(system_.wait_until_driving());
   system_.hosts->lose(100);
