@@ -150,7 +150,7 @@ TEST(TandemMessages, ReadBackWhatTheyWrote) {
             "tandem_msgs::msg::dds_::ArbitrationStatus_");
 }
 
-// Recordings of before it had `remedy`, its last field, hold such; the README says so.
+// Recordings made before `remedy`, the last field, was added contain such messages; see the README.
 TEST(TandemMessages, AnArbitrationStatusWithoutRemedyIsNone) {
   tandem_msgs::msg::ArbitrationStatus status, read;
   status.silent_sources({"user"});

@@ -105,7 +105,7 @@ class WireDrive {
   [[nodiscard]] bool has_driven() const { return travelled() > 0.3; }
   /// Smallest gap to a wall [m], at most 1.
   [[nodiscard]] double closest() const { return sim_.min_clearance(); }
-  /// True if a robot that may stand or be misled has reported why, or any other robot has driven.
+  /// True if the expected text was reported or, if none is expected, the robot has driven.
   [[nodiscard]] bool is_as_wanted() const {
     if (fault_.named.empty()) return has_driven();
     return (log_ + said_).find(fault_.named) != std::string::npos;

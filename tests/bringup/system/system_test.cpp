@@ -152,7 +152,7 @@ TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
   EXPECT_TRUE(spin_until([&] { return children_of(program.pid()).size() == 1; }, kTimeout, node_));
   EXPECT_TRUE(heard("b", 1));
   program.send(SIGINT);
-  EXPECT_EQ(program.wait(5.0), 1);  // whoever looks at the exit status learns of it
+  EXPECT_EQ(program.wait(5.0), 1);  // the exit status reports the killed process
 }
 
 TEST_F(SystemFile, StartsAgainWhatIsToRespawn) {
