@@ -281,7 +281,8 @@ TEST(RosArguments, TakeWhatRos2Takes) {
                std::invalid_argument);
 }
 
-// A plain -p applies to every node that has the parameter, as in rcl. One that names a node must name a parameter of that node.
+// A plain -p applies to every node that has the parameter, as in rcl. One that names a node must
+// name a parameter of that node.
 TEST(RosArguments, APlainParameterMayBeAnothersNodes) {
   const auto plain = rt::parse_ros_arguments({"--ros-args", "-p", "margn:=0.4"});
   {

@@ -15,7 +15,7 @@ struct Beyond {
   double lag = 1.0;         ///< of the motors
   double delay = 1.0;       ///< of commands and of odometry
   double pose_error = 1.0;  ///< of the localiser
-  double braking = 1.0;     ///< divides the base's braking: 1 brakes with a_brake
+  double braking = 1.0;     ///< divisor of a_brake and alpha_brake in the base
 };
 
 /// Totals over a number of rollouts.

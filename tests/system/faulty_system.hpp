@@ -30,8 +30,7 @@ enum class Told {
 struct Fault {
   std::string name;
   std::function<void()> begin, end;
-  const char* reason =
-      nullptr;  ///< null: the robot may drive on through the fault, unless `told` is kNowhere
+  const char* reason = nullptr;  ///< null: it may drive on, unless told is kNowhere
   Told told = Told::kOnBoth;
   double zero_within = kZeroWithin;
   double lasts = 0.0;            ///< [s] minimum duration
@@ -70,7 +69,7 @@ class WatchedSystem : public SystemUnderTest {
     status_said_.clear();
     diagnosed_.clear();
   }
-  /// Reports since then, for failure messages.
+  /// Reports since the last forget(), for failure messages.
   [[nodiscard]] std::string sayings() const {
     std::string text = "status:";
     for (const auto& said : status_said_) text += " `" + said + "`";

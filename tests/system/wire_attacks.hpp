@@ -175,7 +175,8 @@ class AttackedSystem {
     }
   }
 
-  /// Announces `count` participants and endpoints that do not exist: one participant for each three endpoints.
+  /// Announces `count` participants and endpoints that do not exist: one participant for each three
+  /// endpoints.
   void announce(long count) {
     for (long i = 0; i < count; ++i) {
       const long participant = i / 4;

@@ -207,7 +207,8 @@ TEST(Topics, RefuseAThirdTypeUnderOneName) {
   }
 }
 
-// A late subscriber does not receive a sample whose lifespan has expired, so no old command is executed after a reconnect.
+// A late subscriber does not receive a sample whose lifespan has expired, so no old command is
+// executed after a reconnect.
 TEST(Lifespan, KeepsOldSamplesFromLateSubscriptions) {
   rt::Node node{"lifespan"};
   rt::QoS brief = rt::kLatched;
