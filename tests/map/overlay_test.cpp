@@ -44,7 +44,7 @@ void expect_both(const Grid& base, const Grid& live, const Grid& out) {
 
 TEST(Overlay, ACellIsWhatTheStrongerOfBothGridsSays) {
   std::mt19937 random{1};
-  for (const double resolution : {0.05, 0.1, 0.025}) {  // of the permanent map
+  for (const double resolution : {0.05, 0.1, 0.025}) {  // of the static map
     const Grid base = random_grid(random, resolution, {-1.0, 0.5});
     const Grid live = random_grid(random, 0.05, {-0.35, 0.15});
     const Grid out = overlay(base, live, {0.33, 1.47}, 3.0);

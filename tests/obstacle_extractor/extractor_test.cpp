@@ -45,8 +45,8 @@ void expect_tight(const LossWorlds& group) {
   EXPECT_LE(loss.shapes_at(1.0), 32);
 }
 
-// For the deepest point of any shape in free space, its depth by the whole map. Shapes around a
-// single cell are excluded: the cell determines their size.
+// The largest depth of any shape in free space, measured on the whole map. Shapes around a single
+// cell are excluded: the cell determines their size.
 double deepest_point(const std::shared_ptr<const StaticMap>& map, const ExtractorParams& params) {
   const Grid& grid = map->grid();
   const Eigen::Vector2d middle = grid.center(grid.width / 2, grid.height / 2);

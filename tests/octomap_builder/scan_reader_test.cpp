@@ -51,7 +51,7 @@ TEST(ScanReader, SaysWhatTheBeamsAre) {
     EXPECT_NE(text.find(part), std::string::npos) << part << ": " << text;
 }
 
-// A driver that reports a missing return as range_max; a wall there would look like free space.
+// A driver that sets range_max to the farthest reading: a wall there would look like free space.
 TEST(ScanReader, RangeMaxMayNotVaryWhereNoReturnNamesIt) {
   ScanReader reader{{.no_return = {"inf", "range_max"}}, kNearest};
   const auto error = [&](float range_max) {
