@@ -92,7 +92,7 @@ TEST_F(ArbitrationOverDds, SaysWhyTheStickOfThePersonMovesNothing) {
   EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
 }
 
-// Messages that a node does not use have no effect. For the others, the command is dropped and the
+// Non-finite values in unused fields have no effect. Otherwise the command is dropped and the
 // timeout stops the robot.
 TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
   push_ = {};

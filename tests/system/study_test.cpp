@@ -154,7 +154,7 @@ TEST_F(StudyProgram, SaysThatADriveIsOfAnotherBuild) {
   EXPECT_EQ(builds.at("0123456789abcdef"), 1);
 }
 
-// Options of other commands are refused in one line before any drive.
+// The command fails with one line of explanation before any drive.
 void expect_complaint(const std::vector<std::string>& words, const std::string& complaint) {
   const test::CapturedLog log;
   test::ChildProcess program{"../tandem", words};

@@ -22,7 +22,7 @@ TEST_P(WireFaults, TouchNothingAndAreNamedWhereTheRobotStands) {
   EXPECT_TRUE(drive.is_as_wanted()) << drive.travelled() << " m: " << drive.reasons();
 }
 
-// The log text expected if a frame were ignored.
+// Control test: a robot that ignored frames would fail these drives.
 TEST(WireDrive, WouldBeFeltByARobotThatBelievedTheMapsNumbers) {
   WireDrive drive{2, {.name = "a map that lies", .map_lies = true}};
   drive.run();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a node says of peers that it cannot hear or reach.
+// Tests what a node reports about peers that it cannot receive from or reach.
 #include <gtest/gtest.h>
 
 #include <string>
