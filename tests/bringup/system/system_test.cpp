@@ -56,7 +56,7 @@ class SystemFile : public testing::Test {
     return spin_until([&] { return result == 10.0; }, kTimeout, node_);
   }
 
-  // Waits for a subscription to the topic.
+  // Waits until the topic has this many subscriptions.
   bool heard(const char* topic, int listeners) {
     const auto publisher = node_.create_publisher(rt::Topic<Float64>{topic});
     return spin_until([&] { return publisher.matched() == listeners; }, kTimeout, node_);
