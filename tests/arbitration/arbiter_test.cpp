@@ -88,8 +88,8 @@ TEST(Arbiter, WhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
   ASSERT_TRUE(it.release_emergency_stop());
-  EXPECT_EQ(it.decide(9.0).reason,
-            ArbitrationReason::kLetGoFirst);  // a missing input is not a release
+  // a missing input is not a release
+  EXPECT_EQ(it.decide(9.0).reason, ArbitrationReason::kLetGoFirst);
   it.on_user({}, 10.0);
   Arbiter silent = it;  // as teleop is once the dead-man button is released
   EXPECT_EQ(silent.decide(10.9).reason, ArbitrationReason::kLetGoFirst);

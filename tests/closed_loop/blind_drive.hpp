@@ -23,12 +23,12 @@ namespace tandem::test {
 /// The ground that beams and the outline have covered, and what the outline entered without cover.
 class CoverageJudge {
  public:
-  static constexpr double kSide =
-      0.05;  // of a cell, which counts as covered if a beam touches it [m]
-  static constexpr double kEdge =
-      0.003;  // tolerance beyond the outline's past area, for rounding [m]
-  static constexpr double kNow =
-      0.1;  // ground that the outline reached within this time counts as entered now [s]
+  // of a cell, which counts as covered if a beam touches it [m]
+  static constexpr double kSide = 0.05;
+  // tolerance beyond the outline's past area, for rounding [m]
+  static constexpr double kEdge = 0.003;
+  // ground that the outline reached within this time counts as entered now [s]
+  static constexpr double kNow = 0.1;
 
   explicit CoverageJudge(const RobotParams& robot) : robot_{robot} {}
 
@@ -129,8 +129,8 @@ class BlindDrive {
 
  private:
   static constexpr double kTick = 0.01;  // [s]
-  static constexpr double kLate =
-      0.25;  // [s] a map may be one scan old, and is used for another scan
+  // [s] a map may be one scan old, and is used for another scan
+  static constexpr double kLate = 0.25;
 
   [[nodiscard]] DiffDriveSimNodeParams sim_params() const {
     DiffDriveSimNodeParams params;

@@ -28,8 +28,8 @@ StaticMap random_world(std::mt19937& random) {
   std::uniform_int_distribution<int> place(0, 190), size(1, 8);
   for (int n = 0; n < 40; ++n) {
     const int x0 = place(random), y0 = place(random), w = size(random), h = size(random);
-    if (std::abs(x0 - 100) < 12 && std::abs(y0 - 100) < 12)
-      continue;  // keeps the robot's position free
+    // keeps the robot's position free
+    if (std::abs(x0 - 100) < 12 && std::abs(y0 - 100) < 12) continue;
     for (int iy = y0; iy < y0 + h; ++iy)
       for (int ix = x0; ix < x0 + w; ++ix) grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
   }
@@ -323,8 +323,8 @@ TEST(LocalMap, RefusesParametersThatContradictEachOther) {
   EXPECT_THROW(LocalMap({.min_range = 5.0, .max_range = 4.0}), std::invalid_argument);
   EXPECT_THROW(LocalMap({.point_cloud_min_z = 2.0, .point_cloud_max_z = 1.0}),
                std::invalid_argument);
-  EXPECT_THROW(LocalMap({.hit = 0.7}),
-               std::invalid_argument);  // one range return would not suffice
+  // one range return would not suffice
+  EXPECT_THROW(LocalMap({.hit = 0.7}), std::invalid_argument);
   EXPECT_THROW(LocalMap({.resolution = 0.0}), std::invalid_argument);
 }
 

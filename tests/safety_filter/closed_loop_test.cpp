@@ -98,8 +98,8 @@ TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
     sim.max_step = 0.01;
     sim.drive.slip = params.slip;
     ClosedLoop loop(params, kMir, sim, map, random);
-    const double side =
-        seed % 2 ? 0.0 : 0.5 * std::numbers::pi;  // facing the wall, or alongside it
+    // facing the wall, or alongside it
+    const double side = seed % 2 ? 0.0 : 0.5 * std::numbers::pi;
     const double reach = seed % 2 ? kBumper : 0.29;
     loop.start_at({1.5 - reach - 0.02, 0.0, side});
     loop.draw_pose_error(true);

@@ -189,8 +189,8 @@ TEST(SafetyFilter, StopsWithoutACommandAMapOrAPose) {
   filter.on_map(wall_ahead());
   EXPECT_EQ(filter.update(std::nullopt, 0.0).reason, FilterReason::kNotLocalized);
   EXPECT_EQ(filter.update(std::nullopt, 0.0).twist, Twist2{});
-  EXPECT_TRUE(std::isnan(
-      filter.update(std::nullopt, 0.0).clearance));  // NaN, not zero: it was not computed
+  // NaN, not zero: it was not computed
+  EXPECT_TRUE(std::isnan(filter.update(std::nullopt, 0.0).clearance));
   EXPECT_EQ(filter.update(at(-2.0), 0.0).reason, FilterReason::kClear);
   EXPECT_EQ(filter.update(at(-2.0), 0.16).reason, FilterReason::kNoCommand);
   EXPECT_EQ(filter.update(at(-2.0), 0.16).twist, Twist2{});
@@ -284,8 +284,8 @@ TEST(SafetyFilter, OnlyReportsWhileNotEnforcing) {
   EXPECT_EQ(out.twist, (Twist2{0.8, 0.0}));
   EXPECT_LT(out.safe.v, 0.2);
   EXPECT_EQ(out.reason, FilterReason::kSlowed);
-  EXPECT_EQ(filter.update(facing_wall(0.05), 0.2).twist,
-            Twist2{});  // missing commands still stop the robot
+  // missing commands still stop the robot
+  EXPECT_EQ(filter.update(facing_wall(0.05), 0.2).twist, Twist2{});
   filter.on_command({kNaN, 0.0}, 0.3);
   EXPECT_EQ(filter.update(facing_wall(0.05), 0.3).twist, Twist2{});
 }
@@ -349,8 +349,8 @@ class BesidePeople : public ::testing::Test {
 TEST_F(BesidePeople, StandsUntilTheyAreHeardAndWhenTheyFallSilent) {
   filter_->on_command({0.8, 0.0}, 0.0);
   EXPECT_EQ(filter_->update(at(0.0), 0.0).reason, FilterReason::kNoPeople);
-  EXPECT_EQ(drive({0.8, 0.0}, {}).twist,
-            (Twist2{0.8, 0.0}));  // an empty list is not a missing list
+  // an empty list is not a missing list
+  EXPECT_EQ(drive({0.8, 0.0}, {}).twist, (Twist2{0.8, 0.0}));
   const double late = params_.people.people_timeout + 0.01;
   filter_->on_command({0.8, 0.0}, late);
   RobotState state = at(0.0);

@@ -52,8 +52,8 @@ inline std::shared_ptr<const StaticMap> as_map(Grid grid) {
 }
 
 inline const RobotParams kMir{};  // the MiR 100
-inline constexpr double kBumper =
-    0.038 + 0.445;  // front of the MiR 100's outline, ahead of base_link [m]
+// front of the MiR 100's outline, ahead of base_link [m]
+inline constexpr double kBumper = 0.038 + 0.445;
 
 /// A wall whose near face is the line x = 1.5.
 inline std::shared_ptr<const StaticMap> wall_ahead() {

@@ -16,8 +16,8 @@ namespace tandem::test {
 
 inline constexpr double kNoTransform = 1.0;  // [s] without map → odom until a zero command
 inline constexpr double kNoClock = 0.5;      // [s] real time without /clock until a zero command
-inline constexpr double kLasts =
-    2.0 * kSpeed;  // [s] duration of a fault that need not stop the robot
+// [s] duration of a fault that need not stop the robot
+inline constexpr double kLasts = 2.0 * kSpeed;
 
 /// Where the reason is reported.
 enum class Told {

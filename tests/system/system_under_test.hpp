@@ -23,8 +23,8 @@ namespace tandem::test {
 inline constexpr double kZeroWithin = 0.2;   // [s] simulated, from the fault to a zero command
 inline constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
 inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
-inline constexpr double kOdomPeriod =
-    0.02;  // [s] between two ground-truth messages: the resolution of measurements
+// [s] between two ground-truth messages: the resolution of measurements
+inline constexpr double kOdomPeriod = 0.02;
 
 inline const char* const kComponents[] = {"map_server",         "driver",        "teleop",
                                           "obstacle_extractor", "local_planner", "arbitration",

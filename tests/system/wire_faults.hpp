@@ -250,8 +250,8 @@ class WireDrive {
     scan_.publish(msg);
   }
 
-  static constexpr double kBegin =
-      1000.0;  // [s] initial simulated time, so that timestamps can be old
+  // [s] initial simulated time, so that timestamps can be old
+  static constexpr double kBegin = 1000.0;
 
   WireFault fault_;
   std::mt19937 random_;

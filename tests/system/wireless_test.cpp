@@ -10,8 +10,8 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLease =
-    20.0;  // [s] real time after which DDS drops a participant that sends nothing
+// [s] real time after which DDS drops a participant that sends nothing
+constexpr double kLease = 20.0;
 
 // Must be constructed before any DDS participant.
 struct Network {
