@@ -88,14 +88,15 @@ TEST(Arbiter, WhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
   ASSERT_TRUE(it.release_emergency_stop());
-  EXPECT_EQ(it.decide(9.0).reason, ArbitrationReason::kLetGoFirst);  // silence is not letting go
+  // a missing input is not a release
+  EXPECT_EQ(it.decide(9.0).reason, ArbitrationReason::kLetGoFirst);
   it.on_user({}, 10.0);
   Arbiter silent = it;  // as teleop is once the dead-man button is released
   EXPECT_EQ(silent.decide(10.9).reason, ArbitrationReason::kLetGoFirst);
   EXPECT_EQ(silent.decide(11.1).reason, ArbitrationReason::kUserSilent);
   silent.on_user({0.5, 0.0}, 15.0);
   EXPECT_EQ(silent.decide(15.0).command, (Twist2{0.5, 0.0}));
-  it.on_user({}, 11.05);  // a stick that says that it is at rest
+  it.on_user({}, 11.05);  // a stick that reports that it is at rest
   EXPECT_EQ(it.decide(11.05).reason, ArbitrationReason::kSteerFirst);
   it.on_user({0.5, 0.0}, 11.1);
   EXPECT_EQ(it.decide(11.1).command, (Twist2{0.5, 0.0}));
@@ -283,8 +284,8 @@ TEST(Arbiter, ChangeOfAuthorityDoesNotDelayBraking) {
   EXPECT_EQ(it.decide(1.1).command.v, -0.4);  // the same source: no handover
 }
 
-// Pulled back and released in turn, so that the person takes over and autonomy, which has stopped
-// meanwhile, comes back with each command.
+// The stick is pulled back and released in turn, so that the person takes over and autonomy, which
+// has stopped meanwhile, resumes with each command.
 TEST(Arbiter, APersonWhoTakesOverTimeAndAgainIsNotDrivenByTheOldCommand) {
   for (const Twist2& rest : {Twist2{}, Twist2{-0.049, 0.0}}) {
     Arbiter it = arbiter("autonomous", 0.3);
@@ -300,7 +301,7 @@ TEST(Arbiter, APersonWhoTakesOverTimeAndAgainIsNotDrivenByTheOldCommand) {
   }
 }
 
-// Random commands, silences and policies into an arbiter and into one without ramps.
+// Feeds random commands, gaps and policies into an arbiter and into one without ramps.
 class WithAndWithoutRamp {
  public:
   void step() {

@@ -60,7 +60,7 @@ TEST(EmergencyStop, AStickThatIsHeardAtRestForASecondIsLetGo) {
   EXPECT_EQ(stop.awaits(1.3, false), Awaits::kNothing);
 }
 
-// As of teleop, teleop_twist_joy, teleop_twist_keyboard.
+// A single zero command, as sent by teleop, teleop_twist_joy and teleop_twist_keyboard.
 TEST(EmergencyStop, ADeviceThatSaysZeroOnceAndFallsSilentIsLetGo) {
   EmergencyStop stop = released();
   stop.on_user({}, 0.1);

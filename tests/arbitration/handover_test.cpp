@@ -23,7 +23,7 @@ Handover driving(const Twist2& command) {
   return handover;
 }
 
-// Of the same sign, and not faster.
+// Same sign and not faster.
 bool within(double out, double chosen) {
   return out * chosen >= 0.0 && std::abs(out) <= std::abs(chosen);
 }
@@ -54,7 +54,7 @@ TEST(Handover, AFasterCommandIsReachedLinearlyAndExactly) {
   EXPECT_EQ(handover.follow(faster, false, kDuration), faster);
 }
 
-// Going straight, then a command that turns: it is no reason to stop.
+// A command to turn while driving straight is no reason to stop.
 TEST(Handover, KeepsTheSpeedWhileTheYawRateRamps) {
   Handover handover = driving({0.8, 0.0});
   EXPECT_EQ(handover.follow({0.8, 1.0}, true, 0.0), (Twist2{0.8, 0.0}));
@@ -89,7 +89,7 @@ TEST(Handover, SourcesThatAlternateDoNotHoldUpARamp) {
   EXPECT_GE(v, 0.7);
 }
 
-// The stick is touched for less than a ramp lasts.
+// The stick is touched for less than the duration of a ramp.
 TEST(Handover, ASlowdownShorterThanARampIsFollowedByAWholeOne) {
   Handover handover = driving({0.8, 0.0});
   EXPECT_EQ(handover.follow({0.06, 0.0}, true, 0.0).v, 0.06);
@@ -118,7 +118,7 @@ TEST(Handover, NoDurationIsNoRamp) {
   EXPECT_EQ(handover.follow({0.8, -kHuge}, true, 0.0), (Twist2{0.8, -kHuge}));
 }
 
-// A random command: often zero, at times a small step, at times as large as a double gets.
+// A random command: often zero, sometimes a small step, sometimes as large as a double can be.
 class Commands {
  public:
   explicit Commands(unsigned seed) : random_{seed} {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the stick to the arbiter: what counts as letting go after an emergency stop, whichever link
-// on the way is lost.
+// Tests, from the stick to the arbiter, what counts as a release after an emergency stop, whichever
+// link in between fails.
 #include <gtest/gtest.h>
 
 #include "tandem/arbitration/arbiter.hpp"

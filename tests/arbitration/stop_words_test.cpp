@@ -34,7 +34,7 @@ TEST(StopWords, ARepetitionIsNotNew) {
   EXPECT_FALSE(words.pressed());
 }
 
-// A press that was lost on one reader and comes late by another one was a press all the same.
+// A press that one reader lost and another delivers late still counts as a press.
 TEST(StopWords, AnOlderSampleIsNewButOverrulesNoYoungerOne) {
   StopWords words;
   EXPECT_TRUE(words.on_word(kPage, 2, false));
@@ -74,7 +74,7 @@ TEST(StopWords, WhatOneThatHasLeftSaidIsNotHeardAgainAfterItWasTakenBack) {
   EXPECT_FALSE(words.pressed());
 }
 
-// As behind a network that was gone for so long that DDS forgot the other side.
+// Simulates a network outage so long that DDS dropped the other side.
 TEST(StopWords, OneThatReturnsCountsAgain) {
   StopWords words;
   words.on_word(kButton, 7, true);

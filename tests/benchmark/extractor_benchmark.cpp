@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what a look at the map and an update of the obstacles cost.
+// Prints the cost of reading the map and of updating the obstacles.
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -56,12 +56,12 @@ void field(benchmark::State& state, const World& world) {
   for (auto _ : state) benchmark::DoNotOptimize(StaticMap(world->grid()).grid().width);
 }
 
-// The places a robot can be in, once per map; on the fitting thread.
+// Finds the positions that a robot can be in, once per map; on the fitting thread.
 void places(benchmark::State& state, const World& world) {
   for (auto _ : state) benchmark::DoNotOptimize(FreeRegions(*world, 0.42).radius());
 }
 
-// All tiles about a place, never seen before; on the fitting thread.
+// Fits all tiles around a new position; on the fitting thread.
 void first_look(benchmark::State& state, const World& world) {
   const auto all = poses(world->grid());
   std::size_t i = 0;
@@ -73,7 +73,7 @@ void first_look(benchmark::State& state, const World& world) {
   }
 }
 
-// What the node does each period: positions about the middle of a window of 8 m x 8 m.
+// The node's work in each period: positions near the centre of a window of 8 m x 8 m.
 void update(benchmark::State& state, const World& world) {
   const Eigen::Vector2d middle{0.0, 0.0};  // of the forest and its copies; free in the building too
   std::mt19937 random{1};
@@ -87,7 +87,7 @@ void update(benchmark::State& state, const World& world) {
   }
 }
 
-// The forest's occupied voxels in tiles x tiles copies, one of them where the forest is.
+// The forest's occupied voxels in tiles x tiles copies, one of them at the forest's position.
 octomap::OcTree forests(int tiles) {
   const auto one = load_octomap(test::project_map("forest"));
   octomap::OcTree all{one->getResolution()};
@@ -107,7 +107,7 @@ octomap::OcTree forests(int tiles) {
   return all;  // not pruned: as many leaves as voxels
 }
 
-// A message as map_server sends it.
+// A message as map_server publishes it.
 struct Message {
   std::vector<std::int8_t> data;
   double resolution, leaves;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From /joy to /cmd_vel over DDS, every component its own node: how long until a push of the stick
-// reaches the wheels. Prints quantiles for policy manual and policy shared, the latter by method
-// intention: a leader has to get away from the robot before the robot follows.
+// Measures the latency from /joy to /cmd_vel over DDS, with each component as a separate node.
+// Prints quantiles for policy manual and policy shared, the latter with method intention: the
+// leader has to move away from the robot before the robot follows.
 #include <cstdio>
 #include <cstdlib>
 

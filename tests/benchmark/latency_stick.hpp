@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stick that is pushed again and again, and how long the wheels take to hear of it.
+// Pushes a stick repeatedly and measures the time until the wheels are commanded.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what each step from a scan to the shapes of its obstacles costs, along drives by
-// scan alone.
+// Prints the cost of each step from a scan to the shapes of its obstacles, along drives without a
+// map.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -108,7 +108,7 @@ void drive(const char* name, const StaticMap& world, const std::vector<Eigen::Ve
   clock.print();
 }
 
-// A depth camera of 640 × 480 points, 87° × 58°, before a wall in 3 m, above a floor.
+// A depth camera of 640 × 480 points, 87° × 58°, above a floor and 3 m from a wall.
 void look_by_camera() {
   RangeReturns echoes;
   for (int row = 0; row < 480; ++row)

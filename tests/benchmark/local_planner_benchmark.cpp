@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Warm solves per method and number of obstacles, then the percentiles of whole closed loops.
+// Prints the time of warm solves per method and number of obstacles, then percentiles of whole
+// closed loops.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -11,7 +12,7 @@ namespace {
 
 constexpr Method kMethods[] = {Method::kLeader, Method::kIntention, Method::kGoal};
 
-// `count` poles on both sides of the way, near enough to count.
+// `count` poles on both sides of the path, near enough to matter.
 std::vector<Obstacle> alley(int count) {
   std::vector<Obstacle> poles;
   for (int i = 0; i < count; ++i)
@@ -24,7 +25,7 @@ std::vector<Obstacle> alley(int count) {
   return poles;
 }
 
-// One cycle after the other of a robot on its way down the alley, begun anew at its end.
+// Runs consecutive cycles of a robot that drives down the alley, and restarts at its end.
 void warm_solve(benchmark::State& state) {
   const auto method = kMethods[state.range(0)];
   const auto obstacles = alley(static_cast<int>(state.range(1)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One solve after the other of problems recorded along closed loops, each from the warm start it
-// had there. Script B.2 is driven by each solver itself; the other loops are driven by the
-// structured one, and all get the same problems. Rows: <solver>/<problem>/<parameters>.
+// Times solves of problems recorded along closed loops, each from the warm start that it had there.
+// In script B.2 each solver drives its own loop; the other loops are driven by the Riccati interior
+// point, and all solvers get the same problems. Rows: <solver>/<problem>/<parameters>.
 #include <benchmark/benchmark.h>
 
 #include <time.h>
@@ -111,7 +111,7 @@ struct Checked {
   bool violates = false;
 };
 
-// Obstacles that were left out and turn out to matter are added, and it is solved again.
+// Obstacles that were left out and turn out to matter are added, and the problem is solved again.
 template <class Solver>
 [[gnu::noinline]] Checked solve_checked(Solver& solver, const Recorded& recorded) {
   constexpr int kMostSolves = 5;
@@ -138,8 +138,8 @@ Pairs script_pairs(const std::vector<Obstacle>& poles) {
   return pairs;
 }
 
-// Its distances are hard: the penalty has to outweigh the pull of a goal 11 m away. With 500 Ipopt
-// pays it and drives through a pole.
+// The distances are hard constraints, so the penalty must outweigh the attraction of a goal 11 m
+// away. With 500 Ipopt accepts the penalty and drives through a pole.
 constexpr double kHard = 2000.0;
 
 // Devalla's script B.2 as written: no margin, no terminal cost, the first twist tied to nothing.
@@ -278,7 +278,7 @@ double percentile(std::vector<double> values, double p) {
   return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
 }
 
-// What this thread has computed [us], whatever else runs on the machine.
+// Processor time of this thread [us], independent of other load.
 double cpu_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -318,7 +318,7 @@ void run(benchmark::State& state, const Recording& recording) {
 
 using Recorder = std::function<Recording()>;
 
-// `loop`: whose name a recording is kept under.
+// `loop`: the name under which a recording is stored.
 template <class Solver>
 void add_row(const std::string& row, const std::string& loop, const Recorder& recorder) {
   static std::map<std::string, Recording> recordings;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time of one call of the safety filter, far from and near to obstacles, and of one simulator step.
+// Prints the time of one call of the safety filter, far from and near to obstacles, and of one
+// simulator step.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From /joy to /cmd_vel with a process for each node, policy manual: open and secured by DDS
-// Security, in turn and twice each. Prints quantiles.
+// Measures the latency from /joy to /cmd_vel with one process per node and policy manual,
+// alternately without and with DDS Security, twice each. Prints quantiles.
 #include <cstdio>
 #include <cstdlib>
 #include <memory>

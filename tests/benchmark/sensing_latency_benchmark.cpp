@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From /scan to what filter and planner are told, over DDS, every component its own node: how long
-// until a thing that a scan shows counts. Prints quantiles.
+// Measures the latency from /scan to the inputs of filter and planner over DDS, with each component
+// as a separate node. Prints quantiles.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -23,7 +23,7 @@ constexpr int kBeams = 720;
 constexpr float kRoom = 5.0F, kThing = 1.2F;  // [m] radius of the room, distance of the thing
 constexpr double kTimeout = 3.0;              // [s]
 
-// A robot at rest in a round room, in front of which a thing appears and is gone again.
+// A robot at rest in a round room; an object in front of it appears and disappears.
 class Scanner {
  public:
   explicit Scanner(rt::Node& node) : node_{node} {
@@ -46,7 +46,7 @@ class Scanner {
   [[nodiscard]] bool is_ready() {
     return test::spin_until([this] { return lists_ > 0; }, 30.0, node_);
   }
-  // Milliseconds from the scan that shows a thing to filter and planner.
+  // Milliseconds from the scan that shows the object to filter and planner.
   void show(std::vector<double>& filter, std::vector<double>& planner) {
     shows_ = true;
     scan();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what the wire's guard costs for a datagram of 200 bytes, as Fast DDS sends an Odometry's
-// like: INFO_DST, INFO_TS, DATA, HEARTBEAT, statistics.
+// Prints the RTPS guard's cost for a datagram of 200 bytes, as Fast DDS sends for an Odometry:
+// INFO_DST, INFO_TS, DATA, HEARTBEAT, statistics.
 #include <benchmark/benchmark.h>
 
 #include "runtime/datagram.hpp"

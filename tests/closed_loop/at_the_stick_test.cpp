@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stick that is pushed, let come to rest, thrown round, pushed at what bars the way: what the
-// robot makes of it by each method, beside what it does by hand.
+// Tests the robot's response to a stick that is pushed, released, moved randomly, or pushed toward
+// an obstacle: with each method, compared with manual control.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// The stick from t [s] on, the dead-man held.
+// The stick from t [s] on, with the dead-man button held.
 struct Push {
   double t, linear, angular;
 };
@@ -103,7 +103,7 @@ TEST_P(AtTheStick, ThrownRoundTurnsTheRobotBackAlmostAsSoonAsByHand) {
   EXPECT_LT(backs_after(GetParam()), backs_after("manual") + 0.2);
 }
 
-// A wheelchair of 0.65 m before a gap of 0.60 m.
+// A wheelchair 0.65 m wide before a gap of 0.60 m.
 TEST_P(AtTheStick, PushedAtAGapThatIsTooNarrowStandsBeforeItAndLooksIntoIt) {
   const Scenario gap = place("maps/home.bt", "wheelchair", {4.9, 6.1, 0.0});
   const auto track = track_of(gap, GetParam(), {{0.0, 1.0, 0.0}}, 6.0);

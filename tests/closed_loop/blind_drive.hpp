@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A robot whose scanner does not see all around, behind the filter, and a judge of what its beams
-// and its outline have covered that shares no code with the map.
+// Drives a robot whose scanner has blind sectors, with the filter, and checks independently of the
+// map which ground its beams and its outline have covered.
 #pragma once
 
 #include <algorithm>
@@ -20,12 +20,15 @@
 
 namespace tandem::test {
 
-/// What beams and the outline have covered, and what the outline was driven into.
+/// The ground that beams and the outline have covered, and what the outline entered without cover.
 class CoverageJudge {
  public:
-  static constexpr double kSide = 0.05;   // of a cell: one that a beam touches is covered [m]
-  static constexpr double kEdge = 0.003;  // beyond where the outline was: rounding [m]
-  static constexpr double kNow = 0.1;     // what it reached within this is driven into now [s]
+  // of a cell, which counts as covered if a beam touches it [m]
+  static constexpr double kSide = 0.05;
+  // tolerance beyond the outline's past area, for rounding [m]
+  static constexpr double kEdge = 0.003;
+  // ground that the outline reached within this time counts as entered now [s]
+  static constexpr double kNow = 0.1;
 
   explicit CoverageJudge(const RobotParams& robot) : robot_{robot} {}
 
@@ -47,8 +50,7 @@ class CoverageJudge {
   }
   void outline(const Pose2& X_MB, double t) { stood_.push_back({X_MB, t}); }
 
-  /// Whether the outline at X_MB is driven, at time t, into ground that nothing has covered for
-  /// `timeout`.
+  /// True if the outline at X_MB enters, at time t, ground that nothing has covered for `timeout`.
   [[nodiscard]] bool is_driven_into_unseen(const Pose2& X_MB, double t, double timeout) const {
     constexpr int kPoints = 24;
     const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
@@ -89,7 +91,7 @@ class CoverageJudge {
   std::vector<Stand> stood_;
 };
 
-/// The cores of a drive by one scanner: simulator, builder and filter.
+/// The algorithm cores of a drive with one scanner: simulator, builder and filter.
 class BlindDrive {
  public:
   struct Settings {
@@ -110,7 +112,7 @@ class BlindDrive {
     max_speed_over_unseen_ = 0.0;
   }
 
-  /// Holds the stick for so long, or until `done`.
+  /// Holds the stick for this long, or until `done`.
   void run(const Twist2& stick, double duration, const std::function<bool()>& done = {}) {
     for (const double end = t_ + duration; t_ < end - 1e-9 && !(done && done());) tick(stick);
   }
@@ -119,15 +121,16 @@ class BlindDrive {
   [[nodiscard]] const Twist2& twist() const { return sim_.state().twist; }
   [[nodiscard]] unsigned collisions() const { return sim_.contacts().count; }
   [[nodiscard]] double t() const { return t_; }
-  /// Of the filter's words since the last call, how many calls said each.
+  /// Counts each reason that the filter gave since the last call.
   [[nodiscard]] std::map<std::string, int> take_reasons() { return std::exchange(reasons_, {}); }
-  /// Of the outline's fastest point while it was over ground unseen for coverage_timeout [m/s].
+  /// Speed of the outline's fastest point while over ground unseen for coverage_timeout [m/s].
   [[nodiscard]] double max_speed_over_unseen() const { return max_speed_over_unseen_; }
   [[nodiscard]] int looks_over_unseen() const { return looks_over_unseen_; }
 
  private:
   static constexpr double kTick = 0.01;  // [s]
-  static constexpr double kLate = 0.25;  // [s] a map is one scan old, and stays for one
+  // [s] a map may be one scan old, and is used for another scan
+  static constexpr double kLate = 0.25;
 
   [[nodiscard]] DiffDriveSimNodeParams sim_params() const {
     DiffDriveSimNodeParams params;

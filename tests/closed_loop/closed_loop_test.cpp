@@ -189,7 +189,7 @@ TEST_P(Forbidden, RegionsAreNeverEntered) {
   EXPECT_LT(nearest, 0.5) << "the way leads past it, else this proves nothing";
 }
 
-// Nothing but the laser scanner tells what stands there.
+// Obstacles are known only from the laser scanner.
 class WithoutAMap : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(WithoutAMap, ReachesItsGoalWithoutContact) {
@@ -208,7 +208,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Forbidden,
 
 class AmongPeople : public ::testing::TestWithParam<const char*> {};
 
-// They walk through whatever is there: into the robot, too, but only while it stands.
+// People walk through everything, even into the robot, but contact is allowed only while it stands.
 TEST_P(AmongPeople, ReachesItsGoalAndTouchesNobody) {
   const DriveResult result = drive(file("crossing"), GetParam(), 1);
   EXPECT_TRUE(result.reached);
@@ -227,7 +227,7 @@ TEST(ForestTask1, LeaderDrivesTwoMinutesWithoutContact) {
 
 class Manual : public ::testing::TestWithParam<const char*> {};
 
-// Else the driver proves nothing.
+// Otherwise the driver proves nothing.
 TEST_P(Manual, CollidesInSomeOfTwentySeeds) {
   int collided = 0;
   for (unsigned seed = 1; seed <= 20 && collided == 0; ++seed)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tasks of a day, each driven by hand: every shipped daily_*.yaml can be done.
+// Tests everyday tasks, each driven by hand: every shipped daily_*.yaml can be completed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ TEST_P(Daily, IsDoneByHand) {
   EXPECT_TRUE(result.failures.empty());
 }
 
-// By the methods that plan, but for those that the file excepts.
+// Covers the methods that plan, except those that the file excludes.
 TEST_P(Daily, IsDoneWithThePlannerToo) {
   const Scenario scenario = load_scenario(GetParam());
   for (const char* method : {"leader", "intention"}) {

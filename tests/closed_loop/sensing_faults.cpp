@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// sensing_faults [DRIVES [FIRST_SEED]]: drives with failing sensors on all cores, 2000 unless told.
-// Exit status 1 on a contact, or if a fault was not named.
+// sensing_faults [DRIVES [FIRST_SEED]]: drives with failing sensors on all cores (default 2000).
+// Exit status 1 on a contact, or if a fault was not reported.
 #include "closed_loop/sensing_faults.hpp"
 
 #include <atomic>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives of a robot that knows what stands in its way from its scanner alone, while the scanner or
-// the odometry fails: the cores that take scans to the filter, in one loop with the simulated base.
+// Drives a robot that knows obstacles only from its scanner, while the scanner or the odometry
+// fails. Runs the cores from scans to the filter in one loop with the simulated base.
 #pragma once
 
 #include <algorithm>
@@ -25,15 +25,15 @@ inline double between(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// What becomes of a scan, of a scanner that fails in this way.
+/// Modifies a scan as a scanner with this fault does.
 using ScanFault = std::function<void(SimulatedScan&, Random&)>;
-/// The twist that faulty odometry at X_WB reports for the true twist.
+/// The twist that faulty odometry at X_WB reports, given the true twist.
 using TwistFault = Twist2 (*)(const Twist2& twist, const Pose2& X_WB);
 
 struct SensingFault {
   const char* name;
-  std::function<ScanFault()> scan = {};  ///< a new one for each drive; none: the scanner is well
-  const char* reason = "";               ///< a part of what is said at the end; empty: it drives on
+  std::function<ScanFault()> scan = {};  ///< a new one for each drive; empty: no scanner fault
+  const char* reason = "";  ///< part of the reason given at the end; empty: the robot drives on
   std::vector<std::string> no_return{"inf"};
   TwistFault twist = nullptr;
   double unseen_speed = 0.15;  ///< [m/s]
@@ -78,7 +78,7 @@ inline const std::vector<SensingFault>& sensing_faults() {
       {.name = "Covered", .scan = [] { return all_beams(0.2F); }, .reason = "gives no valid range"},
       {.name = "Frozen", .scan = frozen, .reason = "frozen"},
       {.name = "HalfTheBeamsLost", .scan = [] { return ScanFault{lose_half}; }},
-      // At the default's walking pace it may touch what it has never seen.
+      // At the default walking pace it may touch obstacles that it has never seen.
       {.name = "OneSideLost", .scan = [] { return ScanFault{lose_a_side}; }, .unseen_speed = 0.0},
       {.name = "OwnBody", .scan = [] { return ScanFault{see_posts}; }},
       {.name = "FarthestAsRangeMax", .scan = [] { return ScanFault{farthest_as_range_max}; }},
@@ -100,7 +100,7 @@ inline const std::vector<SensingFault>& sensing_faults() {
   return all;
 }
 
-/// A room of 3 to 8 m with poles, none where the robot starts.
+/// A room of 3 to 8 m with poles, none of them at the robot's start.
 inline std::shared_ptr<const StaticMap> room_with_poles(Random& random) {
   Grid grid{0.05, {-6.0, -6.0}, 240, 240, std::vector<Cell>(57600, Cell::kFree)};
   std::vector<Eigen::Vector2d> poles;
@@ -119,8 +119,8 @@ inline std::shared_ptr<const StaticMap> room_with_poles(Random& random) {
   return std::make_shared<const StaticMap>(std::move(grid));
 }
 
-/// One drive of 15 s, with a person who pushes ahead half of the time and anywhere else. In every
-/// second one the fault is there from the start.
+/// One drive of 15 s with a person who pushes forward half of the time and in random directions
+/// otherwise. In every second drive the fault is present from the start.
 class FaultyDrive {
  public:
   FaultyDrive(unsigned seed, const SensingFault& fault)
@@ -153,7 +153,7 @@ class FaultyDrive {
 
   [[nodiscard]] unsigned contacts() const { return sim_.contacts().count; }
   [[nodiscard]] double travelled() const { return travelled_; }
-  /// Whether what is said at the end is what the fault calls for.
+  /// True if the reason given at the end is the one expected for the fault.
   [[nodiscard]] bool is_named() {
     const std::string said = sensing_.trouble(t_), expected = fault_.reason;
     return expected.empty() ? said.empty() : said.find(expected) != std::string::npos;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each fault in a few drives; `sensing_faults` does the same for as many as wanted.
+// Runs a few drives with each fault; `sensing_faults` runs any number.
 #include "closed_loop/sensing_faults.hpp"
 
 #include <gtest/gtest.h>

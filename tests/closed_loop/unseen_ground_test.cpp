@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robots that know the ground by a scanner that does not see all around.
+// Tests robots that observe the ground with a scanner that has blind sectors.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -69,7 +69,7 @@ TEST(UnseenGround, ARobotTurnsAtFullRateInAHallThatItHasDrivenThrough) {
   EXPECT_FALSE(drive.take_reasons().contains("unseen ground"));
 }
 
-// Half a metre behind the robot stands what its scanner has never seen.
+// An obstacle that the scanner has never seen is half a metre behind the robot.
 TEST(UnseenGround, BackwardsIntoWhatWasNeverSeenIsSlow) {
   const auto box = world_where([](double x, double) { return x < -1.0; });
   for (const double unseen_speed : {0.15, 0.08}) {

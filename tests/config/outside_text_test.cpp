@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text from outside: YAML that would take all memory or the stack, at every place where YAML is
+// Tests hostile text from outside: YAML that would exhaust memory or the stack, wherever YAML is
 // read, and control characters.
 #include "tandem/config/printable.hpp"
 #include "tandem/config/yaml_document.hpp"
@@ -33,7 +33,7 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
-// Nine lists of nine aliases of the list before: 9⁹ values.
+// Nine nested lists of nine aliases each: 9⁹ values.
 std::string alias_bomb() {
   std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 9; ++i) {

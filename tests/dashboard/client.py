@@ -441,7 +441,7 @@ def foreign(robot):
     client.until(lambda: "/my__node.use_sim_time" in client.parameters and "/teleop.max_v" in client.parameters
                  or any(p.startswith("/my__node.") for p in client.parameters))
     frames = {"base_scan", "foreign_0", "foreign_1", "foreign_2"}
-    for _ in range(2):  # who comes first, and who comes later
+    for _ in range(2):  # an early and a late subscriber
         viewer = Client(robot.port)
         viewer.subscribe("/tf_static")
         viewer.until(lambda: frames <= {t.child_frame_id for m in viewer.messages.get("/tf_static", [])

@@ -49,7 +49,7 @@ TEST(SingleSource, TwistAndTwistStampedOfOneProcessAreOneSource) {
   EXPECT_FALSE(source.on_command(writer(2, 1, 3), kTwistStamped, 0.2));
 }
 
-// Under DDS Security the bytes that name the process are a hash.
+// Under DDS Security the bytes that identify the process are a hash.
 TEST(SingleSource, TwistAndTwistStampedOfOneEnclaveAreOneSource) {
   const auto secured = [](std::uint8_t enclave, std::uint8_t participant) {
     SingleSource::Writer id = writer(participant, participant, 3);

@@ -25,7 +25,7 @@ struct Track {
   std::vector<Hand> hands;
 };
 
-// A robot that does at once what the hand says, in an empty world.
+// A robot that executes the hand's commands immediately, in an empty world.
 Track drive(Driver& driver, Pose2 X, double duration) {
   Track track;
   for (double t = 0.0; t < duration && !driver.arrived(); t += kPeriod) {

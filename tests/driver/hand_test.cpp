@@ -41,7 +41,7 @@ TEST(HandModel, LetsGoWhenItsOwnerDoes) {
   }
 }
 
-// By its spectrum: all of the power lies at one frequency within the literature's band.
+// Checks the spectrum: all power lies at one frequency within the band given in the literature.
 TEST(HandModel, TremorIsASineOfFourToTwelveHertz) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     HandModel it = model("tremor", {}, seed);

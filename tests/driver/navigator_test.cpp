@@ -14,7 +14,7 @@ NavigatorParams params(std::vector<double> route) {
   return p;
 }
 
-// A robot that does at once what the hand says, in an empty world.
+// A robot that executes the hand's commands immediately, in an empty world.
 Pose2 drive(Navigator& driver, Pose2 X, double duration) {
   for (double t = 0.0; t < duration && !driver.arrived(); t += kPeriod) {
     const Hand hand = driver.steer(X, X, t);
@@ -53,7 +53,7 @@ NavigatorParams patient(std::vector<double> route) {
   return p;
 }
 
-// A leader that has passed its point waits for the robot.
+// A leader that has passed its waypoint waits for the robot.
 TEST(Navigator, WaitsForItsRobotLookingAlongTheRoute) {
   const Pose2 X_MB{0.5, 0.0, 0.0};
   for (const double theta : {-2.5, -0.5, 0.0, 0.5, 2.5}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scripts as text, and the person who goes through their phases.
+// Tests scripts as text, and the simulated person who executes their phases.
 #include "tandem/driver/script.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ std::string complaint_of(const std::string& text) {
   }
 }
 
-// A robot that does what the hand says, but for what `allowed` takes from its twist.
+// A robot that executes the hand's commands, except for what `allowed` removes from the twist.
 struct Drive {
   std::vector<Hand> hands;
   std::vector<Pose2> X_MB;
@@ -174,7 +174,7 @@ TEST(Script, PushesHarderWhenNothingMovesThenBacksOutAndTriesAnew) {
   EXPECT_NEAR(last_high, 1.0, 0.05);  // and comes again
 }
 
-// The robot stands, so the leader may not run off.
+// The robot stands, so the leader must not drive away from it.
 TEST(Script, HoldsALeaderNoFartherAheadThanItLooks) {
   NavigatorParams params = kCalm;
   params.preview = 0.6;

@@ -12,7 +12,7 @@ constexpr double kFar = 10.0;  // [m]
 constexpr double kDt = 0.1;    // [s]
 const HapticsParams kParams{.near = 0.4, .disagreement = 0.5, .deadband = 0.2};
 
-// What is felt when it has been so for a while.
+// The steady-state feedback.
 double felt(const std::optional<Twist2>& user, const Twist2& robot, double clearance) {
   Haptics haptics{kParams};
   (void)haptics.feel(user, robot, clearance, kDt);

@@ -14,7 +14,7 @@ namespace {
 const RobotParams kMir{};
 constexpr double kPeriod = 0.05;
 
-// 10 m × 10 m, walls only round it.
+// 10 m × 10 m with walls only along the border.
 StaticMap hall() {
   Grid grid{0.05, {-5.0, -5.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
   for (int i = 0; i < 200; ++i)
@@ -40,7 +40,7 @@ double sum(const std::vector<double>& belief) {
   return std::accumulate(belief.begin(), belief.end(), 0.0);
 }
 
-// The robot does what hindsight says for a person who does the same all the time.
+// The robot executes hindsight's commands for a person whose input is constant.
 Pose2 drive(Hindsight& hindsight, Pose2 X_MB, const Twist2& user, double duration) {
   for (double t = 0.0; t < duration; t += kPeriod)
     X_MB = integrate(X_MB, hindsight.assist(X_MB, user, t).command, kPeriod);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fill(json, message) for every ROS message that we have: each field from the member of its name.
+// Defines fill(json, message) for every supported ROS message: each field is read from the member
+// of the same name.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -173,7 +174,7 @@ FIELDS(rmw_dds_common::msg::NodeEntitiesInfo, node_namespace, node_name, reader_
        writer_gid_seq)
 FIELDS(rmw_dds_common::msg::ParticipantEntitiesInfo, gid, node_entities_info_seq)
 
-/// Those with an entry of their own in vectors.json.
+/// Messages with a separate entry in vectors.json.
 using RosMessages = testing::Types<
     builtin_interfaces::msg::Time, builtin_interfaces::msg::Duration, std_msgs::msg::Header,
     std_msgs::msg::String, std_msgs::msg::Bool, std_msgs::msg::Float64, std_msgs::msg::ColorRGBA,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// idl/tandem_msgs/ is the ROS 2 package of the types in idl/tandem_msgs.idl: the two say the same.
+// Checks that the ROS 2 package idl/tandem_msgs/ and idl/tandem_msgs.idl define the same types.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// By name ("Obstacle", "SetPolicy_Request"): the fields, a line "type name" each.
+// The fields by type name ("Obstacle", "SetPolicy_Request"), one line "type name" per field.
 using Structures = std::map<std::string, std::string>;
 
 const fs::path kFolder = test::source_path("idl");

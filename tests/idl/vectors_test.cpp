@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bytes that a real ROS 2 Jazzy (rclpy) wrote, against the bytes that our messages write.
+// Compares the bytes of Tandem's messages with those that a real ROS 2 Jazzy (rclpy) wrote.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -23,7 +23,7 @@ std::string vectors_path() {
   return shared ? std::string{shared} + "/" + file : test::shared_path(file);
 }
 
-// Entries with bytes, by type name; empty if the file is not here.
+// Entries with bytes, by type name; empty if the file does not exist.
 const std::map<std::string, nlohmann::json>& vectors() {
   static const auto all = [] {
     std::map<std::string, nlohmann::json> result;
@@ -150,7 +150,7 @@ TEST(TandemMessages, ReadBackWhatTheyWrote) {
             "tandem_msgs::msg::dds_::ArbitrationStatus_");
 }
 
-// Recordings of before it had `remedy`, its last field, hold such; the README says so.
+// Recordings made before `remedy`, the last field, was added contain such messages; see the README.
 TEST(TandemMessages, AnArbitrationStatusWithoutRemedyIsNone) {
   tandem_msgs::msg::ArbitrationStatus status, read;
   status.silent_sources({"user"});

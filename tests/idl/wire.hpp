@@ -29,8 +29,8 @@ std::string type_name() {
 #endif
 }
 
-/// The message's bytes as a DataWriter sends them, encapsulation included. Alignment leaves gaps,
-/// in which the buffer's old content (`gap`) stays.
+/// The message's bytes as a DataWriter sends them, including the encapsulation header. Alignment
+/// gaps keep the buffer's previous content (`gap`).
 template <class M>
 Bytes serialize(M& message, uint8_t gap = 0) {
   const auto type = MessageType<M>::create();
@@ -47,7 +47,8 @@ Bytes serialize(M& message, uint8_t gap = 0) {
   return Bytes(payload.data, payload.data + payload.length);
 }
 
-/// False if the bytes are not an M. The buffer has their very size, for AddressSanitizer.
+/// False if the bytes are not a valid M. The buffer has exactly their size, so that
+/// AddressSanitizer detects overreads.
 template <class M>
 bool deserialize(const Bytes& bytes, M& message) {
   Payload payload(static_cast<uint32_t>(bytes.size()));
@@ -67,7 +68,7 @@ inline Bytes from_hex(const std::string& hex) {
   return bytes;
 }
 
-/// Hexadecimal bytes of the message, ".." in the gaps, whose content nobody defines.
+/// The message's bytes in hexadecimal, with ".." in the gaps, whose content is undefined.
 template <class M>
 std::string to_hex(M& message) {
   constexpr const char* kDigits = "0123456789abcdef";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a person who goes on pushing has their own way near an obstacle.
+// Tests when a person who keeps pushing overrides the planner near an obstacle.
 #include "tandem/local_planner/close_approach.hpp"
 
 #include <gtest/gtest.h>

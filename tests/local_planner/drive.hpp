@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a planner, a world, a person. Out: what happened; the loop of planner and robot without DDS.
+// Runs planner and robot in closed loop without DDS, and reports what happened.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace tandem::test {
 
-/// Devalla's forest: sixteen poles and, if wanted, four walls as thin ellipses.
+/// Devalla's forest: sixteen poles and, optionally, four walls as thin ellipses.
 inline std::vector<Obstacle> forest(bool walls, double radius = 0.225) {
   const double x[] = {-4, -2, 0.5, 3, -2.5, 0, 2, -4, -1, 3, -2, 1, 4, -1, 1, 3};
   const double y[] = {3.5, 3, 3.5, 4, 1.5, 1.5, 2, 0, 0, 0.5, -2, -1, -1, -4, -3, -3};
@@ -34,7 +34,8 @@ inline std::vector<Obstacle> forest(bool walls, double radius = 0.225) {
   return all;
 }
 
-/// Robot of the tests: the command acts after `delay`, motors follow with a first-order lag.
+/// The robot of these tests: a command acts after `delay`, and the motors follow with a first-order
+/// lag.
 struct Plant {
   Pose2 X_MB;
   Twist2 twist;
@@ -65,7 +66,7 @@ struct Drive {
   std::vector<Plan> plans = {};
   int fallbacks = 0;
   int contacts = 0;         ///< cycles that end in contact
-  double worst_rate = 0.0;  ///< largest change of a command over what is allowed
+  double worst_rate = 0.0;  ///< largest ratio of a command's change to the permitted change
 
   [[nodiscard]] double percentile(double p) const {
     auto sorted = solve_times;
@@ -74,7 +75,7 @@ struct Drive {
   }
 };
 
-/// What the person asks for at time t with the robot at X_MB: fills the request's reference.
+/// The person's input at time t with the robot at X_MB: fills the request's reference.
 using Person = std::function<void(double t, const Plant& plant, PlanRequest& request)>;
 
 inline Drive drive(const NmpcParams& params, const RobotParams& robot, Plant plant,
@@ -108,7 +109,7 @@ inline Drive drive(const NmpcParams& params, const RobotParams& robot, Plant pla
   return out;
 }
 
-/// A person who drives a leader along waypoints at a constant speed, `leash` ahead at most.
+/// A person who drives a leader along waypoints at constant speed, at most `leash` ahead.
 inline Person leader_along(std::vector<Eigen::Vector2d> p_MW, double speed, double leash) {
   auto next = std::make_shared<std::size_t>(0);
   auto leader = std::make_shared<std::optional<Pose2>>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The planner and a robot with delay and motor lag in a loop, without DDS.
+// Tests the planner in closed loop with a robot that has delay and motor lag, without DDS.
 #include "local_planner/drive.hpp"
 
 #include <gtest/gtest.h>
@@ -99,7 +99,7 @@ TEST(Drive, LeaderThroughTheForestIsFollowedWithoutContact) {
   EXPECT_LT(distance(result, 4.0, 2.5), 0.3);
 }
 
-// People who do not see the obstacles: every method, random wishes.
+// Drivers who do not see the obstacles: every method, random commands.
 TEST(Drive, BlindPeopleInTheForestNeverTouchAndSeldomNeedAFallback) {
   int cycles = 0, fallbacks = 0;
   for (const Method method : {Method::kLeader, Method::kIntention, Method::kGoal})
@@ -186,8 +186,8 @@ TEST(Drive, CorridorAHandsBreadthWiderThanTheRobotIsPassed) {
   }
 }
 
-// Share of cycles in which the person gets what they ask for, as far as the accelerations and the
-// braking allow, to within 1 % of the robot's range.
+// Share of cycles in which the person gets the commanded motion, within the limits of acceleration
+// and braking, to within 1 % of the robot's range.
 double agreement(const Drive& drive, const std::vector<Twist2>& asked, std::size_t first = 0) {
   const RobotParams robot;
   Twist2 before = first > 0 ? drive.plans[first - 1].command : Twist2{};
@@ -267,7 +267,7 @@ TEST(Drive, GapThatACircleCannotPassIsPassedByTheOutline) {
   }
 }
 
-// A leader that swings round a pole: its trail, not the straight line to it, is followed.
+// A leader that drives round a pole: the robot follows its trail, not the straight line to it.
 TEST(Drive, TrailOfTheLeaderIsFollowed) {
   double error = 0.0;
   const auto person = [&](double t, const Plant& plant, PlanRequest& request) {
@@ -327,8 +327,8 @@ double surprise(const Drive& drive, const NmpcParams& params) {
   return sum / static_cast<double>(count);
 }
 
-// Motors of 0.4 s: a planner that is told them foresees better where the robot goes than one that
-// is not, and than one that takes them for a delay.
+// Motors with a lag of 0.4 s: a planner that models the lag predicts the robot's motion better than
+// one that ignores it or treats it as a delay.
 TEST(MotorLag, ToldToThePlannerIsForeseen) {
   const std::vector<Eigen::Vector2d> way{{-3, -3.4},  {-2.6, -2.9}, {0, -2.2},
                                          {2.2, -1.8}, {2.2, 0.5},   {4, 2.5}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the planner does where no fresh plan may be driven.
+// Tests the planner when no new plan may be driven.
 #include "tandem/local_planner/fallback.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
   EXPECT_FALSE(touches(body, plan.X_MB.back(), obstacles.front()));
 }
 
-// A goal so far off that its cost is no number: finite requests that no solver can answer.
+// A goal so far away that its cost is not finite: finite requests that no solver can answer.
 TEST(Nmpc, GoesDownTheLadderRungByRungWhereNoSolverAnswers) {
   for (const char* solver : {"ipopt", "structured", "certified"}) {
     NmpcParams params = unlimited();
@@ -153,7 +153,7 @@ TEST(Nmpc, DoesNotYieldWhileItsPlansComeThrough) {
   }
 }
 
-// A shape may reach into the outline, as fitted shapes are larger than what they hold.
+// A shape may reach into the outline, because fitted shapes are larger than what they enclose.
 TEST(Nmpc, InsideAShapeItMovesOutAndNeverDeeper) {
   const Body body{footprint_of(RobotParams{}), {}};
   for (const double x : {0.55, 0.62, 0.70}) {  // outline's front at 0.483, pole's rim at x − 0.225

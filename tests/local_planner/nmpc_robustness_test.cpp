@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must not disturb the planner: broken requests, a busy machine, other planners, its own past.
+// Tests that broken requests, a busy machine, other planners and past cycles do not disturb the
+// planner.
 #include <gtest/gtest.h>
 #include <time.h>
 
@@ -63,7 +64,7 @@ TEST(Nmpc, EqualRequestsGiveEqualPlansBitForBit) {
   }
 }
 
-// First a machine so busy that no solve can end, then a free one.
+// First on a machine so busy that no solve can finish, then on a free one.
 TEST(Nmpc, RecoversFromTwoHundredFailingSolves) {
   NmpcParams starved = unlimited();
   starved.max_iterations = 1;
@@ -106,7 +107,7 @@ TEST(Nmpc, TeleportingRobotGetsAColdStart) {
   EXPECT_LE(failed, 1);
 }
 
-// One iteration that the machine interrupts must not make the planner give up for good.
+// One iteration that is preempted must not make the planner give up permanently.
 TEST(Nmpc, ABudgetThatWasOnceTooShortDoesNotLockItOut) {
   NmpcParams params = default_params();
   params.time_budget = 0.02;

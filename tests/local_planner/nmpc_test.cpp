@@ -127,8 +127,8 @@ TEST(Nmpc, EveryCycleStartsFromManyGuessesAndSaysWhatItFound) {
   EXPECT_GT(plan.active, 0);  // it passes close by
 }
 
-// With a preview the robot sets off, and turns, with the person; without one it waits until their
-// leader has gone somewhere.
+// With a preview the robot starts and turns together with the person; without one it waits until
+// the leader has moved.
 TEST(Nmpc, ChasesALeaderTheBetterForKnowingWhatThePersonDoes) {
   NmpcParams preview = unlimited(), none = unlimited();
   none.leader_preview = 0.0;
@@ -148,7 +148,7 @@ TEST(Nmpc, RefusesALeaderWhosePersonIsNotANumber) {
   EXPECT_EQ(solve_once(request).source, PlanSource::kSolution);
 }
 
-// The way to the left is worth as much as the way to the right: it takes one and keeps to it.
+// Passing on the left costs as much as on the right: the planner must choose one side and keep it.
 TEST(Nmpc, DoesNotDitherBetweenTwoEqualWays) {
   Nmpc planner(unlimited(), RobotParams{});
   PlanRequest request = goal_request({4, 0, 0});
@@ -177,7 +177,7 @@ TEST(Nmpc, DoesNotDitherBetweenTwoEqualWays) {
   EXPECT_LE(changes, 1);
 }
 
-// A turn was commanded and is not yet to be seen.
+// A turn was commanded but is not visible in odometry yet.
 TEST(Nmpc, CommandsUnderWayCountInThePredictedPose) {
   NmpcParams params = unlimited();
   params.delay = 0.3;

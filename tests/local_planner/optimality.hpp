@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a problem and a primal-dual point. Out: how far it is from optimal, from the sparse form of
-// the problem and nothing of any solver.
+// Measures how far a primal-dual point is from optimal, using only the problem's sparse form and no
+// solver code.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace tandem::test {
 
-/// Largest residuals of the optimality conditions, the first and the last over Ipopt's scale of
-/// the multipliers.
+/// Largest residuals of the optimality conditions; the first and the last are divided by Ipopt's
+/// scale of the multipliers.
 struct Optimality {
   double dual = 0.0;             ///< gradient of the Lagrangian
   double primal = 0.0;           ///< rows and bounds

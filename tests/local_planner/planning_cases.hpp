@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a seed. Out: a planner, a world and a request, and the problems and guesses they lead to.
+// Draws a planner, a world and a request from a seed, with the resulting problems and initial
+// guesses.
 #pragma once
 
 #include <algorithm>
@@ -31,10 +32,10 @@ struct PlanningCase {
   RobotParams robot = {};
   PlanRequest request = {};
   std::vector<Obstacle> obstacles = {};
-  std::vector<Eigen::Vector2d> way = {};  ///< kPath: where the leader drove until now
+  std::vector<Eigen::Vector2d> way = {};  ///< kPath: the path that the leader has driven so far
 };
 
-/// From the robot to X_MG in an S.
+/// An S-shaped path from the robot to X_MG.
 inline std::vector<Eigen::Vector2d> leaders_way(const PlanRequest& request, double bulge) {
   const Eigen::Vector2d from = request.X_MB.position(), all = request.X_MG.position() - from;
   const Eigen::Vector2d aside{-bulge * all.y(), bulge * all.x()};
@@ -44,8 +45,8 @@ inline std::vector<Eigen::Vector2d> leaders_way(const PlanRequest& request, doub
   return way;
 }
 
-/// Everything varies: method, model, horizon, discs, lag (in one case of four), state, reference,
-/// circles and ellipses at rest and moving. One case in four may begin inside of obstacles.
+/// Varies everything: method, model, horizon, discs, lag (in one case of four), state, reference,
+/// and circles and ellipses at rest and moving. One case in four may start inside obstacles.
 inline PlanningCase random_case(unsigned seed) {
   Random random{std::mt19937(seed)};
   PlanningCase c;
@@ -93,12 +94,13 @@ inline PlanningCase random_case(unsigned seed) {
   return c;
 }
 
-/// How a solve begins.
+/// The initial guess of a solve.
 enum class Begin {
-  kCold,   ///< the wish, stopped short of what blocks it
-  kBlind,  ///< the wish, through all obstacles
-  kWarm,   ///< last solution, one control period later
-  kMoved,  ///< the same, with robot and obstacles 5 to 30 mm off and another wish
+  kCold,   ///< the nominal trajectory, cut off before the first obstacle
+  kBlind,  ///< the nominal trajectory, through all obstacles
+  kWarm,   ///< the last solution, shifted by one control period
+  kMoved,  ///< the same, with robot and obstacles moved by 5 to 30 mm and another nominal
+           ///< trajectory
 };
 inline constexpr Begin kBegins[] = {Begin::kCold, Begin::kBlind, Begin::kWarm, Begin::kMoved};
 
@@ -112,7 +114,7 @@ struct StartingPoint {
   Iterate guess;
 };
 
-/// The trail of the leader that drove the case's way and is at the request's X_MG now.
+/// The trail of a leader that drove the case's path and is now at the request's X_MG.
 inline std::vector<Eigen::Vector2d> trail_of(const PlanningCase& c, const PlanRequest& request,
                                              const Body& body) {
   if (request.method != Method::kPath) return {};
@@ -123,7 +125,7 @@ inline std::vector<Eigen::Vector2d> trail_of(const PlanningCase& c, const PlanRe
                            leader_onward(request, c.params));
 }
 
-/// Problem and guess of the first cycle.
+/// Problem and initial guess of the first cycle.
 inline StartingPoint first_problem(const PlanningCase& c, bool blind) {
   const Body body = body_of(c.params, c.robot);
   PlanRequest request = c.request;
@@ -137,7 +139,7 @@ inline StartingPoint first_problem(const PlanningCase& c, bool blind) {
   return {std::move(ocp), std::move(point)};
 }
 
-/// The same one control period after `last` was solved, everything a little off if `moved`.
+/// The same one control period after `last` was solved, with small perturbations if `moved`.
 inline StartingPoint next_problem(const PlanningCase& c, const Solved& last, bool moved,
                                   unsigned seed) {
   Random random{std::mt19937(seed)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a few numbers. Out: the requests that the planner's tests have in common.
+// Builds the requests that the planner's tests share.
 #pragma once
 
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 namespace tandem::test {
 
-/// The planner's parameters, with the solver that the environment asks for.
+/// The planner's parameters, with the solver that the environment selects.
 inline NmpcParams default_params() {
   NmpcParams params;
   if (const char* solver = std::getenv("TANDEM_TEST_SOLVER")) params.solver = solver;

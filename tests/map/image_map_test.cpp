@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder with a map of Nav2's.
+// A folder with a Nav2 map.
 class ImageMap : public testing::Test {
  protected:
   ImageMap() {
@@ -53,7 +53,7 @@ class ImageMap : public testing::Test {
     return {plane.percent.begin(), plane.percent.end()};
   }
 
-  // What is wrong with the map; empty: nothing.
+  // The error message for the map; empty if it loads.
   [[nodiscard]] static std::string complaint(const fs::path& file) {
     try {
       (void)load_map(file);

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file of its own per test, gone afterwards.
+// A separate file for each test, removed afterwards.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& bytes)
@@ -94,7 +94,7 @@ std::vector<std::int8_t> full_data(const Tree& tree) {
   return {bytes.begin(), bytes.end()};
 }
 
-// As OctoMap wrote it before 1.0.
+// The format that OctoMap wrote before 1.0.
 std::string legacy_file(const octomap::OcTree& tree) {
   const std::int32_t type = 3;
   const double resolution = tree.getResolution();
@@ -112,7 +112,7 @@ std::unique_ptr<octomap::OcTree> load_bytes(const std::string& bytes) {
   return load_octomap(file.path());
 }
 
-// What load_octomap says about a file with these bytes; empty: it loads.
+// load_octomap's error message for a file with these bytes; empty if it loads.
 std::string complaint_of_file(const std::string& bytes) {
   const TemporaryFile file(bytes);
   try {
@@ -130,7 +130,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(text.find(from), from.size(), to);
 }
 
-// The map of a user's file as .bt; nothing if the file is not here.
+// The map of a user's file as .bt; empty if the file does not exist.
 std::optional<std::string> binary_leaves(const std::string& name) {
   const auto file = test::shared_path("cases/" + name);
   if (!fs::exists(file)) return std::nullopt;

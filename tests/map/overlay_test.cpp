@@ -17,14 +17,14 @@ Grid random_grid(std::mt19937& random, double resolution, const Eigen::Vector2d&
   return grid;
 }
 
-// The cell of a grid that a point lies in; unknown beyond it.
+// The cell of a grid that contains a point; unknown outside the grid.
 Cell at(const Grid& grid, const Eigen::Vector2d& p) {
   const int ix = static_cast<int>(std::floor((p.x() - grid.origin.x()) / grid.resolution));
   const int iy = static_cast<int>(std::floor((p.y() - grid.origin.y()) / grid.resolution));
   return grid.contains(ix, iy) ? grid.at(ix, iy) : Cell::kUnknown;
 }
 
-// Every cell says what both grids say at its points: nothing less, and nothing else.
+// Every cell holds exactly what both grids hold at its points.
 void expect_both(const Grid& base, const Grid& live, const Grid& out) {
   for (int iy = 0; iy < out.height; ++iy)
     for (int ix = 0; ix < out.width; ++ix) {
@@ -44,7 +44,7 @@ void expect_both(const Grid& base, const Grid& live, const Grid& out) {
 
 TEST(Overlay, ACellIsWhatTheStrongerOfBothGridsSays) {
   std::mt19937 random{1};
-  for (const double resolution : {0.05, 0.1, 0.025}) {  // of the map that stays
+  for (const double resolution : {0.05, 0.1, 0.025}) {  // of the static map
     const Grid base = random_grid(random, resolution, {-1.0, 0.5});
     const Grid live = random_grid(random, 0.05, {-0.35, 0.15});
     const Grid out = overlay(base, live, {0.33, 1.47}, 3.0);

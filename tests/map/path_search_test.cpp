@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-// 4 m × 4 m with a wall at x = 2 that has openings: 0.4 m wide at y = 1, 1.2 m wide at y = 3.
+// 4 m × 4 m with a wall at x = 2 that has two openings: 0.4 m wide at y = 1, 1.2 m wide at y = 3.
 StaticMap two_openings() {
   Grid grid{0.05, {0.0, 0.0}, 80, 80, std::vector<Cell>(6400, Cell::kFree)};
   for (int iy = 0; iy < 80; ++iy) {

@@ -9,7 +9,7 @@
 namespace tandem {
 namespace {
 
-// 20 × 30 cells of 0.1 m, not at the origin, free but for the given ones.
+// 20 × 30 cells of 0.1 m, not at the origin, free except for the given ones.
 Grid hall(std::initializer_list<std::pair<int, int>> occupied) {
   Grid grid{.resolution = 0.1, .origin = {-0.53, 1.27}, .width = 20, .height = 30, .cells = {}};
   grid.cells.assign(600, Cell::kFree);

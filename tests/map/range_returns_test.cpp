@@ -45,7 +45,7 @@ TEST(RangeScan, NoReturnIsFreeWayAndWhatIsInvalidSaysNothing) {
   EXPECT_NEAR(echoes.p_SFree[0].norm(), 5.0, 1e-9);
 }
 
-// A driver may set range_max to the farthest reading: a flat wall is not a free way.
+// A driver may set range_max to the farthest reading: a flat wall must not look like free space.
 TEST(RangeScan, AReadingOfExactlyRangeMaxIsAnEcho) {
   const std::vector<float> ranges{5.0F, 5.0F};
   EXPECT_EQ(range_returns_of(scan(ranges)).p_SQ.size(), 2U);
@@ -112,7 +112,7 @@ TEST(RangeScan, RefusesAScanWithoutMeaning) {
   }
 }
 
-// Points written as a driver writes them: intensity first, so that no offset is zero by chance.
+// Points in a typical driver's layout: intensity first, so that no offset is zero by chance.
 struct Cloud {
   CloudLayout layout;
   std::vector<std::uint8_t> data;

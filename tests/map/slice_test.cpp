@@ -12,7 +12,7 @@
 namespace tandem {
 namespace {
 
-// State of a cell from every voxel of its column that reaches into the band.
+// State of a cell, computed from every voxel of its column that reaches into the band.
 Cell state_by_force(const octomap::OcTree& tree, const Eigen::Vector2d& p, double low,
                     double high) {
   Cell state = Cell::kUnknown;
@@ -88,8 +88,8 @@ TEST(Slice, RefusesAnEmptyBandAndAPlaneWithoutMeasure) {
   EXPECT_THROW((void)slice(tree, {}), std::runtime_error);
 }
 
-// 3 m × 1 m of space seen from z = −0.5 m to 0.5 m, with a floor just below 0 for x < 1 m, a step
-// of 0.1 m down from there to 2 m, and a hole in which nothing was seen down there after that.
+// 3 m × 1 m of space observed from z = −0.5 m to 0.5 m, with a floor just below 0 for x < 1 m, a
+// step of 0.1 m down from there to 2 m, and a hole beyond it in which nothing was observed below.
 octomap::OcTree stairs() {
   octomap::OcTree tree(0.05);
   for (int ix = 0; ix < 60; ++ix)
@@ -119,7 +119,7 @@ TEST(Slice, TakesAMissingFloorForAnObstacleIfAsked) {
   EXPECT_EQ(on_stairs(deep, 2.03), Cell::kOccupied);
   EXPECT_EQ(on_stairs(shallow, 0.97), Cell::kFree);
   EXPECT_EQ(on_stairs(shallow, 1.03), Cell::kOccupied);
-  EXPECT_EQ(on_stairs(deeper, 2.5), Cell::kFree);  // nobody has looked so far down
+  EXPECT_EQ(on_stairs(deeper, 2.5), Cell::kFree);  // never observed this far down
 }
 
 TEST(Slice, MeasuresADropOffFromTheFloor) {

@@ -21,7 +21,7 @@ double distance_to_cell(const Grid& grid, int ix, int iy, const Eigen::Vector2d&
   return (d.array() - 0.5 * grid.resolution).max(0.0).matrix().norm();
 }
 
-// Random cells of all three kinds: sparse, dense or in blocks.
+// Random cells of all three states: sparse, dense or in blocks.
 Grid random_grid(std::mt19937& random) {
   std::uniform_int_distribution<int> size(1, 40);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -97,7 +97,7 @@ TEST(StaticMap, OutsideIsAnObstacleIfTheUnknownIs) {
   EXPECT_EQ(StaticMap(grid, false).clearance(robot, {0.05, 0.55, 0.0}, 1.0), 1.0);
 }
 
-// Compares with every square of the map.
+// Compares with a brute-force search over all squares of the map.
 void expect_exact_clearance(std::mt19937& random,
                             const std::function<Footprint(std::mt19937&)>& random_robot) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -127,7 +127,7 @@ TEST(StaticMap, ClearanceEqualsTheLeastDistanceToAnySquare) {
   });
 }
 
-// Forks before or behind a body, in any order of the parts.
+// Forks in front of or behind a body, with the parts in any order.
 TEST(StaticMap, ClearanceOfSeveralPartsEqualsTheLeastDistanceToAnySquare) {
   std::mt19937 random{8};
   expect_exact_clearance(random, [](std::mt19937& draw) {
@@ -176,7 +176,7 @@ TEST(StaticMap, SquaresNearHoldTheNearestObstacleOutsideOfTheGridToo) {
   }
 }
 
-// Ends on an obstacle (not too early) and no later than the first sample inside one (not too late).
+// The sweep must end on an obstacle (not too early), no later than the first sample inside one.
 TEST(StaticMap, RaysEndOnTheFirstObstacle) {
   std::mt19937 random{5};
   std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Worlds of clutter: BARN's, from a file, and ours, from a seed.
+// Tests cluttered worlds: BARN's from files, and generated ones from seeds.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 const std::string kMeta = R"("meta": {"cylinder_radius_m": 0.075, "start": {"x": 1, "y": 1},
                                       "goal": {"x": 1, "y": 5}})";
 
-// A file with that text, as long as it lives.
+// A temporary file with the given text.
 class File {
  public:
   explicit File(const std::string& text)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The measures of drives that can be worked out by hand.
+// Tests the measures on drives whose results can be calculated by hand.
 #include "tandem/metrics/metrics.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ constexpr double kTick = 0.01;
 const MetricsSetting kSetting{
     .goal = RegionGoal{{0.99, -1.0}, {9.0, 1.0}}, .v_max = 1.0, .w_max = 2.0, .shortest_path = 0.8};
 
-// What is measured of `seconds` of a drive whose samples are made by `at`.
+// The measures of a drive of `seconds` whose samples come from `at`.
 DriveResult measure(double seconds, const std::function<DriveSample(double)>& at,
                     const MetricsSetting& setting = kSetting) {
   Metrics metrics{setting};

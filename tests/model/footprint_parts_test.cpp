@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outlines of several convex parts, and what is refused as an outline.
+// Tests outlines of several convex parts, and which outlines are rejected.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,13 +21,13 @@ double uniform(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-// One shape told twice: as the parts under test, and as its true outline, which is not convex.
+// One shape in two forms: the parts under test, and its true outline, which is not convex.
 struct Shape {
   Footprint footprint;
   Points outline;
 };
 
-// Forks ahead of a body; its parts overlap.
+// Forks in front of a body; the parts overlap.
 Shape u_shape() {
   return {polygons({{{-0.4, -0.4}, {0.2, -0.4}, {0.2, 0.4}, {-0.4, 0.4}},
                     {{0.1, -0.4}, {0.9, -0.4}, {0.9, -0.25}, {0.1, -0.25}},
@@ -42,14 +42,14 @@ Shape u_shape() {
            {-0.4, 0.4}}};
 }
 
-// Its parts share an edge.
+// The parts share an edge.
 Shape l_shape() {
   return {polygons({{{0.2, 0.1}, {0.5, 0.1}, {0.5, 0.7}, {0.2, 0.7}},
                     {{-0.6, -0.2}, {0.5, -0.2}, {0.5, 0.1}, {-0.6, 0.1}}}),
           {{-0.6, -0.2}, {0.5, -0.2}, {0.5, 0.7}, {0.2, 0.7}, {0.2, 0.1}, {-0.6, 0.1}}};
 }
 
-// By the number of edges that a ray to the right crosses.
+// Counts the edges that a ray to the right crosses.
 bool inside(const Points& outline, const Eigen::Vector2d& p) {
   bool is_inside = false;
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -62,7 +62,7 @@ bool inside(const Points& outline, const Eigen::Vector2d& p) {
 
 constexpr double kSpacing = 0.005;  // [m] between samples
 
-// The area as points on a grid and the outline as points along it.
+// Samples the area on a grid, and the outline along its length.
 Points samples_of(const Points& outline) {
   Points points;
   for (double x = -1.0; x < 1.0; x += kSpacing)
@@ -200,7 +200,7 @@ TEST(FootprintParts, InsetMovesEveryEdgeInwards) {
 // --- what is refused, and where the message says the fault is
 // ---------------------------------------
 
-// The complaint about these parts, without "footprint: "; empty if they are accepted.
+// The error message for these parts, without "footprint: "; empty if they are accepted.
 std::string complaint(std::vector<ConvexPolygon> parts) {
   try {
     (void)polygons(std::move(parts));
@@ -224,7 +224,7 @@ void expect_refused(const ConvexPolygon& second, const std::string& place,
 TEST(RefusedFootprint, IsAPentagramThoughAllItsTurnsAreLeft) {
   ConvexPolygon star;
   for (int i = 0; i < 5; ++i) star.emplace_back(std::cos(2.4 * i), std::sin(2.4 * i));
-  star[3] = {-0.3, 0.9};  // not even, as a person would type it
+  star[3] = {-0.3, 0.9};  // not symmetric, as if typed by hand
   EXPECT_EQ(complaint({kBody, {{0, 0}, {1, 0}, {0, 1}}}), "");
   expect_refused(star, "part 2, vertex ", "crosses itself; list the vertices once around");
   EXPECT_TRUE(complaint({star}).starts_with("part 1, vertex "));
@@ -262,7 +262,7 @@ TEST(RefusedFootprint, HasTwoVertices) {
 TEST(RefusedFootprint, HasACoordinateThatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_refused({{0, 0}, {1, 0}, {nan, 1}}, "part 2, vertex 3 at (nan, 1): ", "finite");
-  const double huge = 1e300;  // finite, but not to reckon with
+  const double huge = 1e300;  // finite, but overflows in arithmetic
   EXPECT_NE(complaint({kBody, {{0, 0}, {huge, -huge}, {huge, huge}}}), "");
 }
 

@@ -96,7 +96,7 @@ TEST(FrameTree, TheOldestDynamicLinkOfAChainDecidesItsAge) {
   EXPECT_EQ(tree.find("map", "odom")->heard, 3.0);
 }
 
-// A localiser gives map → base_link, the wheels base_link → odom twice as often.
+// A localiser publishes map → base_link; the wheels publish base_link → odom at twice the rate.
 TEST(FrameTree, LinksThatMoveAreComposedAtTheNewestTimeThatAllOfThemHaveReached) {
   FrameTree tree;
   for (int i = 0; i <= 20; ++i) {
@@ -119,7 +119,7 @@ TEST(FrameTree, ClocksThatAreSecondsApartAreNoChain) {
   EXPECT_FALSE(tree.find("map", "odom"));
   EXPECT_NE(tree.why_not("map", "odom").find("clock is wrong"), std::string::npos);
   EXPECT_TRUE(tree.find("map", "a")) << "one link alone needs no clock";
-  tree.set(told("a", "odom", placed_at(1.0, 0.0, 0.0), 0.0));  // of no time
+  tree.set(told("a", "odom", placed_at(1.0, 0.0, 0.0), 0.0));  // without a timestamp
   EXPECT_TRUE(tree.find("map", "odom"));
 }
 

@@ -19,7 +19,7 @@ TEST(Localization, ComposesWhatIsFreshAndKnowsNothingElse) {
   EXPECT_FALSE(localization.state(1.1));  // transform_timeout
 }
 
-// static_transform_publisher says map → odom once.
+// static_transform_publisher publishes map → odom once.
 TEST(Localization, AStaticTransformHoldsForEverUntilALocaliserIsHeard) {
   Localization localization{{}};
   localization.on_static_transform({0.0, 2.0, 0.0});
@@ -31,7 +31,7 @@ TEST(Localization, AStaticTransformHoldsForEverUntilALocaliserIsHeard) {
   localization.on_static_transform({0.0, 2.0, 0.0});
   EXPECT_EQ(localization.state(100.0)->X_MB, (Pose2{1.0, 5.0, 0.0}));
   localization.on_odom({1.0, 0.0, 0.0}, {}, 102.0);
-  EXPECT_FALSE(localization.state(102.0));  // and its silence counts
+  EXPECT_FALSE(localization.state(102.0));  // a missing transform counts then
 }
 
 TEST(Localization, ATransformIsAsOldAsTheOldestPartOfIt) {

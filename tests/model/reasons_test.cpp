@@ -20,7 +20,7 @@
 namespace tandem {
 namespace {
 
-// Of every enumerator up to the first that has no name of its own.
+// Collects every enumerator up to the first without a name.
 template <class Enum>
 std::vector<std::string> names_of(int first, const std::string& unknown) {
   std::vector<std::string> names;

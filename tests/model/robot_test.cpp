@@ -137,7 +137,7 @@ TEST(Localization, WhatCameLateHoldsForEarlierAndOvertakesNothing) {
   localization.on_odom({2.0, 0.0, 0.0}, {}, 2.02, 0.0);
   localization.on_odom({1.5, 0.0, 0.0}, {}, 2.04, 0.08);
   EXPECT_EQ(localization.state(2.04)->X_MB.x, 2.0);
-  localization.on_odom({3.0, 0.0, 0.0}, {}, 3.0, 0.5);  // as good as none
+  localization.on_odom({3.0, 0.0, 0.0}, {}, 3.0, 0.5);  // treated as missing
   EXPECT_FALSE(localization.state(3.0));
 }
 

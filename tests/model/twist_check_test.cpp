@@ -18,7 +18,7 @@ double rounded(double value, double step) {
   return step > 0.0 ? step * std::round(value / step) : value;
 }
 
-// A robot that follows what it is told at once, and its odometry.
+// A robot that follows commands immediately, with its odometry.
 class Rider {
  public:
   using Twisted = std::function<Twist2(const Twist2&, const Pose2&)>;
@@ -100,7 +100,7 @@ TEST(TwistCheck, SeesATwistInTheWorldsFrameOfTheWrongSignZeroAndUnsigned) {
       EXPECT_LE(rider.lowest(), lie.v + 1e-9) << lie.name << ' ' << rate;
       EXPECT_GE(rider.highest(), lie.v - 1e-9) << lie.name << ' ' << rate;
       rider.drive({}, 1.5);
-      EXPECT_FALSE(rider.check().is_contradicted()) << lie.name;  // at rest all agree
+      EXPECT_FALSE(rider.check().is_contradicted()) << lie.name;  // at rest all sources agree
     }
   }
 }
@@ -113,7 +113,7 @@ TEST(TwistCheck, SeesATurnRateOfTheWrongSign) {
   EXPECT_EQ(rider.doubt().above.v, 0.0);
 }
 
-// The poses need a window; until then the commands tell.
+// The check by poses needs a window of time; until then the commands are compared.
 TEST(TwistCheck, DoubtsATwistAgainstTheCommandUntilThePosesShowTheWay) {
   Rider rider(50.0, 0.0, std::numbers::pi, in_the_world);
   rider.drive({}, 1.0);
@@ -129,7 +129,7 @@ TEST(TwistCheck, DoubtsATwistAgainstTheCommandUntilThePosesShowTheWay) {
 TEST(TwistCheck, ComparesNothingAcrossASilence) {
   TwistCheck check(kBounds);
   check.on_odometry({}, {}, 0.0);
-  check.on_odometry({1.0, 0.0, 0.0}, {}, 0.4);  // it rolled meanwhile
+  check.on_odometry({1.0, 0.0, 0.0}, {}, 0.4);  // it rolled in between
   check.on_odometry({1.0, 0.0, 0.0}, {}, 0.6);
   EXPECT_FALSE(check.is_contradicted());
   check.on_odometry({1.0, 0.0, 0.0}, {}, 0.0);  // the clock was set back

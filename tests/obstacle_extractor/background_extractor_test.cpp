@@ -16,7 +16,7 @@ namespace {
 using test::load_world;
 using test::project_map;
 
-// A thread that never answers fails here, not by the time-out of the whole test.
+// A hanging thread fails here rather than by the timeout of the whole test.
 class Patience {
  public:
   [[nodiscard]] bool ended() { return std::chrono::steady_clock::now() > end_; }
@@ -26,7 +26,7 @@ class Patience {
       std::chrono::steady_clock::now() + std::chrono::seconds{120};
 };
 
-// Asks until there is an answer.
+// Polls until there is a result.
 std::vector<Obstacle> wait_for(BackgroundExtractor& shapes,
                                const std::shared_ptr<const StaticMap>& map,
                                const Eigen::Vector2d& p_MB) {
@@ -44,7 +44,7 @@ TEST(BackgroundExtractor, GivesTheShapesOfTheExtractor) {
     test::expect_same(wait_for(shapes, map, {x, 0.0}), extractor.near({x, 0.0}));
 }
 
-// A robot of 1 m/s asks 40 times a second; fits that take 0.9 s each come in time.
+// A robot at 1 m/s polls 40 times a second; fits that take 0.9 s each must still finish in time.
 TEST(BackgroundExtractor, HasTheNextShapesBeforeTheRobotIsThere) {
   const ExtractorParams params;
   Extractor extractor(load_world(project_map("corridor")), params);

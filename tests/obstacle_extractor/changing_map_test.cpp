@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps that change under the extractor: live sensing, and a window that moves with the robot.
+// Tests the extractor on maps that change: live sensing, and a window that moves with the robot.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace {
 
 using namespace test;
 
-// What a robot with live sensing is given: a window of the world that moves with it, in which
-// things come and go.
+// The input of a robot with live sensing: a window that moves with it, in which objects appear and
+// disappear.
 class ChangingWorld {
  public:
   explicit ChangingWorld(unsigned seed)
@@ -54,8 +54,7 @@ TEST(ChangingMap, EveryCellIsCoveredAtOnce) {
   }
 }
 
-// Shapes by their ids: how many of them are elsewhere than they were, and how many of those well
-// within range are there no more.
+// Compares shapes by id: counts those that moved, and those well within range that disappeared.
 struct Watch {
   std::map<std::uint32_t, Obstacle> shapes = {};
   int matched = 0, moved = 0, gone = 0;
@@ -80,10 +79,10 @@ struct Watch {
 
 constexpr int kCoarser = static_cast<int>(samples(1, 10));
 
-// A robot goes 5 cm at a time and sees what stands there in the window that the node looks at. No
-// shape moves by that; only where its tile is fitted again, because more of the free space about it
-// is seen, may others take the place of some. That an id stays where it is, is how ids are made;
-// what a user sees as a flicker is counted as gone.
+// The robot moves in steps of 5 cm and sees the objects in the node's window. No shape may move
+// because of that. Only if more of the free space around a tile becomes visible is the tile fitted
+// again, which may replace some of its shapes. Ids keep their position by construction; a flicker
+// that a user would see counts as a disappearance.
 void expect_stable(const char* name, const Grid& world, const Eigen::Vector2d& from,
                    const Eigen::Vector2d& to) {
   constexpr double kReach = 10.0;
@@ -124,7 +123,7 @@ TEST(ChangingMap, ShapesStayWhereTheyAreWhileTheWindowMovesWithTheRobot) {
                 {kInstrumented ? 1.0 : 12.0, 0.5});
 }
 
-// What has gone is gone from the list at once if it stood alone.
+// A removed object that stood alone disappears from the list immediately.
 TEST(ChangingMap, AThingThatIsGoneIsNoObstacle) {
   Grid grid{0.05, {0.0, 0.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
   const auto empty = std::make_shared<const StaticMap>(grid);

@@ -30,8 +30,8 @@ void expect_covered(const std::shared_ptr<const StaticMap>& map, unsigned poses)
   }
 }
 
-// Of the poses that the outline can be brought to without contact along drives at most 5 % are
-// lost, and nowhere along them are there more than 32 shapes within 3 m.
+// Along drives, at most 5 % of the poses that the outline can reach without contact are lost, and
+// nowhere are there more than 32 shapes within 3 m.
 void expect_tight(const LossWorlds& group) {
   const Loss loss = group.measure({});
   std::printf(
@@ -39,14 +39,14 @@ void expect_tight(const LossWorlds& group) {
       group.name, 100.0 * loss.share(), loss.mean_shapes(), loss.shapes_at(0.5),
       loss.shapes_at(0.9), loss.shapes_at(1.0));
   EXPECT_GT(loss.poses, 0);
-  if (kInstrumented) return;  // too few drives to judge
+  if (kInstrumented) return;  // too few drives for a statistic
   EXPECT_GT(loss.poses, 1e5);
   EXPECT_LE(loss.share(), 0.05);
   EXPECT_LE(loss.shapes_at(1.0), 32);
 }
 
-// Depth in free space of the deepest point of any shape on the map, the depth by the whole map.
-// Shapes around a single cell are left out: they are as large as the cell makes them.
+// The largest depth of any shape in free space, measured on the whole map. Shapes around a single
+// cell are excluded: the cell determines their size.
 double deepest_point(const std::shared_ptr<const StaticMap>& map, const ExtractorParams& params) {
   const Grid& grid = map->grid();
   const Eigen::Vector2d middle = grid.center(grid.width / 2, grid.height / 2);
@@ -165,7 +165,7 @@ TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
   EXPECT_LT(shapes_of(12), shapes_of(1000));
 }
 
-// Poles 0.7 m apart: a Jackal fits between any two, a shape could reach from one to the next.
+// Poles 0.7 m apart: a Jackal fits between any two, but one shape could span two poles.
 TEST(Extractor, RatherFitsTooManyShapesThanCloseAWay) {
   Grid grid{0.05, {0.0, 0.0}, 80, 80, std::vector<Cell>(6400, Cell::kFree)};
   for (int iy = 4; iy < 80; iy += 14)
@@ -190,8 +190,8 @@ StaticMap map_of(const std::vector<Obstacle>& shapes, const Grid& like) {
   return StaticMap{std::move(grid)};
 }
 
-// Among so many poles that shapes get coarser a way may get narrower; so wide it stays. In world
-// 115 it would be 0.55 m, if nothing kept it open.
+// Among many poles the shapes get coarser and a passage may get narrower, but not below this width.
+// In world 115 it would shrink to 0.55 m without the protection of passages.
 TEST(Extractor, LeavesTheWayThroughTheMostCrowdedWorldsOpen) {
   if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
   for (const auto& [number, wide] : {std::pair{115, 0.58}, {181, 0.50}, {206, 0.50}}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: how many. Out: the worlds, robots and drives that the loss of poses is measured on.
+// Lists the worlds, robots and drives on which the loss of poses is measured.
 #pragma once
 
 #include <utility>
@@ -49,7 +49,7 @@ inline LossWorlds barn_loss_worlds(int every) {
   return group;
 }
 
-/// The real building, with drives from its corridor to places anywhere.
+/// The real building, with drives from its corridor to random positions.
 inline LossWorlds building_loss_worlds(const char* name, const Footprint& footprint, double width,
                                        int drives) {
   const auto map = load_world(building_map());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: names of maps. Out: the worlds that the extractor's tests and benchmark run in.
+// Loads the worlds that the extractor's tests and benchmark use.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ inline std::shared_ptr<const StaticMap> load_world(const std::filesystem::path& 
   return std::make_shared<StaticMap>(slice(*load_octomap(file), {.z_min = 0.10, .z_max = 1.0}));
 }
 
-/// 6 m × 5 m with walls, poles, blocks, noise and unknown patches at random places.
+/// 6 m × 5 m with walls, poles, blocks, noise and unknown patches at random positions.
 inline std::shared_ptr<const StaticMap> random_world(unsigned seed) {
   std::mt19937 random{seed};
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -81,7 +81,7 @@ inline bool lies_in_one_shape(const Eigen::Vector2d& p_MC, double side,
   });
 }
 
-/// Obstacle cells within `range` of the point that lie wholly in none of the shapes.
+/// Obstacle cells within `range` of the point that are not entirely inside one shape.
 inline int uncovered_cells(const StaticMap& map, const Eigen::Vector2d& p_MB, double range,
                            const std::vector<Obstacle>& shapes) {
   int count = 0;
@@ -96,7 +96,7 @@ inline Eigen::Vector2d random_point(std::mt19937& random, const Grid& grid) {
          grid.resolution * Eigen::Vector2d{grid.width * unit(random), grid.height * unit(random)};
 }
 
-/// The same shapes in the same order, to the last digit.
+/// True if both lists hold exactly the same shapes in the same order.
 inline void expect_same(const std::vector<Obstacle>& a, const std::vector<Obstacle>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -28,7 +28,8 @@ StaticMap random_world(std::mt19937& random) {
   std::uniform_int_distribution<int> place(0, 190), size(1, 8);
   for (int n = 0; n < 40; ++n) {
     const int x0 = place(random), y0 = place(random), w = size(random), h = size(random);
-    if (std::abs(x0 - 100) < 12 && std::abs(y0 - 100) < 12) continue;  // the robot's place
+    // keeps the robot's position free
+    if (std::abs(x0 - 100) < 12 && std::abs(y0 - 100) < 12) continue;
     for (int iy = y0; iy < y0 + h; ++iy)
       for (int ix = x0; ix < x0 + w; ++ix) grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
   }
@@ -88,8 +89,8 @@ TEST(LocalMap, EveryEchoIsAnObstacleWhateverWasThereBefore) {
   }
 }
 
-// The map's slice, as filter and extractor see it, has the world's cells where echoes came from,
-// and none where the world is free by more than the rounding of a range.
+// The map's slice, as the filter and the extractor get it, has the world's cells where range
+// returns came from, and none where the world is free by more than the rounding of a range.
 TEST(LocalMap, ShowsTheWorldThatIsSeen) {
   std::mt19937 random{2};
   for (int n = 0; n < 8; ++n) {
@@ -120,8 +121,8 @@ TEST(LocalMap, WhatIsSeenThroughIsCleared) {
     insert(map, beyond, {}, 5.0 + 0.1 * looks);
     ASSERT_LT(++looks, 15);
   }
-  EXPECT_GT(looks, 2);  // one miss does not wipe out what was long seen
-  // A single false echo in space known to be free is gone with the next look.
+  EXPECT_GT(looks, 2);  // one miss does not erase what was seen many times
+  // A single false range return in known free space is erased by the next scan.
   for (int i = 0; i < 20; ++i) insert(map, beyond, {}, 10.0);
   insert(map, pole, {}, 10.0);
   EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight}));
@@ -176,7 +177,7 @@ TEST(LocalMap, TakesNothingFromNowhere) {
   EXPECT_EQ(map.tree().size(), 0U);
 }
 
-// One kilometre of new things to see.
+// One kilometre of new surroundings.
 TEST(LocalMap, MemoryIsThatOfItsWindowHoweverFarTheRobotDrives) {
   const LocalMapParams params{.window = 8.0, .max_range = 6.0, .decay = 5.0};
   LocalMap map(params);
@@ -322,7 +323,8 @@ TEST(LocalMap, RefusesParametersThatContradictEachOther) {
   EXPECT_THROW(LocalMap({.min_range = 5.0, .max_range = 4.0}), std::invalid_argument);
   EXPECT_THROW(LocalMap({.point_cloud_min_z = 2.0, .point_cloud_max_z = 1.0}),
                std::invalid_argument);
-  EXPECT_THROW(LocalMap({.hit = 0.7}), std::invalid_argument);  // one echo would not be enough
+  // one range return would not suffice
+  EXPECT_THROW(LocalMap({.hit = 0.7}), std::invalid_argument);
   EXPECT_THROW(LocalMap({.resolution = 0.0}), std::invalid_argument);
 }
 

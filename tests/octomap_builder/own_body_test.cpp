@@ -10,7 +10,7 @@
 namespace tandem {
 namespace {
 
-// A scanner at the robot's front that looks backward over it.
+// A scanner at the robot's front that looks back over the robot.
 const Eigen::Isometry3d kLookingBack =
     Eigen::Translation3d(0.4, 0.0, 0.3) *
     Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ());
@@ -29,7 +29,7 @@ TEST(OwnBody, EchoesInsideTheOutlineAreDroppedWhereverTheSensorSits) {
   EXPECT_EQ(echoes.p_SQ[0].x(), -0.06);
 }
 
-// Two forks and the mast that joins them: what stands between the forks is no part of the robot.
+// Two forks and the mast that joins them: objects between the forks are not part of the robot.
 TEST(OwnBody, IsTheUnionOfTheOutlinesParts) {
   const OwnBody body{polygons({{{-0.2, -0.4}, {0.1, -0.4}, {0.1, 0.4}, {-0.2, 0.4}},
                                {{0.1, 0.2}, {1.0, 0.2}, {1.0, 0.4}, {0.1, 0.4}},
@@ -40,8 +40,8 @@ TEST(OwnBody, IsTheUnionOfTheOutlinesParts) {
   EXPECT_EQ(echoes.p_SQ[0].y(), 0.0);
 }
 
-// A post, seen from outside and then from within the outline: the beam that ends on the robot's own
-// body behind it must not clear it.
+// A post is seen from outside and then from within the outline. The beam that ends on the robot's
+// own body behind the post must not clear it.
 TEST(OwnBody, BeamsThatEndOnItClearNothing) {
   const OwnBody body{rectangle(0.9, 0.6, 0.0)};
   LocalMap map({});

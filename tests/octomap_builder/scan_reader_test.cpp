@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 constexpr float kEndless = std::numeric_limits<float>::infinity();
-constexpr double kNearest = 0.1;  // [m] nearer echoes are not used
+constexpr double kNearest = 0.1;  // [m] nearer range returns are ignored
 
 const OwnBody kSmallRobot{rectangle(0.4, 0.4, 0.0)};
 
@@ -51,7 +51,7 @@ TEST(ScanReader, SaysWhatTheBeamsAre) {
     EXPECT_NE(text.find(part), std::string::npos) << part << ": " << text;
 }
 
-// A driver that sends the farthest reading as range_max, whose wall would be a free way.
+// A driver that sets range_max to the farthest reading: a wall there would look like free space.
 TEST(ScanReader, RangeMaxMayNotVaryWhereNoReturnNamesIt) {
   ScanReader reader{{.no_return = {"inf", "range_max"}}, kNearest};
   const auto error = [&](float range_max) {
@@ -74,7 +74,7 @@ TEST(ScanReader, RangeMaxMayVaryWhereNoReturnDoesNotNameIt) {
     const auto reading =
         reader.read(all_around(ranges, range_max), Eigen::Isometry3d::Identity(), kSmallRobot);
     EXPECT_EQ(reading.error, "");
-    EXPECT_EQ(reading.seen.p_SQ.size(), 2U);  // the farthest is an echo, as the others
+    EXPECT_EQ(reading.seen.p_SQ.size(), 2U);  // the farthest is a range return like the others
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kVoxel = 0.05;
 const Eigen::Isometry3d kOnTop = Eigen::Isometry3d::Identity();
 
-// What a scanner in the middle of a room, `half` to each wall [m], sees from a place in it.
+// Simulates a scanner in the middle of a room, `half` to each wall [m], at a given position.
 RangeReturns in_a_room(double x, double half = 3.0) {
   RangeReturns echoes;
   for (int i = 0; i < 360; ++i) {
@@ -24,7 +24,7 @@ RangeReturns in_a_room(double x, double half = 3.0) {
   return echoes;
 }
 
-// Its walls to the left and right alone.
+// Only the walls to the left and right.
 RangeReturns along_a_corridor() {
   RangeReturns echoes;
   for (const double side : {-1.0, 1.0})
@@ -108,7 +108,7 @@ TEST_F(Watched, AFrozenSensorIsNamedOnceItsEchoesShouldHaveMovedByTwoVoxels) {
   look(frozen, 2.0, 0.11);
   expect_reason("scan is frozen", 2.0);
   look(frozen, 2.1, 0.11);
-  expect_reason("scan is frozen", 2.1);  // it stays so while the robot stands
+  expect_reason("scan is frozen", 2.1);  // the fault persists while the robot stands
   EXPECT_EQ(look(in_a_room(0.11), 2.2, 0.11), LookUse::kTake);
   EXPECT_EQ(watch_.reason(2.2), "");
 }
@@ -148,7 +148,7 @@ TEST_F(Watched, AHallWithoutEchoesIsNotFrozen) {
   }
 }
 
-// A simulated scanner has no noise, and a long corridor looks the same all along.
+// A simulated scanner has no noise, and a long corridor looks the same along its length.
 TEST_F(Watched, TwoWallsWithoutAnEndAreNotFrozen) {
   for (int i = 0; i <= 20; ++i) {
     look(along_a_corridor(), 1.0 + 0.1 * i, 0.08 * i);

@@ -16,7 +16,7 @@ namespace {
 constexpr int kSweepBeams = 720;
 constexpr double kPeriod = 0.1, kRange = 8.0;  // [s], [m] of the scanner
 
-// A round room of 4 m with its middle at the origin.
+// A round room of 4 m radius, centred at the origin.
 StaticMap round_room() {
   Grid grid{0.02, {-5.0, -5.0}, 500, 500, std::vector<Cell>(250000, Cell::kFree)};
   for (int iy = 0; iy < grid.height; ++iy)
@@ -25,7 +25,7 @@ StaticMap round_room() {
   return StaticMap{grid};
 }
 
-// A scanner on a robot that moves while it turns: each beam from where the robot is then.
+// A scanner on a moving robot: each beam starts from the robot's pose at the beam's time.
 struct Sweep {
   Pose2 X_MB;
   Twist2 twist;
@@ -55,7 +55,7 @@ struct Sweep {
   }
 };
 
-// How far from the room's wall the echoes are said to be, at most [m].
+// Largest distance of the range returns from the room's wall [m].
 double worst(const std::vector<Look>& looks) {
   double most = 0.0;
   for (const auto& [echoes, X_MS] : looks)
@@ -80,7 +80,7 @@ TEST(Sweep, EchoesLieOnTheWallHoweverTheRobotMoves) {
     EXPECT_LT(worst(sweep.looks()), 0.06) << n;  // half a part's turn in 6 m, a cell
     as_one_moment = std::max(as_one_moment, worst(sweep.looks(0.0)));
   }
-  EXPECT_GT(as_one_moment, 0.3);  // what it is for
+  EXPECT_GT(as_one_moment, 0.3);  // without the correction the error is large
 }
 
 TEST(Sweep, IsOneLookOfARobotThatStandsAndAllBeamsAreInTheParts) {

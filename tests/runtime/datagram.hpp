@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// RTPS datagrams by hand, right and wrong, and those in tests/runtime/datagrams.
+// Builds RTPS datagrams by hand, valid and invalid, and loads those in tests/runtime/datagrams.
 #pragma once
 
 #include <algorithm>
@@ -45,12 +45,12 @@ inline Octets parameter_list(const Parameters& parameters, bool little) {
   return octets;
 }
 
-/// What a DATA submessage says before its payload.
+/// The fields of a DATA submessage before its payload.
 struct Data {
   std::uint32_t reader = 0, writer = 0x00001203;  // a user's writer
   std::int64_t number = 1;
   int flags = 4;           // there is data
-  int to_inline_qos = -1;  // as it should be
+  int to_inline_qos = -1;  // -1: the correct value
   std::size_t extra = 0;   // bytes of a later version before the inline QoS
   Parameters inline_qos{};
 };
@@ -65,7 +65,7 @@ struct Fragment {
   Parameters inline_qos{};
 };
 
-/// A datagram that grows by submessages.
+/// A datagram to which submessages are appended.
 class Datagram {
  public:
   explicit Datagram(bool little = true) : little_{little} {}
@@ -109,7 +109,7 @@ class Datagram {
     append(body, fragment.sample, little_);
     return add_with(0x16, 0, body, fragment.inline_qos, payload);
   }
-  /// A parameter list with its encapsulation.
+  /// A parameter list with its encapsulation header.
   [[nodiscard]] static Octets list_payload(const Parameters& parameters, bool little) {
     Octets payload{0, static_cast<std::uint8_t>(little ? 3 : 2), 0, 0};
     const Octets list = parameter_list(parameters, little);
@@ -197,7 +197,7 @@ class Datagram {
   Octets octets_{'R', 'T', 'P', 'S', 2, 3, 1, 0x10, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 };
 
-/// The files of a folder of tests/runtime/datagrams, in the order of their names.
+/// The files of a folder of tests/runtime/datagrams, sorted by name.
 inline std::vector<std::filesystem::path> datagram_files(const std::string& folder) {
   std::vector<std::filesystem::path> files;
   const std::string path = source_path("tests/runtime/datagrams/" + folder);
@@ -211,7 +211,8 @@ inline Octets read(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>{in}, {}};
 }
 
-/// Where a well-formed datagram may be cut: after each of its submessages, with or without padding.
+/// Positions where a well-formed datagram may be cut: after each submessage, with or without
+/// padding.
 inline std::set<std::size_t> submessage_ends(const Octets& octets) {
   std::set<std::size_t> ends;
   for (std::size_t at = 20; at + 4 <= octets.size();) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From environment and files to the properties that DDS is given, as rcl and SROS2 have them.
+// Tests that environment and files give the same DDS security properties as in rcl and SROS2.
 #include "tandem/runtime/dds_security.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr const char* kVariables[] = {"ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY",
                                       "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"};
 
-// A keystore with the files of an enclave, whose contents nobody looks at here.
+// A keystore with the files of an enclave; their contents are not read here.
 class DdsSecurity : public testing::Test {
  protected:
   DdsSecurity() {
@@ -135,7 +135,7 @@ TEST_F(DdsSecurity, ReadsRclsVariables) {
   EXPECT_FALSE(read_security_request().enforced);
 }
 
-// Of these rcl makes "unsecured" or "permissive" without a word.
+// rcl silently treats these as "unsecured" or "permissive".
 TEST_F(DdsSecurity, RefusesValuesThatAreAlmostRight) {
   setenv("ROS_SECURITY_ENABLE", "1", 1);
   EXPECT_THROW((void)read_security_request(), std::runtime_error);

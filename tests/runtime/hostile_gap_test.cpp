@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Datagrams with the GUID of a writer that a reader of another process is matched with.
+// Sends datagrams with the GUID of a writer that is matched with a reader of another process.
 #include <gtest/gtest.h>
 
 #include "runtime/datagram.hpp"
@@ -22,7 +22,7 @@ using test::Octets;
 constexpr double kTimeout = 20.0;                      // [s]
 constexpr double kMostKept = test::most_memory(20.0);  // [MB]
 
-// `peer echo` hears /ping reliably and answers on /pong.
+// `peer echo` subscribes to /ping reliably and answers on /pong.
 class ForgedWriter : public testing::Test {
  protected:
   void SetUp() override {
@@ -61,7 +61,7 @@ class ForgedWriter : public testing::Test {
   test::UdpSender sender_;
 };
 
-// CVE-2025-64438: without the guard 48 bytes for each number of the gap.
+// CVE-2025-64438: without the guard, each number of the gap takes 48 bytes.
 TEST_F(ForgedWriter, FillsNoMemoryByWideGaps) {
   const double before = memory();
   for (const std::int64_t start : {3, 1000, 1'000'000})

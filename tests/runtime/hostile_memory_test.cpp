@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples far larger than their topic ever has: a process that hears them keeps its memory.
+// Sends samples far larger than their topic allows: the receiving process must not keep the memory.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -36,7 +36,8 @@ class MemoryIn : public testing::Test {
     ASSERT_TRUE(test::spin_until([&] { return pong_.matched() == 1; }, kTimeout, node_));
   }
 
-  // Sends `bad`, `times`, and after each a good message from another writer, which is answered.
+  // Sends `bad` `times` times, and after each a valid message from another writer, which is
+  // answered.
   template <class M>
   void attack(const char* topic, const Bytes& bad, int times) {
     const auto participant = rt::Participant::shared();

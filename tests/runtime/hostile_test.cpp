@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes that are no message: they never reach a callback and never end the process.
+// Sends bytes that are not a valid message: they must never reach a callback or end the process.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -90,7 +90,7 @@ TEST(Codec, RefusesLengthsBeyondTheEnd) {
   }
 }
 
-// Every node takes these from anyone.
+// Every node accepts these from any sender.
 TEST(Codec, TakesLessFromThoseWhoAskForParameters) {
   rcl_interfaces::srv::GetParameters::Request request;
   request.names(std::vector<std::string>(1000, "a_name_of_usual_length"));
@@ -122,7 +122,7 @@ TEST(Codec, RefusesAMessageTooLargeToBelieve) {
   EXPECT_FALSE(decodes<std_msgs::msg::String>(bytes));
 }
 
-// Flips bytes of good messages: whatever comes out, nothing is thrown or read out of bounds.
+// Flips bytes of valid messages: decoding must not throw or read out of bounds.
 template <class M>
 void fuzz(const M& message) {
   const rt::Codec codec{rt::type_ref<M>()};
@@ -154,7 +154,8 @@ TEST(Codec, SurvivesFlippedBytes) {
 
 class HostileSender : public testing::Test {
  protected:
-  // Publishes `bad`, then a good message, through DDS; how many messages the callback saw.
+  // Publishes `bad`, then a valid message, through DDS; returns how many messages the callback
+  // received.
   template <class M>
   void expect_only_the_good_one(const std::vector<Bytes>& bad, const M& good) {
     int got = 0;
@@ -204,7 +205,7 @@ TEST_F(HostileSender, OfABadBooleanIsNotHeard) {
   expect_only_the_good_one<std_msgs::msg::Bool>({{0, 1, 0, 0, 7}}, good);
 }
 
-// A parameter service answers the good request after any number of bad ones.
+// A parameter service answers the valid request after any number of invalid ones.
 TEST_F(HostileSender, OfParametersIsNotAnsweredAndChangesNothing) {
   using rcl_interfaces::srv::SetParameters;
   const auto params = node_.declare_parameters<GainParams>(

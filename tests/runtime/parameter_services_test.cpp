@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node's parameters, asked for over DDS as ros2 param does.
+// Tests access to a node's parameters over DDS, as `ros2 param` does it.
 #include <gtest/gtest.h>
 
 #include <optional>

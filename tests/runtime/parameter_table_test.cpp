@@ -87,7 +87,7 @@ ParameterValue empty_list(std::uint8_t type) {
   return list;
 }
 
-// GateParams may change, as long as margin ≤ margin_max; FrameParams may not.
+// GateParams may change while margin ≤ margin_max; FrameParams may not change.
 class Table : public testing::Test {
  protected:
   void SetUp() override {
@@ -98,7 +98,7 @@ class Table : public testing::Test {
     table_.declare(rt::make_fixed_group(frames_));
   }
 
-  // What is wrong with setting them all at once; "" if nothing.
+  // The error message for setting them all at once; "" if they were set.
   std::string set(const std::vector<Parameter>& parameters) {
     const auto result = table_.set(parameters);
     EXPECT_EQ(result.successful(), result.reason().empty());
@@ -201,7 +201,7 @@ TEST_F(Table, TakesBackWhatOneOwnerTookIfAnotherRefuses) {
   EXPECT_EQ(other->odom, "odom");
 }
 
-// One given value would fill both, whatever each of them means.
+// One value would set both parameters, although their meanings differ.
 TEST_F(Table, RefusesANameThatIsDeclaredTwice) {
   rt::ParameterTable table;
   EXPECT_THROW(table.declare(rt::make_fixed_group(std::make_shared<TwoOfOneName>())),
@@ -221,7 +221,7 @@ TEST_F(Table, OnlyTheLivePartMayChange) {
   EXPECT_FALSE(table.describe({"frames.odom"}).at(0).read_only());
 }
 
-// ros2cli makes `[]` a list of booleans.
+// ros2cli parses `[]` as a list of booleans.
 TEST_F(Table, TakesAnEmptyListOfWhateverType) {
   for (const auto type :
        {types::PARAMETER_BYTE_ARRAY, types::PARAMETER_BOOL_ARRAY, types::PARAMETER_INTEGER_ARRAY,

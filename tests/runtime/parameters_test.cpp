@@ -49,7 +49,7 @@ struct GateParams {
   }
 };
 
-// Loads `yaml` as a parameter file of node /gate; what went wrong, or "".
+// Loads `yaml` as a parameter file of node /gate and returns the error message, or "".
 class ParameterFile : public testing::Test {
  protected:
   std::string load(const std::string& yaml) {
@@ -100,7 +100,7 @@ TEST_F(ParameterFile, GivesEveryKindOfValue) {
   EXPECT_EQ(params_.limits.a_max, 1.0);  // an integer will do for a number
 }
 
-// What `ros2 param dump /gate` writes: keys split at dots, sorted, PyYAML's quotes.
+// The output format of `ros2 param dump /gate`: keys split at dots, sorted, with PyYAML's quotes.
 TEST_F(ParameterFile, IsWhatRos2ParamDumpWrites) {
   ASSERT_EQ(load("/gate:\n  ros__parameters:\n    a_max: 1.0e-05\n    enforce: false\n"
                  "    map: '7'\n    margin: 0.25\n    mode: manual\n    outline: []\n"
@@ -196,7 +196,7 @@ TEST_F(ParameterFile, TellsOfAMisspeltNodeUnderAWildcard) {
   EXPECT_EQ(strangers[1].name, "/a/*");
 }
 
-// A default in the place of what the file means would be another robot.
+// Falling back to a default instead of the value in the file would configure a different robot.
 TEST_F(ParameterFile, WithARetiredNameIsRefusedAndToldTheNewOnes) {
   for (const std::string node : {"gate", "/**"}) {
     expect_complaint(node + ":\n  ros__parameters:\n    command_timeout: 0.6\n",
@@ -262,7 +262,7 @@ TEST(RosArguments, TellOfNodesThatAreNotThere) {
             (std::vector<std::string>{"left", "nobody"}));
 }
 
-// What launch files pass.
+// The arguments that launch files pass.
 TEST(RosArguments, TakeWhatRos2Takes) {
   const auto arguments = rt::parse_ros_arguments(
       {"--ros-args", "--log-level", "a.gate:=DEBUG", "--log-level", "other:=fatal",
@@ -281,7 +281,8 @@ TEST(RosArguments, TakeWhatRos2Takes) {
                std::invalid_argument);
 }
 
-// A plain -p is for whoever has the parameter, as in rcl; one for a node must be one of its own.
+// A plain -p applies to every node that has the parameter, as in rcl. One that names a node must
+// name a parameter of that node.
 TEST(RosArguments, APlainParameterMayBeAnothersNodes) {
   const auto plain = rt::parse_ros_arguments({"--ros-args", "-p", "margn:=0.4"});
   {

@@ -59,7 +59,7 @@ TEST(TwoProcesses, ClientGetsTheFirstAnswerOfALateServer) {
   EXPECT_EQ(answer, "from another process");
 }
 
-// What ROS 2 users say about how far discovery reaches.
+// The environment variables by which ROS 2 users limit discovery.
 struct Reach {
   const char* name;
   std::vector<std::pair<const char*, const char*>> environment;
@@ -114,7 +114,7 @@ TEST(Environment, WhereItForbidsToSpeakUnsecuredOrNamesNoHostNothingStarts) {
   unsetenv("ROS_STATIC_PEERS");
 }
 
-// Why a node does not start; empty: it does.
+// The error message of a node that does not start; empty if it starts.
 std::string complaint_at_start() {
   try {
     rt::Node{"careful"};
@@ -130,7 +130,7 @@ struct Setting {
   const char* complaint;
 };
 
-// Fast DDS logs an error and goes on with its defaults where these are wrong.
+// Fast DDS logs an error and falls back to its defaults if these are wrong.
 TEST(Environment, WhereFastDdsWouldGoOnWithItsDefaultsNothingStarts) {
   for (const auto& [variable, value, complaint] :
        {Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:99999", "'99999' is no port"},
@@ -154,7 +154,8 @@ TEST(Environment, TakesWhatFastDdsTakesAsDiscoveryServers) {
     EXPECT_NO_THROW(rt::check_discovery_servers(servers)) << servers;
 }
 
-// Ends with status 0 if an error names the limit. A root user has none, so it becomes another one.
+// Exits with status 0 if an error names the limit. The limit does not apply to root, so the process
+// changes its user.
 [[noreturn]] void start_threads_beyond_the_limit() {
   const rlimit limit{1, 1};
   setrlimit(RLIMIT_NPROC, &limit);
@@ -173,7 +174,7 @@ TEST(Environment, ThatGivesTooFewThreadsIsNamed) {
   EXPECT_EXIT(start_threads_beyond_the_limit(), testing::ExitedWithCode(0), "");
 }
 
-// A profile of Fast DDS that lets the peer use one network interface only.
+// A Fast DDS profile that lets the peer use only one network interface.
 class ProfilesFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -214,7 +215,7 @@ class ProfilesFile : public testing::Test {
  private:
   static constexpr const char* kVariables[] = {"FASTRTPS_DEFAULT_PROFILES_FILE",
                                                "FASTDDS_DEFAULT_PROFILES_FILE"};
-  // A file of its own for each test: Fast DDS does not read one of the same name again.
+  // A separate file for each test: Fast DDS does not read two files of the same name.
   std::string path_ = testing::TempDir() + "tandem_profiles_" + std::to_string(getpid()) + "_" +
                       testing::UnitTest::GetInstance()->current_test_info()->name() + ".xml";
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libtandem_test_component.so: doubles what it hears on `in` and sends it on `out`.
+// libtandem_test_component.so: doubles the messages of `in` and publishes them on `out`.
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Somebody who wants the robot to hit something, and a robot that is as bad as its bounds allow.
+// Drives the filter with an adversarial operator and a robot with worst-case errors within its
+// bounds.
 #pragma once
 
 #include <limits>
@@ -16,11 +17,11 @@ enum class Malice {
   kTurnInPlace,
   kConstant,
   kPushAndTurn,
-  kNotFinite,  ///< bursts of NaN and ±∞ amid a push toward the nearest obstacle
+  kNotFinite,  ///< bursts of NaN and ±∞ during a push toward the nearest obstacle
 };
 inline constexpr int kMalices = 7;
 
-/// Full-speed commands, by knowledge of the true pose.
+/// Generates full-speed commands from the true pose.
 class Adversary {
  public:
   Adversary(Malice malice, const RobotParams& robot, Random& random)
@@ -73,7 +74,7 @@ class Adversary {
     }
   }
 
-  // Signs that move the outline's point next to the nearest cell straight at it.
+  // Signs that move the outline's point nearest to a cell straight at that cell.
   Twist2 toward_nearest(const Pose2& X_MB, const Footprint& footprint, const StaticMap& map) {
     double nearest = 1e9;
     Eigen::Vector2d p_BC{1.0, 0.0};
@@ -108,14 +109,15 @@ class Adversary {
   int tick_ = 0;
 };
 
-/// Filter and simulated base in closed loop with the worst measurements that the bounds allow.
+/// The filter and the simulated base in closed loop, with the worst measurements that the bounds
+/// allow.
 class ClosedLoop {
  public:
   ClosedLoop(const SafetyFilterParams& filter, const RobotParams& robot,
              const DiffDriveSimParams& sim, std::shared_ptr<const StaticMap> map, Random& random)
       : ClosedLoop(filter, robot, sim, robot, std::move(map), random) {}
 
-  /// The base is `real`, though the filter believes `robot`.
+  /// Simulates the base as `real`, while the filter assumes `robot`.
   ClosedLoop(const SafetyFilterParams& filter, const RobotParams& robot,
              const DiffDriveSimParams& sim, const RobotParams& real,
              std::shared_ptr<const StaticMap> map, Random& random)
@@ -131,7 +133,7 @@ class ClosedLoop {
     lost_ = 0;
   }
 
-  /// A bias that stays, or fresh noise in every tick; `multiple` of the bounds.
+  /// Applies a constant bias, or new noise in every tick; `multiple` of the bounds.
   void draw_pose_error(bool fresh, double multiple = 1.0) {
     fresh_error_ = fresh;
     multiple_ = multiple;
@@ -141,8 +143,8 @@ class ClosedLoop {
               multiple * uniform(random_, -1.0, 1.0) * params_.heading_error};
   }
 
-  /// One control period of length `period`: measure (late, or not at all for a while), filter,
-  /// send.
+  /// One control period of length `period`: measures (late, or not at all for a while), filters and
+  /// sends.
   Filtered tick(const Twist2& command, double period) {
     const double age = fraction(random_) * 0.4 * period;
     sim_.advance_to(now_ + period - age);
@@ -153,14 +155,14 @@ class ClosedLoop {
     sim_.advance_to(now_ + period);
     now_ += period;
 
-    if (unseen_ == 0) filter_.on_people(people_, now_);  // as they were a moment ago
+    if (unseen_ == 0) filter_.on_people(people_, now_);  // the tracks of the previous tick
     filter_.on_command(command, now_);
     const Filtered out = filter_.update(measured_, now_);
     sim_.command(out.twist, now_);
     return out;
   }
 
-  /// The filter is dead: nobody sends anything.
+  /// Simulates a dead filter: no commands are sent.
   void be_silent(double duration) {
     now_ += duration;
     sim_.advance_to(now_);
@@ -177,7 +179,7 @@ class ClosedLoop {
   [[nodiscard]] double now() const { return now_; }
 
  private:
-  // With errors up to their bounds, and not at all for a while.
+  // Odometry with errors up to their bounds, and with dropouts.
   void watch_people() {
     if (sim_.people().all().empty()) return;
     if (unseen_ > 0) --unseen_;
@@ -209,8 +211,8 @@ class ClosedLoop {
   DiffDriveSim sim_;
   std::optional<RobotState> measured_;
   std::vector<Obstacle> people_;
-  int lost_ = 0;    // ticks without odometry yet to come
-  int unseen_ = 0;  // … without a list of people
+  int lost_ = 0;    // remaining ticks without odometry
+  int unseen_ = 0;  // remaining ticks without a list of people
   Pose2 error_;
   double multiple_ = 1.0;
   bool fresh_error_ = false;

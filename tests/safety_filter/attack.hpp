@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands that try to make a robot hit something, by knowledge of where it really is.
+// Generates commands that try to make a robot hit something, from its true pose.
 #pragma once
 
 #include <limits>
@@ -9,12 +9,12 @@
 namespace tandem::test {
 
 enum class Plan {
-  kRandom,         ///< another extreme at every call
+  kRandom,         ///< a new extreme at every call
   kHeldExtremes,   ///< an extreme for up to two seconds, then another
-  kBangBang,       ///< from side to side, and back and forth
-  kPush,           ///< straight at a cell at full speed, and on
-  kGraze,          ///< past a cell at full speed, as near as it gets
-  kPushAndTurn,    ///< straight at a cell, and near it a full turn to one side
+  kBangBang,       ///< alternating between sides and between forward and backward
+  kPush,           ///< straight at a cell at full speed, without stopping
+  kGraze,          ///< past a cell at full speed, as close as possible
+  kPushAndTurn,    ///< straight at a cell, then at full turn rate to one side when near it
   kTowardNearest,  ///< whatever moves the outline toward the nearest cell
   kNotFinite,      ///< bursts of NaN and infinity amid a push
 };
@@ -66,7 +66,7 @@ class Attack {
     return all[static_cast<std::size_t>(pick(random_, 4))];
   }
 
-  // Another target, the cell nearest to some place within a few seconds of driving.
+  // Picks another target: the cell nearest to a random point within a few seconds' drive.
   void choose(const Placement& at, double t) {
     held_ = extreme();
     turn_ = pick(random_, 2) ? robot_.w_max : -robot_.w_max;
@@ -87,12 +87,12 @@ class Attack {
     });
     aim_ = target_;
     if (plan_ != Plan::kGraze) return;
-    // Beside the cell, by half of the robot's width and the filter's margin.
+    // Aims beside the cell, by half of the robot's width plus the filter's margin.
     const double beside = (pick(random_, 2) ? 1.0 : -1.0) *
                           (0.5 * robot_.width + 0.7 * world_.side() + uniform(random_, 0.0, 0.08));
     const double to = std::atan2(target_.y - at.y, target_.x - at.x);
     aim_ = {target_.x - beside * std::sin(to), target_.y + beside * std::cos(to)};
-    // Beyond it, so that the way past it is straight.
+    // Aims beyond it, so that the path past the cell is straight.
     aim_ = {aim_.x + 3.0 * std::cos(to), aim_.y + 3.0 * std::sin(to)};
   }
 
@@ -107,7 +107,7 @@ class Attack {
     const double full = backward_ ? robot_.v_min : robot_.v_max;
     return {std::abs(off) < 0.3 ? full : 0.1 * full, w};
   }
-  // Signs that move the outline's point next to the nearest cell straight at it.
+  // Signs that move the outline's point nearest to a cell straight at that cell.
   [[nodiscard]] Twist2 toward_nearest(const Placement& at) const {
     const double c = std::cos(at.heading), s = std::sin(at.heading);
     const double back = robot_.center_x - 0.5 * robot_.length, half = 0.5 * robot_.width;

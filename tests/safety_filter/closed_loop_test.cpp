@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter in closed loop with the simulated base.
+// Tests the filter in closed loop with the simulated base.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -12,7 +12,8 @@
 namespace tandem::test {
 namespace {
 
-// At speed it stops before the band; pushed on, it creeps up to the hard margin and no further.
+// At speed the robot stops before the soft band; if pushed further, it creeps up to the hard
+// margin.
 TEST(SafetyFilterLoop, StopsBeforeAWallCloseToTheMargin) {
   Random random(1);
   ClosedLoop loop({}, kMir, {}, wall_ahead(), random);
@@ -24,7 +25,7 @@ TEST(SafetyFilterLoop, StopsBeforeAWallCloseToTheMargin) {
   EXPECT_LE(gap, loop.filter().hard_margin() + loop.filter().params().band + 0.005);
 }
 
-// Time constant, braking and speed at which a lag that counts as a delay ends in the wall.
+// Time constant, braking and speed at which modelling the lag as a delay would end in the wall.
 TEST(SafetyFilterLoop, AFirstOrderMotorStopsBeforeTheWallFromFullSpeed) {
   for (const auto& [lag, a_brake, v] : {std::array{0.30, 1.5, 1.5}, std::array{0.30, 2.5, 1.0},
                                         std::array{0.40, 1.0, 0.8}, std::array{0.50, 2.0, 3.0}}) {
@@ -42,7 +43,7 @@ TEST(SafetyFilterLoop, AFirstOrderMotorStopsBeforeTheWallFromFullSpeed) {
     for (int i = 0; i < 1200; ++i) (void)loop.tick({v, 0.0}, 0.05);  // 60 s for 24 m
     EXPECT_EQ(loop.sim().contacts().count, 0u) << lag << ' ' << a_brake << ' ' << v;
     EXPECT_GE(loop.sim().min_clearance(), loop.filter().hard_margin() - 0.005);
-    EXPECT_GT(loop.sim().state().X_MB.x, 12.0 - kBumper - 0.1);  // it came as far as the wall
+    EXPECT_GT(loop.sim().state().X_MB.x, 12.0 - kBumper - 0.1);  // it reached the wall
   }
 }
 
@@ -86,8 +87,8 @@ TEST(SafetyFilterLoop, LetsAMirThroughADoorItIsSteeredThrough) {
   }
 }
 
-// Noise, slip and an adversary for a minute each: where measured clearance is below the margin,
-// nothing may add up to a contact.
+// Runs with noise, slip and an adversary for a minute each. Measured clearance may fall below the
+// margin, but the errors must not add up to a contact.
 TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
   const auto map = wall_ahead();
   SafetyFilterParams params;
@@ -97,7 +98,8 @@ TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
     sim.max_step = 0.01;
     sim.drive.slip = params.slip;
     ClosedLoop loop(params, kMir, sim, map, random);
-    const double side = seed % 2 ? 0.0 : 0.5 * std::numbers::pi;  // nose to the wall, or alongside
+    // facing the wall, or alongside it
+    const double side = seed % 2 ? 0.0 : 0.5 * std::numbers::pi;
     const double reach = seed % 2 ? kBumper : 0.29;
     loop.start_at({1.5 - reach - 0.02, 0.0, side});
     loop.draw_pose_error(true);

@@ -10,7 +10,7 @@ namespace {
 
 TEST(Deviation, OppositeSlipMovesTheRobotSidewaysWithTheSquareOfTheWay) {
   const double slip = 0.02, L = 0.4, s = 1.5;
-  Deviation deviation({slip, 0.0, L, 0.0});  // of a point: nothing but the position
+  Deviation deviation({slip, 0.0, L, 0.0});  // of a point: only the position counts
   for (int i = 0; i < 100; ++i) deviation.advance({0.5, 0.0}, {}, s / 0.5 / 100);
   EXPECT_NEAR(deviation.outline(), slip * s + slip * s * s / L, 1e-9);
 }
@@ -67,7 +67,7 @@ TEST(Deviation, HoldsEveryRobotWithinTheBounds) {
           0.01);
       deviation.advance(twist, tolerance, 0.01);
       const double d = (transform(X_true, corner) - transform(X, corner)).norm();
-      // A heading that is wrong at the start turns the outline, and that is in the margin.
+      // The margin already includes the rotation of the outline by an initial heading error.
       ASSERT_LE(d, deviation.outline() + bounds.radius * bounds.heading_error + 1e-4) << scene;
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter before a base whose odometry has right poses and a wrong twist.
+// Tests the filter with a base whose odometry has correct poses and a wrong twist.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ const Odometer kLies[] = {{"in the world's frame",
                              return Twist2{std::abs(twist.v), std::abs(twist.w)};
                            }}};
 
-// How odometry is sent.
+// How odometry is published.
 struct Wire {
   double period, step;  // [s], [m] to which poses are rounded; 0: exact
 };
@@ -51,7 +51,7 @@ double rounded(double value, double step) {
 
 class Doubted {
  public:
-  // `heading`: of the robot in the odometry frame where it starts.
+  // `heading`: the robot's initial heading in the odometry frame.
   Doubted(const Odometer& odometer, const Wire& wire, double heading, double a_drive,
           const std::shared_ptr<const StaticMap>& map, unsigned seed)
       : odometer_{odometer},
@@ -107,7 +107,7 @@ class Doubted {
 const std::vector<double> kHeadings =
     kInstrumented ? std::vector{1.0} : std::vector{0.0, 1.0, 2.0, std::numbers::pi};  // [rad]
 
-// Through an empty hall against its end, and from close to it.
+// Drives through an empty hall against its end wall, from afar and from close to it.
 TEST(DoubtedTwist, EndsInNoContactWithAWall) {
   for (const Odometer& lie : kLies) {
     for (const Wire& wire : kWires) {
@@ -134,7 +134,7 @@ TEST(DoubtedTwist, EndsInNoContactWithAWall) {
   }
 }
 
-// A stick that is thrown about among poles and walls, for 20 s at a time.
+// Moves the stick randomly among poles and walls, for 20 s at a time.
 TEST(DoubtedTwist, EndsInNoContactUnderAWildStick) {
   double travel = 0.0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
@@ -161,7 +161,7 @@ TEST(DoubtedTwist, EndsInNoContactUnderAWildStick) {
   EXPECT_GT(travel, 20.0);  // [m]
 }
 
-// What honest odometry costs: nothing.
+// Correct odometry must cost nothing.
 TEST(DoubtedTwist, IsNoneOfHonestOdometry) {
   for (const Wire& wire : kWires) {
     Doubted loop(kTruth, wire, 2.0, 1.0, wall_ahead(), 1);
@@ -187,7 +187,7 @@ TEST(DoubtedTwist, ThatTheRobotCannotHaveMakesItStandAndSaysSo) {
   EXPECT_TRUE(said);
 }
 
-// A map → odom that is corrected moves the robot in the map, not on the ground.
+// A correction of map → odom moves the robot in the map, not on the ground.
 TEST(DoubtedTwist, ArisesFromNoCorrectionOfTheLocaliser) {
   SafetyFilter filter({}, kMir);
   filter.on_map(wall_ahead());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A robot that is too close already, for something appeared beside it or the map says so of its
-// start: nobody gets it further in, and whoever steers gets out wherever a way is sure not to lead
-// further in.
+// Tests a robot that is already inside the margin, because an obstacle appeared or because of the
+// map at its start. No command may bring it further in, and the operator can drive out wherever a
+// path certainly does not lead further in.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ constexpr double kPeriod = 0.05;                       // [s]
 constexpr double kBetweenChecks = 0.004;               // [m] half of kCheckSpacing
 constexpr double kLeast = kBetweenChecks, kFar = 1.0;  // [m] of clearance: at the start, told apart
 
-// A robot in a world, in which poses inside the filter's margin are found.
+// A robot in a world; finds poses inside the filter's margin.
 struct Scene {
   Random random;
   SafetyFilterParams params = {};
@@ -48,7 +48,7 @@ struct Scene {
   }
 };
 
-// The stick held to its edge, every way.
+// Full stick deflection in all directions.
 std::vector<Twist2> sticks(const RobotParams& robot) {
   std::vector<Twist2> all;
   for (const double v : {robot.v_min, 0.0, robot.v_max})
@@ -57,10 +57,10 @@ std::vector<Twist2> sticks(const RobotParams& robot) {
   return all;
 }
 
-// Ways out of small moves, by exact geometry. A move is sure not to lead further in if, in each of
-// eight directions, what is within the margin gets further away by what slip and heading error may
-// cost, and what is not stays out of it; and since either of v and w may act first, each of them
-// alone must be sure too.
+// Searches for ways out in small moves, by exact geometry. A move certainly does not lead further
+// in if, in each of eight directions, obstacles within the margin recede by at least the possible
+// slip and heading error, and all others stay outside it. Since either of v and w may act first,
+// each of them alone must satisfy this too.
 class SureWays {
  public:
   SureWays(const Scene& scene, double margin) : scene_{scene}, margin_{margin} {}
@@ -83,20 +83,20 @@ class SureWays {
           }
         }
     }
-    return !open.empty();  // too many to look at all
+    return !open.empty();  // too many to search exhaustively
   }
 
  private:
   using Gaps = std::array<double, 8>;
   static constexpr double kPath = 0.004, kTurn = 0.008;  // [m], [rad]
-  static constexpr double kBeyond = 0.01;                // [m] that gaps are told beyond the margin
+  static constexpr double kBeyond = 0.01;  // [m] gaps are measured to this far beyond the margin
   static constexpr std::size_t kMost = 20'000;
 
-  // Finer than a move, so that what differs is looked at.
+  // The resolution is finer than a move, so that distinct poses are searched.
   static std::array<long, 3> cell(const Pose2& X) {
     return {std::lround(X.x / 0.003), std::lround(X.y / 0.003), std::lround(X.theta / 0.006)};
   }
-  // From the outline to the nearest cell in each direction.
+  // Distance from the outline to the nearest cell in each direction.
   [[nodiscard]] Gaps gaps(const Pose2& X) const {
     const Footprint footprint = footprint_of(scene_.robot);
     const double side = scene_.map->grid().resolution, most = margin_ + kBeyond;
@@ -172,7 +172,7 @@ TEST(InsideTheMargin, SomeStickLeadsOutWhereAWayIsSureAndNoneFurtherIn) {
   EXPECT_GT(starts, 0.9 * kScenes);
   EXPECT_GE(nearer_out, 0.94 * starts);
   EXPECT_GE(out, 0.9 * starts);
-  EXPECT_GE(sure, 0.8 * starts);  // or the search would prove nothing
+  EXPECT_GE(sure, 0.8 * starts);  // otherwise the search proves nothing
 }
 
 TEST(InsideTheMargin, MaliceGetsItNoFurtherIn) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A world, an outline and a base that share no code with the filter, its map or the simulator: they
-// judge whether the filter keeps its promise.
+// Checks the filter's guarantee independently: a world, an outline and a base that share no code
+// with the filter, its map or the simulator.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Point {
 };
 using Outline = std::vector<std::vector<Point>>;  // convex parts, in the robot's frame [m]
 
-/// The parts of the robot that its parameters describe.
+/// The convex parts of the robot as its parameters describe it.
 inline Outline outline_of(const RobotParams& robot) {
   if (robot.footprint.empty()) {
     const double back = robot.center_x - 0.5 * robot.length, front = back + robot.length;
@@ -46,18 +46,18 @@ inline double radius_of(const Outline& outline) {
   return radius;
 }
 
-/// Where a robot is [m, m, rad].
+/// A robot's pose [m, m, rad].
 struct Placement {
   double x = 0.0, y = 0.0, heading = 0.0;
 };
 
-/// Square cells, found by where they are.
+/// Square cells in a spatial hash.
 class CellWorld {
  public:
   CellWorld(double size, double side) : size_{size}, side_{side} {}
 
   void add(int ix, int iy) { cells_.push_back({(ix + 0.5) * side_, (iy + 0.5) * side_}); }
-  /// Every cell whose centre satisfies inside(x, y).
+  /// Adds every cell whose centre satisfies inside(x, y).
   template <class Inside>
   void add_where(const Inside& inside) {
     const int half = static_cast<int>(0.5 * size_ / side_);
@@ -65,7 +65,7 @@ class CellWorld {
       for (int ix = -half; ix < half; ++ix)
         if (inside((ix + 0.5) * side_, (iy + 0.5) * side_)) add(ix, iy);
   }
-  /// Call once when all cells are there.
+  /// Call once after all cells were added.
   void sort_into_buckets() {
     for (const Point& cell : cells_) buckets_[key(bucket(cell.x), bucket(cell.y))].push_back(cell);
   }
@@ -82,7 +82,7 @@ class CellWorld {
           for (const Point& cell : found->second) visit(cell);
   }
 
-  /// The same world as the filter gets it.
+  /// The same world in the form that the filter takes.
   [[nodiscard]] std::shared_ptr<const StaticMap> as_static_map() const {
     Grid grid = free_grid(size_, side_);
     for (const Point& cell : cells_)
@@ -143,7 +143,7 @@ inline double clearance_bound(const Outline& outline, const Placement& at, const
   return least;
 }
 
-/// How the base uses the bounds that the filter was told.
+/// How the base behaves within (or beyond) the bounds that the filter assumes.
 struct BaseBehaviour {
   double lag = 0.0;                      // τ of both motors [s]
   double brake = 1.0, turn_brake = 1.0;  // [m/s², rad/s²]
@@ -154,7 +154,8 @@ struct BaseBehaviour {
   double timeout = 0.0;
 };
 
-/// A differential drive in a world of cells: equation (1) of stopping_motion.hpp in small steps.
+/// A differential drive in a world of cells; integrates equation (1) of stopping_motion.hpp in
+/// small steps.
 class Base {
  public:
   Base(const RobotParams& robot, const BaseBehaviour& behaviour, const CellWorld& world,
@@ -187,10 +188,10 @@ class Base {
   struct State {
     double t = 0.0;
     Placement at;
-    double v = 0.0, w = 0.0;  // as the wheels' encoders tell
-    Placement odometry;       // by the encoders alone
+    double v = 0.0, w = 0.0;  // as measured by the wheel encoders
+    Placement odometry;       // from the encoders alone
   };
-  /// What was `age` ago.
+  /// The measurement of `age` ago.
   [[nodiscard]] const State& ago(double age) const {
     for (auto state = past_.rbegin(); state != past_.rend(); ++state)
       if (state->t <= t_ - age + 1e-9) return *state;
@@ -277,7 +278,8 @@ class Base {
   double v_ = 0.0, w_ = 0.0, u_v_ = 0.0, u_w_ = 0.0, t_ = 0.0, heard_ = 0.0;
   std::deque<Pending> pending_;
   std::deque<State> past_;
-  double spare_ = 0.0;  // way of the outline's fastest point that needs no look [m]
+  double spare_ = 0.0;  // distance that the outline's fastest point may travel before the next
+                        // contact check [m]
   double min_clearance_ = 1.0, travel_ = 0.0;
   bool touched_ = false;
 };

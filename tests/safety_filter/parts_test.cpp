@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter with robots whose outline is no convex polygon.
+// Tests the filter with robots whose outline is not a convex polygon.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ void add_box(RobotParams& robot, double x1, double y1, double x2, double y2) {
   robot.footprint_parts.push_back(4.0);
 }
 
-// As bringup/robots/fork_truck.yaml.
+// The robot of bringup/robots/fork_truck.yaml.
 RobotParams fork_truck() {
   RobotParams robot;
   add_box(robot, -0.45, -0.4, kMouth, 0.4);
@@ -40,7 +40,7 @@ std::shared_ptr<const StaticMap> one_pole() {
   return as_map(std::move(grid));
 }
 
-// Where the robot stands with the pole between its forks, the body `gap` short of it.
+// The pose with the pole between the forks and the body `gap` before it.
 Pose2 around_the_pole(double gap) { return {2.0 - kPole - kMouth - gap, 0.0, 0.0}; }
 
 class ForkTruck : public testing::Test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passive safety as a property: people who want to be run over, and somebody at the stick who wants
-// it too. One definition for the test and for the long run by hand.
+// Passive safety as a property: people try to be hit, and so does the operator. Shared by the test
+// and by the long run started by hand.
 #pragma once
 
 #include "safety_filter/adversary.hpp"
@@ -8,8 +8,8 @@
 
 namespace tandem::test {
 
-/// People within the filter's bounds who go for the robot: straight at it, at where it is going, or
-/// standing still beside it until they dash.
+/// People within the filter's bounds who walk straight at the robot, walk to where it is going, or
+/// stand beside it and then dash.
 class Hunters {
  public:
   Hunters(ClosedLoop& loop, Random& random, const PeopleParams& bounds)
@@ -47,11 +47,11 @@ class Hunters {
 
   ClosedLoop& loop_;
   Random& random_;
-  std::vector<int> patience_;  // ticks of standing, and then of dashing; 0: none
+  std::vector<int> patience_;  // ticks of standing, then of dashing; 0: neither
   int tick_ = 0;
 };
 
-/// Full speed at the nearest person.
+/// Commands full speed toward the nearest person.
 inline Twist2 at_nearest_person(const DiffDriveSim& sim, const RobotParams& robot) {
   Eigen::Vector2d p_BP{1.0, 0.0};
   double nearest = 1e9;
@@ -65,9 +65,10 @@ inline Twist2 at_nearest_person(const DiffDriveSim& sim, const RobotParams& robo
           std::copysign(robot.w_max, p_BP.x() * p_BP.y())};
 }
 
-inline constexpr int kPeopleTicks = 100;  // of one scene
+inline constexpr int kPeopleTicks = 100;  // per scene
 
-/// A robot among hunters in an empty hall, all of that seed. `contacts`: while it moved itself.
+/// Runs a robot among such people in an empty hall, all drawn from that seed. `contacts` counts
+/// only contacts while the robot moved.
 [[nodiscard]] inline Tally run_people_scene(unsigned seed, bool watched = true) {
   Tally tally;
   Random random(seed);

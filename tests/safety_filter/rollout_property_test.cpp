@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter's claim, by at least 40,000 control steps of closed-loop rollouts to standstill: no
-// contact, whatever is commanded and however bad the base is within its bounds.
-// `safety_filter_rollouts` does the same for as long as wanted.
+// Checks the filter's guarantee in at least 40,000 control steps of closed-loop rollouts to
+// standstill: no contact, whatever is commanded and whatever the base does within its bounds.
+// `safety_filter_rollouts` runs the same check for any length of time.
 #include "safety_filter/people_rollouts.hpp"
 
 #include <gtest/gtest.h>
@@ -21,14 +21,14 @@ TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
   EXPECT_EQ(tally.contacts, 0) << "in scene " << tally.contact_seed;
   EXPECT_EQ(tally.unfinished, 0);
   EXPECT_GT(tally.travel / static_cast<double>(tally.rollouts), 0.02);  // [m] it did not just stop
-  EXPECT_LT(tally.min_clearance, 0.03);  // [m] … and it was tried hard
+  EXPECT_LT(tally.min_clearance, 0.03);  // [m] … and came close to obstacles
   if (kInstrumented) std::printf("shortened: a sanitizer watches\n");
   std::printf("%ld steps, %ld rollouts, %.0f m, smallest clearance %.4f m\n", tally.steps,
               tally.rollouts, tally.travel, tally.min_clearance);
 }
 
-// The bounds are not idle: a base far beyond them is a base that hits something. Were it not so,
-// the rollouts above would prove nothing about the filter.
+// Shows that the bounds matter: a base far beyond them hits something. Otherwise the rollouts above
+// would prove nothing about the filter.
 TEST(SafetyFilter, TouchesOnceTheBoundsAreFarFromTrue) {
   if (kInstrumented) GTEST_SKIP() << "asked of the scenes, which are the same without a sanitizer";
   for (const Beyond& beyond : {Beyond{.braking = 4.0}, Beyond{.delay = 6.0},
@@ -40,19 +40,19 @@ TEST(SafetyFilter, TouchesOnceTheBoundsAreFarFromTrue) {
   }
 }
 
-// Whoever walks, and however: they may walk into the robot, but it touches nobody while it moves.
+// People may walk into the robot, but it must not touch anyone while it moves.
 TEST(SafetyFilter, TouchesNobodyWhileItMovesItself) {
   Tally tally;
   for (unsigned seed = 1; seed <= kPeopleScenes && tally.contacts == 0; ++seed)
     tally.add(run_people_scene(seed));
   EXPECT_EQ(tally.contacts, 0) << "in scene " << tally.contact_seed;
-  EXPECT_GT(tally.walked_into, kPeopleScenes / 10);                    // they were after it
+  EXPECT_GT(tally.walked_into, kPeopleScenes / 10);                    // people did reach the robot
   EXPECT_GT(tally.travel / static_cast<double>(tally.rollouts), 0.3);  // [m] it did not just stand
   std::printf("%ld steps, %ld scenes, %.0f m, walked into %ld times\n", tally.steps, tally.rollouts,
               tally.travel, tally.walked_into);
 }
 
-// Else the scenes would prove nothing.
+// Otherwise the scenes would prove nothing.
 TEST(SafetyFilter, TouchesPeopleWhomItDoesNotWatch) {
   Tally tally;
   for (unsigned seed = 1; seed <= 20; ++seed) tally.add(run_people_scene(seed, false));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// safety_filter_rollouts [STEPS [FIRST_SEED]]: the property test for as long as wanted, on all
-// cores; 1e8 steps unless told, and a tenth of that among people. Then what happens beyond the
-// bounds. Exit status 1 on a contact within them.
+// safety_filter_rollouts [STEPS [FIRST_SEED]]: runs the property test on all cores for STEPS steps
+// (default 1e8), plus a tenth of that among people, and then shows what happens beyond the bounds.
+// Exit status 1 on a contact within the bounds.
 #include "safety_filter/people_rollouts.hpp"
 
 #include <atomic>
@@ -18,8 +18,7 @@ constexpr double kStepsBeyond = 5e4;
 
 void print(const char* what, const Tally& tally);
 
-// A long run says every twentieth of the way how it stands, so that one that is ended early was
-// not for nothing.
+// A long run prints its state at every twentieth, so that an interrupted run is not lost.
 constexpr double kLongRun = 1e6;  // steps
 constexpr double kTellEvery = 0.05;
 
@@ -53,7 +52,7 @@ void print(const char* what, const Tally& tally) {
   std::printf("%-34s %10ld steps %8ld rollouts  contacts %ld (%.3f %%)", what, tally.steps,
               tally.rollouts, tally.contacts,
               100.0 * static_cast<double>(tally.contacts) / static_cast<double>(tally.rollouts));
-  if (tally.closest_seed > 0)  // among people it is not measured
+  if (tally.closest_seed > 0)  // not measured among people
     std::printf("  smallest clearance %.4f m (scene %u)", tally.min_clearance, tally.closest_seed);
   std::printf("\n");
   if (tally.contacts > 0) std::printf("%-34s one in scene %u\n", "", tally.contact_seed);

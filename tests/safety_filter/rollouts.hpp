@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter's claim as a property: rollouts to standstill of random robots, as bad as their bounds
-// allow, in random worlds. One definition for the test and for the long run by hand.
+// The filter's guarantee as a property: rollouts to standstill of random robots with worst-case
+// errors in random worlds. Shared by the test and by the long run started by hand.
 #pragma once
 
 #include <algorithm>
@@ -9,24 +9,24 @@
 
 namespace tandem::test {
 
-/// How far the real base goes beyond what the filter was told, as multiples of each bound.
+/// How far the real base exceeds what the filter assumes, as multiples of each bound.
 struct Beyond {
   double slip = 1.0;        ///< of the wheels' travel
   double lag = 1.0;         ///< of the motors
   double delay = 1.0;       ///< of commands and of odometry
   double pose_error = 1.0;  ///< of the localiser
-  double braking = 1.0;     ///< the base brakes by this factor more weakly than a_brake
+  double braking = 1.0;     ///< divisor of a_brake and alpha_brake in the base
 };
 
-/// What a number of rollouts came to.
+/// Totals over a number of rollouts.
 struct Tally {
   long steps = 0;             ///< calls of the filter
   long rollouts = 0;          ///< to standstill
-  long contacts = 0;          ///< with people: while the robot moved itself
-  long walked_into = 0;       ///< by people, while it stood
-  unsigned contact_seed = 0;  ///< a scene with a contact
-  unsigned closest_seed = 0;  ///< the scene of min_clearance
-  long unfinished = 0;        ///< did not come to rest
+  long contacts = 0;          ///< with people: only while the robot moved
+  long walked_into = 0;       ///< by people, while the robot stood
+  unsigned contact_seed = 0;  ///< seed of a scene with a contact
+  unsigned closest_seed = 0;  ///< seed of the scene of min_clearance
+  long unfinished = 0;        ///< rollouts that did not come to rest
   double min_clearance = 1.0;
   double travel = 0.0;  ///< [m]
 
@@ -43,7 +43,7 @@ struct Tally {
   }
 };
 
-/// Often small, sometimes `large`: a bound in seconds.
+/// A bound in seconds: often small, sometimes `large`.
 inline double some_time(Random& random, double large) {
   switch (pick(random, 4)) {
     case 0:
@@ -55,7 +55,7 @@ inline double some_time(Random& random, double large) {
   }
 }
 
-/// The robot's rectangle gets two forks ahead, each a part of its own.
+/// Adds two forks in front of the robot's rectangle, each as a separate part.
 inline void add_forks(RobotParams& robot, Random& random) {
   const double back = robot.center_x - 0.5 * robot.length, front = back + robot.length;
   const double tip = front + uniform(random, 0.1, 0.6), half = 0.5 * robot.width;
@@ -67,7 +67,7 @@ inline void add_forks(RobotParams& robot, Random& random) {
   robot.footprint_parts = {4, 4, 4};
 }
 
-/// Any robot that the parameters allow and that somebody might build.
+/// A random robot that the parameters allow and that could plausibly be built.
 inline RobotParams any_robot(Random& random) {
   RobotParams robot;
   robot.length = uniform(random, 0.3, 1.2);
@@ -99,7 +99,7 @@ inline SafetyFilterParams any_filter(Random& random) {
   return params;
 }
 
-/// Opposite on the two wheels, alike, anything, or none; steady or slow.
+/// Slip that is opposite on the two wheels, equal, arbitrary or zero; constant or slow.
 inline void draw_slip(BaseBehaviour& base, double most, Random& random) {
   const double sign = pick(random, 2) ? 1.0 : -1.0;
   base.slip_period = pick(random, 2) ? 0.0 : uniform(random, 0.3, 20.0);
@@ -141,7 +141,7 @@ inline BaseBehaviour any_behaviour(const RobotParams& robot, const SafetyFilterP
   return base;
 }
 
-/// Poles, single cells, walls with gaps, tight boxes, or one long wall; each within a border.
+/// Poles, single cells, walls with gaps, tight boxes, or one long wall, each inside a border.
 inline CellWorld any_world(Random& random) {
   const double side =
       std::array{0.02, 0.05, 0.05, 0.1, 0.2}[static_cast<std::size_t>(pick(random, 5))];
@@ -187,7 +187,7 @@ inline CellWorld any_world(Random& random) {
   return world;
 }
 
-/// The filter before a base that is as bad as its bounds allow, or worse.
+/// The filter with a base that has worst-case errors within its bounds, or beyond them.
 class Loop {
  public:
   Loop(const SafetyFilterParams& params, const RobotParams& robot, const CellWorld& world,
@@ -211,7 +211,8 @@ class Loop {
     steady_age_ = fraction(random_);
   }
 
-  /// One control period of length `period`: measure, late or not at all for a while, filter, send.
+  /// One control period of length `period`: measures (late, or not at all for a while), filters and
+  /// sends.
   void tick(const Twist2& command, double period) {
     const double wait = fraction(random_) * 0.4 * period;
     base_.advance_to(now_ + period - wait);
@@ -262,8 +263,8 @@ class Loop {
   std::optional<RobotState> measured_;
   double now_ = 0.0, error_x_ = 0.0, error_y_ = 0.0, error_heading_ = 0.0, steady_age_ = 0.0;
   bool errors_fresh_ = false;
-  int age_kind_;  // none, the bound, steady, another at every measurement
-  int lost_ = 0;  // ticks without odometry yet to come
+  int age_kind_;  // age of measurements: none, the bound, constant, or random for each
+  int lost_ = 0;  // remaining ticks without odometry
 };
 
 inline std::optional<Placement> free_place(const Outline& outline, const CellWorld& world,
@@ -278,7 +279,7 @@ inline std::optional<Placement> free_place(const Outline& outline, const CellWor
 }
 
 inline constexpr int kRolloutsPerScene = 6;
-inline constexpr double kLongestRest = 25.0;  // [s] by then the robot must stand
+inline constexpr double kLongestRest = 25.0;  // [s] the robot must stand after this time
 
 /// Pushes for up to 30 s, or until the robot has hardly moved for 4 s, then no command, or no
 /// filter, until it stands.
@@ -302,7 +303,7 @@ inline void roll_out(Loop& loop, Attack& attack, const SafetyFilterParams& param
   tally.unfinished += loop.base().stands() ? 0 : 1;
 }
 
-/// kRolloutsPerScene rollouts in the world, and with the robot, of that seed.
+/// Runs kRolloutsPerScene rollouts with the world and the robot of that seed.
 [[nodiscard]] inline Tally run_scene(unsigned seed, const Beyond& beyond = {}) {
   Tally tally;
   Random random(seed);

@@ -55,7 +55,8 @@ TEST(SafetyFilter, SlowsAlongTheSameArc) {
   EXPECT_NEAR(out.twist.v, out.scale * command.v, 1e-12);
 }
 
-// Pushing ends before the band, which a slow manoeuvre may use: a corner that has to swing out.
+// Pushing stops before the soft band; slow manoeuvres, such as a corner that swings out, may use
+// it.
 TEST(SafetyFilter, KeepsTheBandForManoeuvres) {
   const SafetyFilterParams params;
   const RobotState state = facing_wall(0.0247 + params.band);
@@ -90,8 +91,8 @@ TEST(SafetyFilter, CountsTheMeasuredSpeedNotOnlyTheCommand) {
   EXPECT_EQ(once({0.3, 0.0}, fast).reason, FilterReason::kStopped);
 }
 
-// Odometry that may be half a second old, and is not: what was commanded since is over already. The
-// robot turns away from a wall, so that by old odometry it would face elsewhere by now.
+// The bound allows odometry to be 0.5 s old, but here it is current, so the commands since have
+// already acted. The robot turns away from a wall; with old odometry it would now face elsewhere.
 TEST(SafetyFilter, CountsFreshOdometryAsWellAsOld) {
   RobotParams robot = kMir;
   robot.v_max = 2.5;
@@ -151,7 +152,8 @@ TEST(SafetyFilter, BacksOutFromInsideTheMargin) {
   EXPECT_EQ(arc.twist, (Twist2{-0.4, 0.0}));
 }
 
-// Two walls nearer than the margin: on the way from one the other comes no nearer than it is.
+// Two walls nearer than the margin: while leaving one, the robot must not get closer to the other
+// than that one is.
 TEST(SafetyFilter, InsideTheMarginOfOneWallItKeepsTheMarginToAnother) {
   Grid grid = free_grid(6.0);
   occupy(grid, [](double x, double) { return x > 1.5 || x < 0.55; });  // 0.95 m for 0.89 m
@@ -187,7 +189,8 @@ TEST(SafetyFilter, StopsWithoutACommandAMapOrAPose) {
   filter.on_map(wall_ahead());
   EXPECT_EQ(filter.update(std::nullopt, 0.0).reason, FilterReason::kNotLocalized);
   EXPECT_EQ(filter.update(std::nullopt, 0.0).twist, Twist2{});
-  EXPECT_TRUE(std::isnan(filter.update(std::nullopt, 0.0).clearance));  // not zero: nobody looked
+  // NaN, not zero: it was not computed
+  EXPECT_TRUE(std::isnan(filter.update(std::nullopt, 0.0).clearance));
   EXPECT_EQ(filter.update(at(-2.0), 0.0).reason, FilterReason::kClear);
   EXPECT_EQ(filter.update(at(-2.0), 0.16).reason, FilterReason::kNoCommand);
   EXPECT_EQ(filter.update(at(-2.0), 0.16).twist, Twist2{});
@@ -226,8 +229,8 @@ TEST(SafetyFilter, StandsWhenThePoseJumpsAndBelievesItOnlyAfterAWhile) {
   }
 }
 
-// Another robot's pose after each of its own: between two commands both are heard, and what was
-// heard last is at no moment far from what was heard last before.
+// Another robot's pose arrives after each of this robot's: both are received between two commands,
+// so successive latest poses never differ much.
 TEST(SafetyFilter, StandsAsLongAsTwoTellOfDifferentPlacesBetweenItsCommands) {
   SafetyFilter filter = filter_on(wall_ahead());
   const auto at_y = [](double y, double now) { return RobotState{{-3.0, y, 0.0}, {}, now}; };
@@ -281,12 +284,13 @@ TEST(SafetyFilter, OnlyReportsWhileNotEnforcing) {
   EXPECT_EQ(out.twist, (Twist2{0.8, 0.0}));
   EXPECT_LT(out.safe.v, 0.2);
   EXPECT_EQ(out.reason, FilterReason::kSlowed);
-  EXPECT_EQ(filter.update(facing_wall(0.05), 0.2).twist, Twist2{});  // silence still stops
+  // missing commands still stop the robot
+  EXPECT_EQ(filter.update(facing_wall(0.05), 0.2).twist, Twist2{});
   filter.on_command({kNaN, 0.0}, 0.3);
   EXPECT_EQ(filter.update(facing_wall(0.05), 0.3).twist, Twist2{});
 }
 
-// A stop that the node says is a command like any other: once it acts, the one before it does not.
+// A stop that the node commands counts as a command: once it acts, the previous one no longer does.
 TEST(SafetyFilter, AStopOfItsNodeCountsAsSent) {
   const auto backs_out = [](bool stops) {
     SafetyFilter filter = filter_on(wall_ahead());
@@ -296,7 +300,7 @@ TEST(SafetyFilter, AStopOfItsNodeCountsAsSent) {
       EXPECT_EQ(filter.stop(FilterReason::kClockSilent, 0.05).twist, Twist2{});
     }
     RobotState state;
-    for (double gap = 1.0; gap > 0.0; gap -= 0.12) {  // it went there meanwhile
+    for (double gap = 1.0; gap > 0.0; gap -= 0.12) {  // the poses it passed meanwhile
       state = facing_wall(gap);
       state.t = 1.0 - gap + 0.04;
       filter.on_state(state, state.t);
@@ -328,7 +332,7 @@ class BesidePeople : public ::testing::Test {
     params_.people.watched = true;
     filter_.emplace(filter_on(as_map(free_grid(20.0)), params_));
   }
-  // Of somebody whose skin is `gap` ahead of the bumper of a robot at the origin.
+  // A person whose outline is `gap` ahead of the bumper of a robot at the origin.
   static Obstacle ahead(double gap, double vx = 0.0) {
     return {.p_MO = {kBumper + gap + 0.25, 0.0}, .a = 0.25, .b = 0.25, .v_MO = {vx, 0.0}};
   }
@@ -345,7 +349,8 @@ class BesidePeople : public ::testing::Test {
 TEST_F(BesidePeople, StandsUntilTheyAreHeardAndWhenTheyFallSilent) {
   filter_->on_command({0.8, 0.0}, 0.0);
   EXPECT_EQ(filter_->update(at(0.0), 0.0).reason, FilterReason::kNoPeople);
-  EXPECT_EQ(drive({0.8, 0.0}, {}).twist, (Twist2{0.8, 0.0}));  // nobody is not silence
+  // an empty list is not a missing list
+  EXPECT_EQ(drive({0.8, 0.0}, {}).twist, (Twist2{0.8, 0.0}));
   const double late = params_.people.people_timeout + 0.01;
   filter_->on_command({0.8, 0.0}, late);
   RobotState state = at(0.0);

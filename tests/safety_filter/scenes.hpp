@@ -51,10 +51,11 @@ inline std::shared_ptr<const StaticMap> as_map(Grid grid) {
   return std::make_shared<const StaticMap>(std::move(grid));
 }
 
-inline const RobotParams kMir{};                  // the MiR 100
-inline constexpr double kBumper = 0.038 + 0.445;  // of it, ahead of base_link [m]
+inline const RobotParams kMir{};  // the MiR 100
+// front of the MiR 100's outline, ahead of base_link [m]
+inline constexpr double kBumper = 0.038 + 0.445;
 
-/// A wall of which the near face is the line x = 1.5.
+/// A wall whose near face is the line x = 1.5.
 inline std::shared_ptr<const StaticMap> wall_ahead() {
   Grid grid = free_grid(8.0);
   occupy(grid, [](double x, double) { return x > 1.5 && x < 1.7; });
@@ -70,7 +71,7 @@ inline void add_pole(Grid& grid, double cx, double cy, double radius) {
   occupy(grid, [&](double x, double y) { return std::hypot(x - cx, y - cy) < radius; });
 }
 
-/// Poles as in a forest, single cells, blocks, or walls with gaps; all within their border.
+/// Poles as in a forest, single cells, blocks, or walls with gaps, all inside the world's border.
 inline std::shared_ptr<const StaticMap> random_map(Random& random, double resolution = 0.05) {
   Grid grid = free_grid(5.0, resolution);
   add_border(grid);
@@ -106,7 +107,7 @@ inline std::shared_ptr<const StaticMap> random_map(Random& random, double resolu
   return as_map(std::move(grid));
 }
 
-/// A robot of any sensible size, its axle anywhere in it.
+/// A robot of any plausible size, with its axle anywhere inside its outline.
 inline RobotParams random_robot(Random& random) {
   RobotParams robot;
   robot.length = uniform(random, 0.4, 1.1);
@@ -126,13 +127,13 @@ inline RobotParams random_robot(Random& random) {
   return robot;
 }
 
-/// A fraction of a bound: often none of it or all of it.
+/// A fraction of a bound, often 0 or 1.
 inline double fraction(Random& random) {
   const int choice = pick(random, 4);
   return choice == 0 ? 0.0 : choice == 1 ? 1.0 : uniform(random, 0.0, 1.0);
 }
 
-/// A base that does what the filter's bounds allow.
+/// A base that makes full use of the filter's bounds.
 inline DiffDriveSimParams random_base(Random& random, const SafetyFilterParams& filter) {
   DiffDriveSimParams sim;
   sim.max_step = 0.01;
@@ -148,7 +149,7 @@ inline DiffDriveSimParams random_base(Random& random, const SafetyFilterParams& 
   return sim;
 }
 
-/// A pose of the map with at least `clearance` around the outline; false if none was found.
+/// Draws a pose in the map with at least `clearance` around the outline; false if none was found.
 inline bool find_free_pose(Random& random, const StaticMap& map, const Footprint& footprint,
                            double clearance, Pose2& X_MB) {
   for (int attempt = 0; attempt < 200; ++attempt) {

@@ -34,7 +34,7 @@ TEST(ShareCover, ChecksTheFourCornersWhereMotionsHardlyDiffer) {
   EXPECT_EQ(seen.size(), 4u);
 }
 
-// No motion that touches is further than the gaps from one that is looked at.
+// Every motion that makes contact is within the gaps of a motion that is checked.
 TEST(ShareCover, FindsEveryMotionThatTouchesToWithinTheGaps) {
   const double path = 1.5, turn = 1.1, lever = 1.3;
   for (double v = 0.02; v < 1.0; v += 0.07)

@@ -22,7 +22,7 @@ MotionStart braking_from(double v) {
   return start;
 }
 
-// Integral of equation (1): the knee, at the speed a τ, is where the exponential tail begins.
+// Integral of equation (1). The exponential tail begins at the knee, at speed a τ.
 TEST(StoppingMotion, AMotorOfFirstOrderNeedsMoreWayThanItsBraking) {
   for (const auto& [lag, a, v] : {std::array{0.30, 1.5, 1.5}, std::array{0.30, 2.5, 1.0},
                                   std::array{0.40, 1.0, 0.8}, std::array{0.05, 1.5, 0.8}}) {
@@ -55,7 +55,7 @@ TEST(StoppingMotion, AReversalReachesTheCommandedSpeed) {
   }
 }
 
-// A drive within the bounds, in small steps: another lag, another braking, another delay each time.
+// Drives within the bounds in small steps, with a random lag, braking and delay each time.
 class Drive {
  public:
   Drive(const MotionStart& start, const StoppingBounds& bounds, Random& random)
@@ -66,7 +66,7 @@ class Drive {
         speeds_up_{pick(random, 2) ? 1e3 : uniform(random, 0.2, 5.0)},
         speed_{start.measured.v} {}
 
-  // The way in the next dt after time t.
+  // Distance travelled in the next dt after time t.
   double advance(double t, double dt) {
     const double change = target(t) - speed_;
     const bool slows = change * speed_ < 0.0;

@@ -35,7 +35,7 @@ DiffDriveSim simulation(std::shared_ptr<const StaticMap> map, const Pose2& X_MB)
   return sim;
 }
 
-// Drives with a command that stays; ends early on contact.
+// Drives with a constant command; ends early on contact.
 void drive(DiffDriveSim& sim, const SharedDwa& dwa, const Twist2& user, const StaticMap& map,
            double duration) {
   for (double end = sim.state().t + duration; sim.state().t < end && !sim.contacts().count;) {
@@ -95,7 +95,8 @@ TEST(SharedDwa, BrakesWhenNothingIsAdmissible) {
   EXPECT_EQ(choice.command, Twist2{});
 }
 
-// What is chosen, braked along its arc, comes to rest clear of everything: exactly, by small steps.
+// The chosen command, braked along its arc, must end clear of all obstacles; checked in small exact
+// steps.
 TEST(SharedDwa, WhatItChoosesEndsClearInAnyWorld) {
   int drove = 0, near = 0, kept = 0;
   for (unsigned seed = 1; seed <= kWorlds; ++seed) {

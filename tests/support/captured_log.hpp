@@ -10,8 +10,8 @@
 
 namespace tandem::test {
 
-/// What this process and its children write to stderr while this lives; written there for real
-/// when it goes.
+/// Captures what this process and its children write to stderr during this object's lifetime; the
+/// destructor writes it to the real stderr.
 class CapturedLog {
  public:
   CapturedLog() : stderr_{dup(STDERR_FILENO)}, file_{memfd_create("log", MFD_CLOEXEC)} {
@@ -37,7 +37,7 @@ class CapturedLog {
     return all;
   }
 
-  /// How many lines hold `what`.
+  /// Number of lines that contain `what`.
   [[nodiscard]] int lines(const std::string& what) const {
     const std::string all = text();
     int count = 0;

@@ -15,7 +15,7 @@
 
 namespace tandem::test {
 
-/// The processes that `pid` has started and that are not reaped yet.
+/// Child processes of `pid` that have not been reaped.
 [[nodiscard]] inline std::vector<pid_t> children_of(pid_t pid) {
   std::ifstream file{"/proc/" + std::to_string(pid) + "/task/" + std::to_string(pid) + "/children"};
   std::vector<pid_t> pids;
@@ -23,7 +23,8 @@ namespace tandem::test {
   return pids;
 }
 
-/// A program of the tests' own folder, or one named by its whole path; killed when this goes.
+/// Runs a program from the tests' build folder, or one given by its full path; the destructor kills
+/// it.
 class ChildProcess {
  public:
   ChildProcess(const std::string& program, std::vector<std::string> arguments) {
@@ -49,7 +50,7 @@ class ChildProcess {
   void send(int signal_number) const { kill(pid_, signal_number); }
   [[nodiscard]] pid_t pid() const { return pid_; }
 
-  /// Its exit status if it ends within `timeout` [s]; 128 + n if signal n killed it.
+  /// Exit status if the process ends within `timeout` [s]; 128 + n if signal n killed it.
   [[nodiscard]] std::optional<int> wait(double timeout) {
     const double end = runtime::steady_seconds() + timeout;
     int status = 0;

@@ -10,7 +10,7 @@
 
 namespace tandem::test {
 
-/// [MB] that a process holds ("VmRSS") or held at most ("VmHWM").
+/// Memory [MB] that a process uses now ("VmRSS") or used at its peak ("VmHWM").
 [[nodiscard]] inline double memory_of(pid_t process, const std::string& which = "VmRSS") {
   std::ifstream status{"/proc/" + std::to_string(process) + "/status"};
   for (std::string line; std::getline(status, line);)
@@ -18,7 +18,7 @@ namespace tandem::test {
   return 0.0;
 }
 
-/// A bound on memory [MB], none under a sanitizer, which keeps what is freed.
+/// An upper bound on memory [MB]. Infinite under a sanitizer, which holds on to freed memory.
 constexpr double most_memory(double megabytes) { return kInstrumented ? 1e6 : megabytes; }
 
 }  // namespace tandem::test

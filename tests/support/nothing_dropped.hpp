@@ -7,8 +7,8 @@
 
 namespace tandem::test {
 
-/// Fails if this process or a child of it said, while this lives, that the wire's guard dropped
-/// something. A guard says so within a second of the first drop.
+/// Fails if this process or one of its children logs, during this object's lifetime, that the RTPS
+/// guard dropped something. The guard logs within a second of the first drop.
 class NothingDropped {
  public:
   NothingDropped() = default;

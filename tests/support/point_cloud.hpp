@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: points. Out: the PointCloud2 that a depth camera makes of them.
+// Builds a PointCloud2 from points, as a depth camera publishes it.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace tandem::test {
 
-/// Fields x, y and z as float32, in one row.
+/// Fields x, y and z are float32, in one row.
 inline sensor_msgs::msg::PointCloud2 cloud_of(const std::vector<Eigen::Vector3f>& p_SQ,
                                               const std_msgs::msg::Header& header) {
   constexpr std::uint32_t kStep = 12;

@@ -11,7 +11,7 @@
 
 namespace tandem::test {
 
-/// A DDS domain that no other test process uses while this one lives, on loopback only; child
+/// A DDS domain on loopback that no other test process uses during this object's lifetime. Child
 /// processes inherit it.
 class PrivateDomain {
  public:
@@ -43,7 +43,7 @@ class PrivateDomain {
   int file_ = -1;
 };
 
-/// Including this header is enough.
+/// Including this header is enough to use a private domain.
 inline const PrivateDomain private_domain;
 
 }  // namespace tandem::test

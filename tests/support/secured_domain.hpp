@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A domain with DDS Security, for this process and its children while this lives.
+// Sets up a domain with DDS Security for this process and its children.
 #pragma once
 
 #include <cstdlib>
@@ -16,7 +16,7 @@
 
 namespace tandem::test {
 
-/// Environment variables that are set while this lives; an empty value: that are not set.
+/// Sets environment variables during this object's lifetime; an empty value unsets the variable.
 class Variables {
  public:
   explicit Variables(const std::map<std::string, std::string>& wanted) {
@@ -45,7 +45,7 @@ class Variables {
 
 [[nodiscard]] inline int domain_of_test() { return std::atoi(std::getenv("ROS_DOMAIN_ID")); }
 
-/// A keystore of its own. This process is the enclave /watcher, which may do everything.
+/// A separate keystore. This process uses the enclave /watcher, which has all permissions.
 class SecuredDomain {
  public:
   SecuredDomain() {
@@ -61,7 +61,7 @@ class SecuredDomain {
            const Validity& validity = usual_validity()) const {
     create_enclave(keystore(), enclave, permissions, domain_of_test(), validity);
   }
-  /// One enclave for each node of a system.
+  /// Creates one enclave for each node of a system.
   void add_system(const std::string& file) const {
     for (const auto& node : load_system(file).nodes)
       add("/" + node.options.name, permissions_of(node));

@@ -5,8 +5,8 @@
 
 namespace tandem::test {
 
-/// Simulated per real time. Instrumented code takes several times as long: in slow motion the same
-/// bounds of simulated time can be asked of it, on two cores that others want too.
+/// Simulated time per real time. Instrumented code is several times slower; in slow motion it can
+/// meet the same bounds in simulated time, even on two shared cores.
 inline constexpr double kSpeed = kInstrumented ? 0.5 : 1.0;
 
 }  // namespace tandem::test

@@ -10,7 +10,7 @@
 
 namespace tandem::test {
 
-/// A new empty folder, removed with all that is in it when this goes.
+/// A new empty folder; the destructor removes it and its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

@@ -12,9 +12,9 @@
 
 namespace tandem::test {
 
-/// Two network namespaces with a link between them, as two computers have. The thread that makes it
-/// moves into the first. Needs root, iproute2 and nftables: throws std::runtime_error if the kernel
-/// does not allow it.
+/// Two linked network namespaces that stand for two computers. The constructing thread moves into
+/// the first. Needs root, iproute2 and nftables; throws std::runtime_error if the kernel does not
+/// allow it.
 class TwoHosts {
  public:
   TwoHosts() {
@@ -35,14 +35,14 @@ class TwoHosts {
   TwoHosts(const TwoHosts&) = delete;
   TwoHosts& operator=(const TwoHosts&) = delete;
 
-  /// A program on the second, as ip's arguments.
+  /// Arguments of `ip` that run a program in the second namespace.
   [[nodiscard]] std::vector<std::string> on_second(const std::vector<std::string>& program) const {
     std::vector<std::string> arguments{"netns", "exec", second_};
     arguments.insert(arguments.end(), program.begin(), program.end());
     return arguments;
   }
 
-  /// Loses so many of 100 packets, at random, each way.
+  /// Drops this percentage of packets at random in each direction.
   void lose(int percent) const {
     const std::string chance =
         percent < 100 ? "numgen random mod 100 '<' " + std::to_string(percent) : "";

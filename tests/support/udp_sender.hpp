@@ -13,7 +13,7 @@
 
 namespace tandem::test {
 
-/// Where RTPS listens in the domain of the environment (RTPS 2.5, 9.6.2).
+/// UDP ports of RTPS in the domain that the environment sets (RTPS 2.5, 9.6.2).
 class RtpsPorts {
  public:
   [[nodiscard]] static std::uint16_t multicast() { return port(0); }
@@ -30,7 +30,7 @@ class RtpsPorts {
   }
 };
 
-/// Sends datagrams over the loopback.
+/// Sends datagrams over loopback.
 class UdpSender {
  public:
   UdpSender() : socket_{socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)} {
@@ -53,7 +53,7 @@ class UdpSender {
                  sizeof to);
   }
 
-  /// To the first `participants` of the domain, at all their ports, and to all by multicast.
+  /// Sends to all ports of the first `participants` of the domain, and to all by multicast.
   void send_to_all(const std::vector<std::uint8_t>& octets, int participants) const {
     for (int participant = 0; participant < participants; ++participant) {
       send(octets, RtpsPorts::discovery(participant));

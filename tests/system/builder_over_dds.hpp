@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// octomap_builder over real DDS, with a scanner and a camera that see what a test wants.
+// Runs octomap_builder over real DDS with a scanner and a camera whose data the test sets.
 #pragma once
 
 #include <functional>
@@ -19,8 +19,8 @@ namespace tandem::test {
 
 inline constexpr double kBeamTurn = 2.0 * std::numbers::pi / 360;
 
-// A robot at (2.013, 1.017), turned to the left, in a round room of 3 m; no echo is near the border
-// of a voxel.
+// A robot at (2.013, 1.017), turned left, in a round room of 3 m radius. No range return is near
+// the border of a voxel.
 inline const Pose2 kRobot{2.013, 1.017, std::numbers::pi / 2.0};
 
 class BuilderOverDds : public OneComponent {
@@ -65,7 +65,7 @@ class BuilderOverDds : public OneComponent {
     const auto beat = node_.create_wall_timer(0.05, [this] { scan_.publish(scan(3.0F)); });
     return wait_until([&] { return maps_ >= before + more; });
   }
-  // Sends scans that `spoil` has changed until all that is expected has come, or too much time.
+  // Publishes scans, modified by `spoil`, until everything expected has arrived or the time is up.
   [[nodiscard]] bool wait_with_scans(const std::function<void(sensor_msgs::msg::LaserScan&)>& spoil,
                                      const std::function<bool()>& done) {
     const auto beat = node_.create_wall_timer(0.05, [&] {
@@ -78,7 +78,7 @@ class BuilderOverDds : public OneComponent {
   [[nodiscard]] bool says(const std::string& part) const {
     return reason_ && (part.empty() ? reason_->empty() : reason_->find(part) != std::string::npos);
   }
-  // Of a pole on the robot's left, at the scanner's height; or without a point.
+  // A cloud of a pole on the robot's left at the scanner's height, or an empty cloud.
   [[nodiscard]] rt::Timer camera_that_sees(bool points) {
     return node_.create_wall_timer(0.05, [this, points] {
       std::vector<Eigen::Vector3f> seen;

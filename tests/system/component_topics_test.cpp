@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `tandem describe` prints and permissions are made of is what the components open.
+// Checks that the components open exactly the topics that `tandem describe` prints and permissions
+// are derived from.
 #include "bringup/system/component_topics.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +44,7 @@ Names without(const Names& all, const Names& some) {
   return rest;
 }
 
-// What a component may open but opens with other parameters, or only when it is asked.
+// Endpoints that a component opens only with other parameters or on request.
 Names rare_subscriptions(const std::string& component) {
   static const std::map<std::string, Names> all{
       {"driver", {"rt/octomap_binary", "rt/octomap_local", "rt/map"}},  // the adversary
@@ -86,7 +87,7 @@ class ComponentTopicsOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(ComponentTopicsOf, AreAllThatTheComponentsOpen) {
   for (const auto& [component, use] : uses_in(GetParam())) {
-    if (component == "dashboard") continue;  // it may hear everything
+    if (component == "dashboard") continue;  // it may subscribe to everything
     EXPECT_EQ(without(use.opened.publish, use.granted.publish), Names{}) << component;
     EXPECT_EQ(without(use.opened.subscribe, use.granted.subscribe), Names{}) << component;
   }

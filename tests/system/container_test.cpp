@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem container` in its own process, asked as `ros2 component` asks.
+// Tests `tandem container` in its own process, with the requests of `ros2 component`.
 #include <algorithm>
 #include <csignal>
 #include <memory>

@@ -81,7 +81,7 @@ TEST_F(SimOverDds, ResetPutsTheRobotBackToItsStart) {
   push_ = {-0.4, 0.0};
   ASSERT_TRUE(wait_until([&] { return odom_.X.x < -0.1; }));
   push_ = {};
-  ASSERT_TRUE(wait_until([&] { return stands(); }));  // no command is under way any more
+  ASSERT_TRUE(wait_until([&] { return stands(); }));  // no command is in transit any more
   const auto reset =
       node_.create_client(rt::ServiceName<std_srvs::srv::Trigger>{"/diff_drive_sim/reset"});
   std::string answer;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that can go wrong between processes, while the robot drives through the forest over
-// real DDS: it touches nothing, stands within its bound, somebody says why, and it drives on
-// afterwards. Prints a table; TANDEM_FAULT_TRIES=n tries each fault n times.
+// Injects faults between processes while the robot drives through the forest over real DDS. The
+// robot must touch nothing, stop within its bound, report why, and drive on afterwards. Prints a
+// table; TANDEM_FAULT_TRIES=n tries each fault n times.
 #include <limits>
 #include <memory>
 #include <optional>
@@ -26,8 +26,8 @@ using Obstacles = tandem_msgs::msg::ObstacleArray;
 using Joy = sensor_msgs::msg::Joy;
 using Tf = tf2_msgs::msg::TFMessage;
 
-// A fault that sets one number of a message after the other to NaN, +∞ and −∞, one per message, and
-// lasts until each of them was sent.
+// A fault that sets one number of a message at a time to NaN, +∞ and −∞, one per message, and lasts
+// until each was sent.
 template <class M>
 Fault each_number(const char* name, Relay<M>& relay, Setters<M> setters) {
   const auto sent = std::make_shared<std::size_t>(0);
@@ -61,7 +61,7 @@ Setters<Odom> odom_numbers() {
   return all;
 }
 
-// Of both transforms, map → odom and odom → base_link, at once.
+// Applies the fault to map → odom and odom → base_link at once.
 Setters<Tf> tf_numbers() {
   using Number = std::function<void(geometry_msgs::msg::Transform&, double)>;
   const std::vector<Number> numbers{[](auto& t, double x) { t.translation().x(x); },
@@ -161,7 +161,7 @@ TEST_F(Faults, OfNumbers) {
           each_number("odom", s.odom, odom_numbers()), each_number("tf", s.tf, tf_numbers())});
 }
 
-// Relays of several links that all do the same.
+// Relays of several links that all behave alike.
 template <class Change, class... Relays>
 Fault to_all(const char* name, Change change, Relays&... relays) {
   return {name, [=, &relays...] { (change(relays), ...); }, [&relays...] { (relays.pass(), ...); }};
@@ -193,9 +193,9 @@ TEST_F(Faults, OfTime) {
                  s.arbitrated, s.cmd_vel, s.odom, s.tf)});
 }
 
-// The filter's commands as TwistStamped, and a base that drops what is older than the filter's
-// argument allows. A plain Twist tells its age only by when it was sent, which a node on its way
-// makes new: nothing can be promised of it when it comes later than `command_delay`.
+// Uses TwistStamped for the filter's commands, and a base that drops commands older than the filter
+// assumes. A plain Twist has no timestamp except its send time, which a relaying node renews:
+// nothing can be guaranteed if it arrives later than `command_delay`.
 class StampedSystem : public WatchedSystem {
  public:
   StampedSystem() {
@@ -229,7 +229,7 @@ TEST_F(StampedFaults, OfTheLastLink) {
   suffer({to_all("cmd_vel (stamped) 0-0.5 s late, out of order", late(0.0), s.cmd_vel), all_late});
 }
 
-// A second robot on the same names, or a second person at the stick.
+// A second robot on the same names, or a second person at the controls.
 TEST_F(Faults, OfStrangers) {
   auto& s = system_;
   const auto intruded = [](const char* name, auto& relay, auto spoil,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The forest's system with a relay in each of its links, what can go wrong with it, and what must
-// come of that.
+// Runs the forest system with a relay in each link, and defines the faults and their expected
+// effects.
 #pragma once
 
 #include <algorithm>
@@ -14,26 +14,27 @@
 
 namespace tandem::test {
 
-inline constexpr double kNoTransform = 1.0;  // [s] of silence of map → odom until a command of zero
-inline constexpr double kNoClock = 0.5;      // [s] real, of silence of /clock until that
-inline constexpr double kLasts = 2.0 * kSpeed;  // [s] that a fault lasts which need not stop it
+inline constexpr double kNoTransform = 1.0;  // [s] without map → odom until a zero command
+inline constexpr double kNoClock = 0.5;      // [s] real time without /clock until a zero command
+// [s] duration of a fault that need not stop the robot
+inline constexpr double kLasts = 2.0 * kSpeed;
 
-/// Where the reason is told.
+/// Where the reason is reported.
 enum class Told {
   kOnBoth,         ///< /arbitration/status and /diagnostics
-  kOnDiagnostics,  ///< there alone: arbitration is gone
-  kNowhere,        ///< the base stops by its own time-out, and what it hears no component knows
+  kOnDiagnostics,  ///< /diagnostics only: arbitration is gone
+  kNowhere,        ///< the base stops on its own timeout; no component knows what the base receives
 };
 
-/// What goes wrong, and what must come of it.
+/// A fault and its expected effect.
 struct Fault {
   std::string name;
   std::function<void()> begin, end;
-  const char* reason = nullptr;  ///< null, unless told nowhere: it may drive on through it
+  const char* reason = nullptr;  ///< null: it may drive on, unless told is kNowhere
   Told told = Told::kOnBoth;
   double zero_within = kZeroWithin;
-  double lasts = 0.0;            ///< [s] at least
-  std::function<bool()> done{};  ///< it lasts until then, at least
+  double lasts = 0.0;            ///< [s] minimum duration
+  std::function<bool()> done{};  ///< the fault also lasts until this holds
 
   [[nodiscard]] bool stands() const { return reason != nullptr || told == Told::kNowhere; }
 };
@@ -45,7 +46,7 @@ struct Row {
   std::vector<double> to_stand;  // [s] simulated
 };
 
-/// The forest's system, and the reasons that it gives.
+/// The forest system and the reasons that it reports.
 class WatchedSystem : public SystemUnderTest {
  public:
   WatchedSystem() {
@@ -60,7 +61,7 @@ class WatchedSystem : public SystemUnderTest {
     return why == nullptr ||
            (diagnosed_.contains(why) && (where != Told::kOnBoth || status_said_.contains(why)));
   }
-  /// Whether anybody gave that reason.
+  /// True if any node reported that reason.
   [[nodiscard]] bool heard_any(const char* why) const {
     return diagnosed_.contains(why) || status_said_.contains(why);
   }
@@ -68,7 +69,7 @@ class WatchedSystem : public SystemUnderTest {
     status_said_.clear();
     diagnosed_.clear();
   }
-  /// What was said since, to look at.
+  /// Reports since the last forget(), for failure messages.
   [[nodiscard]] std::string sayings() const {
     std::string text = "status:";
     for (const auto& said : status_said_) text += " `" + said + "`";
@@ -82,7 +83,7 @@ class WatchedSystem : public SystemUnderTest {
   rt::Subscription status_, diagnostics_;
 };
 
-/// It with a relay in each of its links, in that of /clock if wanted.
+/// The forest system with a relay in each link, in that of /clock only if requested.
 class RelayedSystem : public WatchedSystem {
  public:
   explicit RelayedSystem(bool relays_clock = false) {
@@ -95,7 +96,7 @@ class RelayedSystem : public WatchedSystem {
 
   void start_relayed(const std::string& name) { start(name, remappings(name)); }
 
-  int unsound = 0;  ///< commands of the filter that were not finite
+  int unsound = 0;  ///< non-finite commands of the filter
 
   Relay<sensor_msgs::msg::Joy> joy{node(), topics::joy};
   Relay<geometry_msgs::msg::Twist> user{node(), topics::cmd_vel_user};
@@ -124,7 +125,7 @@ class RelayedSystem : public WatchedSystem {
     if (name == "teleop") return both(user.remapping(), leader.remapping());
     return {};
   }
-  // The second without its --ros-args.
+  // Drops the second list's --ros-args.
   static std::vector<std::string> both(std::vector<std::string> first,
                                        const std::vector<std::string>& second) {
     first.insert(first.end(), second.begin() + 1, second.end());
@@ -168,7 +169,7 @@ class FaultTest : public ::testing::Test {
     print(rows);
   }
 
-  // The velocity that may have to be braked is the largest since the fault.
+  // The robot may have to brake from its highest speed since the fault.
   void suffer(const Fault& fault, Row& row) {
     SCOPED_TRACE(fault.name);
     ASSERT_TRUE(system_.wait_until_driving());
@@ -210,7 +211,7 @@ class Faults : public FaultTest<RelayedSystem> {
   using FaultTest::FaultTest;
   ~Faults() override { EXPECT_EQ(system_.unsound, 0); }
 
-  // Loses all messages of a link.
+  // Drops all messages of a link.
   template <class M>
   [[nodiscard]] static Fault lost(const char* name, Relay<M>& relay, const char* reason) {
     return {std::string{name} + " lost", [&relay] { relay.drop(); }, [&relay] { relay.pass(); },

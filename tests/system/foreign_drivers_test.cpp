@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drivers, localisers and map servers of other makes, which offer less than ours.
+// Tests third-party drivers, localisers and map servers, which offer weaker QoS than Tandem's
+// nodes.
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,7 +17,7 @@ constexpr double kWay = 0.3;    // [m]
 
 class ForeignDrivers : public OneComponent {
  protected:
-  // Whether a publisher that offers the least is heard.
+  // True if a best-effort publisher, the weakest offer, is received.
   template <class M>
   [[nodiscard]] bool hears_best_effort(const rt::Topic<M>& topic) {
     int heard = 0;
@@ -46,7 +47,8 @@ TEST_F(ForeignDrivers, AreHeardThoughTheyOfferBestEffortAndVolatile) {
   EXPECT_TRUE(hears_best_effort(topics::initial_pose));
 }
 
-// A TurtleBot 4 sends odometry best effort, octomap_server with `latch: false` a volatile map.
+// A TurtleBot 4 publishes odometry best effort; octomap_server with `latch: false` publishes a
+// volatile map.
 TEST_F(ForeignDrivers, DriveARobotWithVolatileMapAndBestEffortOdometry) {
   ChildProcess robot{"../tandem",
                      {"run", source_path("bringup/systems/teleop.yaml"), "--ros-args", "-p",

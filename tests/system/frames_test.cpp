@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a message says of its frame, and what the nodes make of it.
+// Tests how the nodes handle the frame in a message's header.
 #include <fstream>
 #include <memory>
 #include <numbers>
@@ -32,7 +32,7 @@ geometry_msgs::msg::TransformStamped link(const std::string& parent, const std::
   return to_transform(X, header({}, parent), child);
 }
 
-// A node that needs to know where the robot is, with a localiser and odometry to be set.
+// A node that needs the robot's pose, with a localiser and odometry that the test controls.
 class FramesOverDds : public OneComponent {
  protected:
   explicit FramesOverDds(const std::string& component = "safety_filter", const Values& values = {})
@@ -250,7 +250,7 @@ TEST_F(BuilderInFrames, ASensorWhoseMountIsOnTfIsPlaced) {
   EXPECT_FALSE(is_occupied(1.52, 0.0));
 }
 
-// Its beams would begin at the map's origin, and clear all that stands in between.
+// If such a scan were accepted, its beams would start at the map's origin and clear everything in between.
 TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
   for (const char* frame : {"map", "/odom", "odom_combined"}) {
     sensor_ = frame;
@@ -263,7 +263,7 @@ TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
   EXPECT_FALSE(tree_);
 }
 
-// `tandem doctor`, beside a robot that is not localised.
+// `tandem doctor` next to a robot that is not localised.
 TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
   map_.publish(wall("map"));
   tf_links_ = {link("map", "odom_combined", {})};

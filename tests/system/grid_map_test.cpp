@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The map of Nav2's map_server as the static map, over DDS.
+// Tests the map of Nav2's map_server as the static map, over DDS.
 #include <numbers>
 
 #include "support/captured_log.hpp"
@@ -12,7 +12,7 @@ namespace {
 constexpr double kSpeed = 0.3;  // [m/s] asked for
 constexpr int kCells = 80;      // of 0.1 m along each side, with the robot at the centre
 
-// A room that map_server publishes: free, one column of cells of another kind ahead of the robot.
+// A free room as map_server publishes it, with one column of other cells ahead of the robot.
 nav_msgs::msg::OccupancyGrid room(std::int8_t column, double yaw = 0.0) {
   nav_msgs::msg::OccupancyGrid msg;
   msg.header(header({}, "map"));
@@ -110,8 +110,8 @@ TEST_F(FilterOnGrid, RefusesAMapThatContradictsItselfAndKeepsTheOneBefore) {
   EXPECT_TRUE(drives());
 }
 
-// Grid and lidar: what stands in the map stays although the lidar looks over it, what the lidar
-// sees comes and goes.
+// Grid and lidar together: obstacles of the map persist although the lidar sees over them;
+// obstacles that the lidar sees appear and disappear.
 TEST_F(FilterOnGrid, WithLiveSensingHeedsBoth) {
   const auto running = filter({{"map_source", "both"}});
   const auto local = node_.create_publisher(topics::octomap_local);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Datagrams that end a process which parses them: the robot drives on, and can be stopped.
+// Sends datagrams that crash a vulnerable parser: the robot must drive on and remain stoppable.
 #include <csignal>
 
 #include "system/wire_attacks.hpp"

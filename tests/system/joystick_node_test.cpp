@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The joystick component over real DDS with a device that SDL itself pretends.
+// Tests the joystick component over real DDS with a virtual SDL device.
 #include <SDL2/SDL.h>
 
 #include <atomic>
@@ -10,7 +10,7 @@
 namespace tandem::test {
 namespace {
 
-// SDL's own joystick, plugged in while this lives.
+// SDL's virtual joystick, plugged in during this object's lifetime.
 class VirtualJoystick {
  public:
   VirtualJoystick() {
@@ -111,7 +111,7 @@ TEST_F(JoystickOverDds, DoesNotHandTheHoldFromOneDeviceToTheNext) {
   second.axis(0, 32767);
   first.reset();
   ASSERT_TRUE(wait_until([&] { return !pressed(); }));
-  ASSERT_TRUE(wait_until([&] { return last_.axes()[0] == -1.0F; }));  // the second is heard
+  ASSERT_TRUE(wait_until([&] { return last_.axes()[0] == -1.0F; }));  // the second joystick is read
   EXPECT_FALSE(pressed());
   second.button(0, false);
   const int before = count_;

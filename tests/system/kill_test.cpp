@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A component dies while the robot drives: the robot must stand in time.
+// Kills a component while the robot drives: the robot must stop in time.
 #include "system/system_under_test.hpp"
 
 namespace tandem::test {
@@ -68,7 +68,7 @@ TEST(KillFilter, ARestartDrivesOnWithinASecond) {
   ASSERT_TRUE(system.wait_until_driving());
   system.kill_hard("safety_filter");
   ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, 5.0));
-  // From its first command to drive: how soon it has found the others is the computer's matter.
+  // Measured from its first drive command: discovery time depends on the computer.
   system.command = {};  // the last one of the killed filter
   system.start("safety_filter");
   ASSERT_TRUE(system.wait_until([&] { return system.command.v > 0.05; }, 20.0));
@@ -96,7 +96,7 @@ TEST(SecondSource, OfCmdVelMakesTheBaseStandUntilItIsGone) {
   EXPECT_EQ(system.collisions, 0u);
 }
 
-// It has forgotten whether the stop was pressed.
+// The restarted node does not know whether the emergency stop was pressed.
 TEST(KillArbitration, ThatRespawnsStandsUntilTheStopIsTakenBackAndReleased) {
   SystemUnderTest system;
   for (const char* name : kComponents)
@@ -124,7 +124,7 @@ TEST(KillArbitration, ThatRespawnsStandsUntilTheStopIsTakenBackAndReleased) {
   ASSERT_TRUE(ask());
   EXPECT_FALSE(released) << "nobody took the press back";
   const auto e_stop = system.node().create_publisher(topics::e_stop);
-  // Again and again: the killed one's subscriptions count as matched for 20 s more.
+  // Repeats the press: the killed node's subscriptions count as matched for another 20 s.
   const auto take_back =
       system.node().create_wall_timer(0.1, [&] { e_stop.publish(std_msgs::msg::Bool{}); });
   ASSERT_TRUE(system.wait_until([&] { return ask() && released; }, 20.0));

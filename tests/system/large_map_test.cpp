@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map of a million leaves arrives while the robot drives. Decoding it takes a while; neither the
-// planner nor the safety filter waits for that.
+// A map of a million leaves arrives while the robot drives. Decoding it takes time, and neither the
+// planner nor the safety filter may wait for it.
 #include <algorithm>
 #include <cstdio>
 #include <random>
@@ -17,14 +17,14 @@ namespace tandem::test {
 namespace {
 
 constexpr int kLeaves = 1000000;
-constexpr double kRate = 20.0;             // [1/s] of the planner and of the filter, at least
+constexpr double kRate = 20.0;             // [1/s] minimum rate of the planner and of the filter
 constexpr double kBaseStops = 0.1;         // [s] without a command: base_timeout of mir100.yaml
 constexpr double kPlannerIsSilent = 0.12;  // [s] without a plan: shared_timeout of arbitration
 constexpr double kUndisturbed = 2.0;       // [s] before the map comes
 
 using octomap_msgs::msg::Octomap;
 
-// The forest, and far from it a cloud of voxels that no pruning makes smaller.
+// The forest and, far from it, a cloud of voxels that pruning cannot reduce.
 Octomap large_map() {
   const auto tree = load_octomap(source_path("maps/forest.bt"));
   std::mt19937 random{1};
@@ -41,7 +41,7 @@ Octomap large_map() {
   return msg;
 }
 
-// When a loop beat, on the robot's own clock: what the machine takes from the watcher is not in it.
+// Records a loop's cycles by the robot's clock, so that delays of the watcher do not count.
 struct Beats {
   std::vector<double> times = {};
 
@@ -58,7 +58,7 @@ struct Beats {
   }
 };
 
-// What the loops did within (from, to] [s].
+// The loops' behaviour within (from, to] [s].
 struct Seen {
   Seen(const Beats& all_commands, const Beats& all_plans, double from, double to,
        unsigned long late)
@@ -87,7 +87,7 @@ struct Seen {
 TEST(LargeMap, IsDecodedWhileTheLoopsGoOn) {
   const Octomap map = large_map();
   SystemUnderTest system;
-  std::set<std::string> taken;  // by whom
+  std::set<std::string> taken;  // names of the nodes that loaded the map
   const auto rosout = system.node().create_subscription(
       rt::Topic<rcl_interfaces::msg::Log>{"/rosout", rt::kDefault}, [&](const auto& msg) {
         if (msg.msg().starts_with("map: ")) taken.insert(msg.name());
@@ -103,7 +103,7 @@ TEST(LargeMap, IsDecodedWhileTheLoopsGoOn) {
       topics::filter_status, [&](const auto& msg) { commands.at(msg.header()); });
   system.start_all();
   ASSERT_TRUE(system.wait_until_driving());
-  // The only one that publishes a map from now on: of two, nobody would be believed.
+  // From now on the only map publisher: with two, neither map would be accepted.
   system.process("map_server").send(SIGTERM);
   ASSERT_TRUE(system.process("map_server").wait(10.0));
   const auto publisher = system.node().create_publisher(topics::octomap_binary);
@@ -128,7 +128,7 @@ TEST(LargeMap, IsDecodedWhileTheLoopsGoOn) {
   EXPECT_GT(took, 5.0 / kRate) << "no time to see anything in";
   EXPECT_GE(static_cast<double>(busy.commands), 0.5 * kRate * took);
   EXPECT_GE(static_cast<double>(busy.plans), 0.3 * kRate * took);
-  // No deadline is missed that would not be without the map, on a machine as busy as this one.
+  // On an equally busy machine, the map must not cause additional missed deadlines.
   EXPECT_LT(busy.without_command, std::max(kBaseStops, 2.0 * calm.without_command));
   EXPECT_LT(busy.without_plan, std::max(kPlannerIsSilent, 2.0 * calm.without_plan));
   EXPECT_LE(busy.share_late(), calm.share_late() + 0.1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A safety filter that goes by what sensors see, without a map.
+// Tests a safety filter that uses only sensor data, without a map.
 #include <optional>
 
 #include "system/builder_over_dds.hpp"
@@ -14,7 +14,7 @@ void cover_ground(octomap::OcTree& tree) {
       tree.updateNode(octomap::point3d(middle(ix), middle(iy), 0.3F), false);
 }
 
-// The filter uses octomap_local; the test publishes what octomap_builder and the base would.
+// The filter uses octomap_local; the test takes the role of octomap_builder and the base.
 class FilterWithLiveSensing : public OneComponent {
  protected:
   FilterWithLiveSensing() {
@@ -51,7 +51,7 @@ TEST_F(FilterWithLiveSensing, StandsUntilSomethingIsSeenAndWhenNothingIsAnyMore)
   ASSERT_TRUE(drives(0.0, "no map yet"));
 
   tree_.updateNode(octomap::point3d(0.0F, 0.0F, 0.3F), false);
-  show(tree_);  // nothing stands there, and that is no error
+  show(tree_);  // an empty map is not an error
   auto looks = node_.create_wall_timer(0.1, [&] { maps_.publish(map_); });
   ASSERT_TRUE(drives(0.15, "unseen ground"));
   cover_ground(tree_);
@@ -66,7 +66,7 @@ TEST_F(FilterWithLiveSensing, StandsUntilSomethingIsSeenAndWhenNothingIsAnyMore)
   EXPECT_TRUE(drives(0.0, "octomap_local is silent"));
 }
 
-// What the builder says of its sensors goes before how fresh the map is.
+// The builder's report on its sensors takes precedence over the age of the map.
 TEST_F(FilterWithLiveSensing, StandsWhileTheBuilderSaysThatItsSensorsDoNotSee) {
   cover_ground(tree_);
   show(tree_);
@@ -89,7 +89,7 @@ TEST_F(FilterWithLiveSensing, StandsWhileTheBuilderSaysThatItsSensorsDoNotSee) {
   EXPECT_TRUE(drives(0.3, "clear"));
 }
 
-// Both over DDS: whichever of two sensors is lost, the robot stands and says which.
+// Two sensors over DDS: if either is lost, the robot stops and reports which.
 class FilterBesideABuilder : public BuilderOverDds {
  protected:
   FilterBesideABuilder() {

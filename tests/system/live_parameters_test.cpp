@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `ros2 param set` may change on running components, and what not.
+// Tests which parameters `ros2 param set` may change on running components.
 #include <optional>
 #include <set>
 
@@ -39,7 +39,7 @@ class LiveParameters : public OneComponent {
     return names;
   }
 
-  // What is wrong with it; "" if nothing.
+  // The error message; "" if the parameter was set.
   std::string set(const std::string& node, const std::string& name, double value) {
     rcl_interfaces::msg::ParameterValue wanted;
     wanted.type(types::PARAMETER_DOUBLE);
@@ -63,7 +63,7 @@ class LiveParameters : public OneComponent {
   }
 };
 
-// A stray `ros2 param set` must not take a person's protection away.
+// A stray `ros2 param set` must not disable a person's protection.
 TEST_F(LiveParameters, AreNoneOfTheSafetyFilters) {
   const auto filter = load("safety_filter", {});
   EXPECT_EQ(live("/safety_filter"), Names{});

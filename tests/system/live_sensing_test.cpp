@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Robots that know what stands in their way from their sensors alone; a process per component.
+// Drives robots that know obstacles only from their sensors, with one process per component.
 #include "support/paths.hpp"
 #include "support/point_cloud.hpp"
 #include "system/system_under_test.hpp"
@@ -7,8 +7,8 @@
 namespace tandem::test {
 namespace {
 
-// A cloud in base_link, at the height of the scanner, of a pole that stands somewhere in the map;
-// without a pole one without points, as a camera sends it that sees nothing.
+// A cloud in base_link, at the scanner's height, of a pole at a position in the map. Without a pole
+// the cloud is empty, as from a camera that sees nothing.
 sensor_msgs::msg::PointCloud2 pole_at(const std::optional<Eigen::Vector2d>& p_MP, const Pose2& X_MB,
                                       double t) {
   constexpr int kPoints = 24;

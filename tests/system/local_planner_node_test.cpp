@@ -12,10 +12,11 @@ namespace {
 
 constexpr double kBeat = 0.02;  // [s] between two odometries and lists of obstacles
 
-// The planner and, in place of a robot, an integrator of its commands.
+// The planner, and an integrator of its commands instead of a robot.
 class PlannerOverDds : public OneComponent {
  protected:
-  // Patient: a busy machine must not look like a silent input. Unlimited: nor like a slow solver.
+  // Long timeouts and no solve-time limit: a busy machine must not look like a missing input or a
+  // slow solver.
   explicit PlannerOverDds(const Values& values = {{"method", "goal"}}) {
     Values all{{"map_is_odom", "true"}, {"odom_timeout", "0.4"},     {"obstacle_timeout", "0.4"},
                {"user_timeout", "0.4"}, {"in_force_timeout", "0.4"}, {"time_budget", "0.0"},
@@ -41,7 +42,7 @@ class PlannerOverDds : public OneComponent {
     if (sees_obstacles_) obstacles_.publish(to_msg(around_, header({}, "map")));
     if (user_) user_out_.publish(to_msg(*user_));
   }
-  // A wall across the way, 8 m wide and 1 m thick.
+  // A wall across the path, 8 m wide and 1 m thick.
   static Obstacle wall_at(double x) {
     return {.p_MO = {x, 0.0}, .a = 4.0, .b = 0.5, .angle = 0.5 * std::numbers::pi};
   }
@@ -88,7 +89,7 @@ TEST_F(PlannerOverDds, StandsUntilThereIsAGoalAndThenDrivesThere) {
   EXPECT_TRUE(wait_until([&] { return planned == 16; }));  // the default horizon
 }
 
-// How well it keeps off a wall is asked of the core: a busy machine adds delays that no robot has.
+// The distance to a wall is tested on the core: a busy machine adds delays that no robot has.
 TEST_F(PlannerOverDds, SlowsDownForAWallInItsWay) {
   around_ = {wall_at(2.0)};
   send_goal({5.0, 0.0, 0.0});
@@ -158,8 +159,8 @@ TEST_F(PlannerOverDds, SaysHowItsSolutionWasJudgedAndNothingOfItOnceItStands) {
   EXPECT_GE(status_.cycles(), cycles) << "what counts from the start is kept";
 }
 
-// A goal so far off that its cost is no number: no solver answers. The last plan serves for a
-// second.
+// A goal so far away that its cost is not finite: no solver succeeds, and the last plan is used for
+// a second.
 TEST_F(PlannerOverDds, NamesEachRungOfTheFallbackLadder) {
   ASSERT_TRUE(wait_until_driving());
   EXPECT_EQ(status_.source(), "solution");

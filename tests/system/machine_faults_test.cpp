@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// As faults_test.cpp: what goes wrong with the machine below them. A program of its own, for
-// nothing else that looks at the clock may run beside it.
+// Like faults_test.cpp, for faults of the machine itself. A separate program, because no other
+// timing-sensitive test may run at the same time.
 #include <algorithm>
 #include <memory>
 #include <thread>
@@ -10,7 +10,7 @@
 namespace tandem::test {
 namespace {
 
-// Two processes for each core that want all of it.
+// Two CPU-bound processes per core.
 TEST_F(Faults, OfTheMachine) {
   const auto hogs = std::make_shared<std::vector<std::unique_ptr<ChildProcess>>>();
   const auto begin = [hogs] {

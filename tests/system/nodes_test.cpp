@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Single nodes over real DDS: what they do with what arrives, good and bad.
+// Tests single nodes over real DDS with valid and invalid input.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -39,7 +39,7 @@ class ArbitrationOverDds : public OneComponent {
   rt::Timer push_;
   double push_v_ = 0.5, v_ = 0.0;
   long commands_ = 0;
-  bool sound_ = true;  ///< all that came out was finite
+  bool sound_ = true;  ///< all output was finite
   std::string reason_;
   std::pair<int, std::string> diagnosis_;  ///< level and message
 };
@@ -57,7 +57,8 @@ TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsNoCommand) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
 }
 
-// What planner and filter complain of is said here too: one place to look at.
+// Arbitration also reports the complaints of planner and filter, so that one topic shows
+// everything.
 TEST_F(ArbitrationOverDds, SaysInStatusAndDiagnosticsWhyTheRobotStandsWhoeverStoppedIt) {
   using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
   const auto says = [&](int level, const std::string& why) {
@@ -91,7 +92,8 @@ TEST_F(ArbitrationOverDds, SaysWhyTheStickOfThePersonMovesNothing) {
   EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
 }
 
-// Of what nobody reads nothing comes; of the others the command is dropped, and silence stops.
+// Non-finite values in unused fields have no effect. Otherwise the command is dropped and the
+// timeout stops the robot.
 TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
   push_ = {};
   auto nav = node_.create_publisher(topics::cmd_vel_nav);
@@ -245,7 +247,7 @@ TEST_F(ArbitrationOverDds, PolicyChangesByServiceAndABadOneIsRefused) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));  // no planner here
 }
 
-// Nothing grows old then: the person's last word would be good for ever.
+// Without a clock nothing ages: the person's last command would remain valid forever.
 TEST_F(OneComponent, ArbitrationPassesNothingWhileSimulatedTimeStandsStill) {
   const auto arbitration = load(
       "arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}, {"use_sim_time", "true"}});
@@ -312,10 +314,10 @@ class FilterOverDds : public OneComponent {
   rt::Subscription out_, status_;
   rt::Timer beat_;
   double push_v_ = 0.3, v_ = -1.0;
-  std::optional<Pose2> other_;  ///< told of the robot right after where it is
+  std::optional<Pose2> other_;  ///< another robot's pose, published right after this robot's own
   std::string reason_;
-  std::map<std::string, int> words_;  ///< how often each reason was said
-  int driven_ = 0;                    ///< words with which something passed
+  std::map<std::string, int> words_;  ///< how often each reason was reported
+  int driven_ = 0;                    ///< reports with a nonzero command
 };
 
 TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
@@ -332,7 +334,7 @@ class FilterAmongPeople : public FilterOverDds {
       if (list_) people_.publish(to_msg(*list_, header({}, frame_)));
     });
   }
-  // Somebody who stands so far ahead of base_link, as a list of one.
+  // A person this far ahead of base_link, as a list of one.
   static std::vector<Obstacle> somebody(double x) {
     return {{.p_MO = {x, 0.0}, .a = 0.25, .b = 0.25}};
   }
@@ -366,7 +368,7 @@ TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
 }
 
-// Another robot's tracker sees nobody, and says so more often.
+// Another robot's tracker reports an empty list, and at a higher rate.
 TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
   list_ = somebody(5.0);
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of messages one by one, to be spoiled.
+// Lists the numeric fields of a message, so that a test can set each to a non-finite value.
 #pragma once
 
 #include <functional>
@@ -12,11 +12,11 @@ inline constexpr double kNotFinite[] = {std::numeric_limits<double>::quiet_NaN()
                                         std::numeric_limits<double>::infinity(),
                                         -std::numeric_limits<double>::infinity()};
 
-/// Each sets one number of a message.
+/// Each entry sets one numeric field of a message.
 template <class M>
 using Setters = std::vector<std::function<void(M&, double)>>;
 
-/// Of the Twist that `twist` finds in a message.
+/// The fields of the Twist that `twist` finds in a message.
 template <class M, class TwistOf>
 Setters<M> twist_numbers(TwistOf twist) {
   return {[=](M& m, double x) { twist(m).linear().x(x); },
@@ -27,7 +27,7 @@ Setters<M> twist_numbers(TwistOf twist) {
           [=](M& m, double x) { twist(m).angular().z(x); }};
 }
 
-/// Of the Pose that `pose` finds in a message.
+/// The fields of the Pose that `pose` finds in a message.
 template <class M, class PoseOf>
 Setters<M> pose_numbers(PoseOf pose) {
   return {[=](M& m, double x) { pose(m).position().x(x); },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the builder makes of scans and clouds.
+// Tests how the builder processes scans and clouds.
 #include <numbers>
 #include <random>
 
@@ -23,7 +23,7 @@ TEST_F(BuilderOverDds, ShowsWhatAScanSeesWhereTheRobotIs) {
   }
 }
 
-// A scanner that sees ahead only, to the left of the map.
+// A scanner that sees only forward, on the left of the map.
 TEST_F(BuilderOverDds, CoversWhatItsBeamsPassAndWhereItsOutlineStandsAndNothingElse) {
   const auto is_known = [&](double x, double y, double z) {
     return tree_->search(kRobot.x + x, kRobot.y + y, z) != nullptr;
@@ -75,7 +75,7 @@ TEST_F(BuilderOverDds, MalformedScansAndCloudsAreRefusedWithOneLineAndNothingIsL
   EXPECT_FALSE(is_occupied(kRobot.x + 1.001, kRobot.y));
 }
 
-// A laser that looks backward from a mast, of which /tf_static tells in two messages, late.
+// A laser that looks back from a mast, with its pose given late by two messages on /tf_static.
 TEST_F(BuilderOverDds, WhereASensorSitsIsWhatTfStaticSaysOfItsFrame) {
   auto ahead = scan(std::numeric_limits<float>::infinity());
   ahead.header().frame_id("laser");
@@ -109,7 +109,7 @@ TEST_F(BuilderOverDds, AFrameThatIsNotFiniteIsRefused) {
   EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
 }
 
-// Points all over the window, as a camera gone mad tells them: it costs some moments, no more.
+// Points all over the window, as from a faulty camera, may cost only a moment.
 TEST_F(BuilderOverDds, ACloudOfNoiseIsSurvived) {
   ASSERT_TRUE(wait_for_maps(1));
   std::mt19937 random{1};

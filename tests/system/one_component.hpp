@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One component over real DDS in this process, and a node beside it that talks to it.
+// Runs one component over real DDS in this process, next to a node that communicates with it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ class OneComponent : public ::testing::Test {
   rt::Node node_{"tester"};
 };
 
-// A stamp of the computer's time, `age` [s] ago.
+// A timestamp of system time, `age` [s] ago.
 inline builtin_interfaces::msg::Time ago(double age) {
   return rt::to_stamp(rt::system_nanoseconds() - static_cast<std::int64_t>(age * 1e9));
 }

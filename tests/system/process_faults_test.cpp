@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// As faults_test.cpp: what goes wrong with processes and their clocks.
+// Like faults_test.cpp, for faults of processes and their clocks.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -37,7 +37,8 @@ TEST_F(Faults, OfProcesses) {
   suffer(faults);
 }
 
-// With it go odometry, truth and time: what can be asked is that a command of zero comes, and why.
+// Odometry, ground truth and time are lost with it: the test can only require a zero command and
+// the reason.
 class SimulatorFaults : public Faults {
  protected:
   void stand_and_say(const char* what, int signal) {
@@ -74,7 +75,7 @@ TEST_F(SimulatorFaults, StandsWhileItIsAwayAndDrivesOnInTheTimeThatItBrings) {
   EXPECT_EQ(system_.collisions, 0U);
   stand_and_say("killed", SIGKILL);
   system_.process("driver").send(SIGSTOP);
-  // The new one's time begins at zero. What was heard in the old one's is no news in it.
+  // The new simulation's time starts at zero. Data from the old one must not count as new.
   system_.start_relayed("diff_drive_sim");
   ASSERT_TRUE(system_.wait_until([&] { return system_.sim_time != kNever; }, 10.0));
   EXPECT_LT(system_.sim_time, kOld);
@@ -94,7 +95,7 @@ TEST_F(SimulatorFaults, StandsWhileItIsAwayAndDrivesOnInTheTimeThatItBrings) {
   print(rows_);
 }
 
-// What was under way when a process stopped is not carried out when it comes back.
+// Commands that were in transit when a process was suspended are not executed when it resumes.
 TEST_F(Faults, NoOldCommandComesBack) {
   ASSERT_TRUE(system_.wait_until_driving());
   system_.process("safety_filter").send(SIGSTOP);

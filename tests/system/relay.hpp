@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bad network for one topic: what the publisher says under another name comes on as told here.
+// Simulates a bad network for one topic: forwards what is published under another name, with
+// faults.
 #pragma once
 
 #include <deque>
@@ -12,7 +13,7 @@
 
 namespace tandem::test {
 
-/// Takes `<name>_raw` and publishes `<name>`. Passes everything on until told otherwise.
+/// Subscribes to `<name>_raw` and publishes `<name>`. Forwards everything until a fault is set.
 template <class M>
 class Relay {
  public:
@@ -30,7 +31,7 @@ class Relay {
   Relay(const Relay&) = delete;
   Relay& operator=(const Relay&) = delete;
 
-  /// What the publisher's process must be told.
+  /// Arguments for the publisher's process.
   [[nodiscard]] std::vector<std::string> remapping() const {
     const std::string name = raw_.substr(0, raw_.size() - 4);
     return {"--ros-args", "-r", name + ":=" + raw_};
@@ -53,7 +54,7 @@ class Relay {
       for (int i = 0; i < times; ++i) out_.publish(msg);
     };
   }
-  /// Somebody else publishes there too: after each message what `spoil` makes of it.
+  /// Simulates a second publisher: after each message, also publishes what `spoil` makes of it.
   void intrude(std::function<void(M&)> spoil) {
     take_ = [this, spoil](const M& msg) {
       out_.publish(msg);
@@ -62,20 +63,20 @@ class Relay {
       out_.publish(other);
     };
   }
-  /// By `least` to `most` seconds (simulated), so that messages overtake each other.
+  /// Delays messages by `least` to `most` seconds of simulated time, so that they can be reordered.
   void delay(double least, double most) {
     take_ = [this, least, most](const M& msg) {
       const double delay = least + unit_(random_) * (most - least);
       late_.push_back({rt::steady_seconds() + delay / kSpeed, msg});
     };
   }
-  /// Publishes once more what `spoil` makes of the last message.
+  /// Publishes once the last message as modified by `spoil`.
   void say_again(const std::function<void(M&)>& spoil) {
     M other = last_;
     spoil(other);
     out_.publish(other);
   }
-  /// Publishes what `spoil` makes of each message.
+  /// Publishes each message as modified by `spoil`.
   void spoil(std::function<void(M&)> spoil) {
     take_ = [this, spoil](const M& msg) {
       M bad = msg;
@@ -86,7 +87,7 @@ class Relay {
 
  private:
   struct Late {
-    double due;  // [s] of steady time
+    double due;  // [s] steady clock
     M msg;
   };
 

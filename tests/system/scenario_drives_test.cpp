@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenarios over DDS by the program, as its user runs it: what they expect holds, and the planner
-// is in time.
+// Runs scenarios over DDS with the program, as a user does: their expectations hold, and the
+// planner meets its deadlines.
 #include "system/scenario_program.hpp"
 
 namespace tandem::test {
@@ -22,7 +22,7 @@ struct Drive {
   const char *scenario, *method, *speed;
 };
 
-// One seed of each scenario by the real nodes. Some run faster than real time, by /clock.
+// Runs one seed of each scenario with the real nodes, some faster than real time by /clock.
 class OverDds : public ScenarioProgram, public ::testing::WithParamInterface<Drive> {};
 
 TEST_P(OverDds, HoldsWhatTheScenarioExpects) {

@@ -16,7 +16,7 @@
 
 namespace tandem::test {
 
-/// `tandem scenario` as its user runs it.
+/// Runs `tandem scenario` as a user does.
 class ScenarioProgram : public ::testing::Test {
  protected:
   ScenarioProgram() { std::filesystem::create_directories(folder_); }

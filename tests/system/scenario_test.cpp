@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program as its user runs it: scenarios in lockstep, tuning, and what it says of bad input.
+// Runs the program as a user does: scenarios in lockstep, tuning, and its messages for bad input.
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -149,7 +149,7 @@ TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
 INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::Values("empty", "text", "truncated"),
                          [](const auto& test) { return std::string(test.param); });
 
-// What `tandem list` finds on the disk is what `tandem describe` knows, one by one.
+// Everything that `tandem list` finds, `tandem describe` must know.
 TEST(Program, DescribesEachComponentThatItLists) {
   std::unique_ptr<FILE, int (*)(FILE*)> list{popen("../tandem list", "r"), pclose};
   ASSERT_TRUE(list);

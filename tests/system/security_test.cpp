@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DDS Security between processes: a stranger hears and says nothing, a member without permission
-// cannot drive, and a secured system drives as an open one does.
+// Tests DDS Security between processes: an outsider can neither receive nor publish, a member
+// without permission cannot drive, and a secured system drives as an open one does.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -49,7 +49,7 @@ std::optional<double> time_to_drive(Start start) {
   return rt::steady_seconds() - begin;
 }
 
-// How `peer probe` ends with these variables, and what it wrote to stderr.
+// Exit status of `peer probe` with these variables, and its stderr.
 struct Probed {
   std::optional<int> status;
   std::string log;
@@ -80,7 +80,7 @@ Permissions of_probe(bool may_drive) {
   return permissions;
 }
 
-// A secured forest that drives, in nine processes, this one counted.
+// A secured forest system that drives, in nine processes including this one.
 class SecuredSystem : public testing::Test {
  protected:
   void SetUp() override {
@@ -103,7 +103,7 @@ class SecuredSystem : public testing::Test {
   void note_memory() {
     for (const char* name : kComponents) before_[name] = memory_of(system_.process(name).pid());
   }
-  // [MB] by which the process that grew most has grown.
+  // [MB] largest memory growth of any process.
   [[nodiscard]] double growth() {
     double most = -1e9;
     for (const char* name : kComponents)
@@ -141,7 +141,7 @@ TEST(Security, ASystemOfNineProcessesDrivesWithinTenSeconds) {
   EXPECT_LT(best, kInstrumented ? 100.0 : 10.0);
 }
 
-// What `tandem run FILE` with these arguments comes to.
+// The result of `tandem run FILE` with these arguments.
 std::optional<double> time_to_drive_by(std::vector<std::string> arguments) {
   std::optional<ChildProcess> program;
   return time_to_drive([&](SystemUnderTest&) {
@@ -156,7 +156,7 @@ TEST(Security, SeparateProcessesAreInTheEnclavesOfTheirNodes) {
   EXPECT_TRUE(time_to_drive_by({"--separate"}));
 }
 
-// TwistStamped goes by a second participant of each process that hears Twist too.
+// TwistStamped uses a second participant in each process that also receives Twist.
 TEST(Security, TheSecondParticipantOfAProcessIsSecuredToo) {
   const SecuredDomain domain;
   domain.add_system(forest());
@@ -349,7 +349,7 @@ TEST_F(SecuredSystem, HostileHandshakesEndNothingAndFillNoMemory) {
   std::printf("%d hostile handshakes: at most %+.1f MB in a process\n", sent, growth());
 }
 
-// With the GUIDs of members, which everybody can read from the wire.
+// Uses the GUIDs of members, which anybody can read on the wire.
 TEST_F(SecuredSystem, ForgedGoodbyesHeartbeatsAndGapsStopNobody) {
   rt::DomainView view{system_.node()};
   ASSERT_TRUE(system_.wait_until([&] { return view.look().participants.size() >= 9; }, kTimeout));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the builder says of its sensors.
+// Tests the builder's reports on its sensors.
 #include <algorithm>
 #include <limits>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device that speaks five times a second, as slow as a radio link or a script may be: with the
-// time-outs raised to fit, the robot drives through the forest as if it were a fast one; with those
-// that ship it stops each time, and says why.
+// A device that publishes five times a second, as a slow radio link or a script may. With timeouts
+// raised to fit, the robot drives through the forest as with a fast device; with the default
+// timeouts it stops each time and reports why.
 #include "system/faulty_system.hpp"
 
 namespace tandem::test {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole loop with TwistStamped at both ends: the person's commands and what the robot is told.
+// Tests the whole loop with TwistStamped at both ends: the person's commands and the robot's
+// commands.
 #include "support/child_process.hpp"
 #include "support/paths.hpp"
 #include "system/one_component.hpp"

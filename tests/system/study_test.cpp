@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `tandem study` as its user runs it, on the study that is shipped for a first look.
+// Runs `tandem study` as a user does, on the example study that is shipped.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -54,7 +54,7 @@ class StudyProgram : public ::testing::Test {
     const std::string text{std::istreambuf_iterator<char>{in}, {}};
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
   }
-  // The drives without what a clock measured.
+  // The drives without the values measured by a clock.
   static json drives(const std::string& name) {
     std::ifstream in{out(name) + "/drives.json"};
     json drives = json::parse(in);
@@ -154,7 +154,7 @@ TEST_F(StudyProgram, SaysThatADriveIsOfAnotherBuild) {
   EXPECT_EQ(builds.at("0123456789abcdef"), 1);
 }
 
-// What another command says, in a line of one error, before it drives.
+// The command fails with one line of explanation before any drive.
 void expect_complaint(const std::vector<std::string>& words, const std::string& complaint) {
   const test::CapturedLog log;
   test::ChildProcess program{"../tandem", words};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A system, by default the forest, one process per component, and a watcher beside it.
+// Runs a system (by default the forest) with one process per component, and a watcher node next to
+// it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,10 +20,11 @@
 
 namespace tandem::test {
 
-inline constexpr double kZeroWithin = 0.2;   // [s] simulated, from fault to a command of zero
+inline constexpr double kZeroWithin = 0.2;   // [s] simulated, from the fault to a zero command
 inline constexpr double kBraking = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
 inline constexpr double kTurnBraking = 3.0;  // [rad/s²] alpha_brake
-inline constexpr double kOdomPeriod = 0.02;  // [s] between two ground truths: what we can see
+// [s] between two ground-truth messages: the resolution of measurements
+inline constexpr double kOdomPeriod = 0.02;
 
 inline const char* const kComponents[] = {"map_server",         "driver",        "teleop",
                                           "obstacle_extractor", "local_planner", "arbitration",
@@ -70,14 +72,14 @@ class SystemUnderTest {
 
   [[nodiscard]] const std::string& system() const { return system_; }
 
-  /// The watcher: its callbacks run while something is waited for.
+  /// The watcher node. Its callbacks run during the wait functions.
   [[nodiscard]] rt::Node& node() { return node_; }
 
-  /// `timeout`: [s] simulated, as fast as `kSpeed`.
+  /// `timeout`: [s] simulated, at `kSpeed`.
   [[nodiscard]] bool wait_until(const std::function<bool()>& done, double timeout) {
     return spin_until(done, timeout / kSpeed, node_);
   }
-  /// Waits until the robot drives straight enough and fast enough to be worth stopping.
+  /// Waits until the robot drives straight and fast enough for a meaningful stop.
   [[nodiscard]] bool wait_until_driving() {
     return wait_until([this] { return truth.twist.v > 0.4 && command.v > 0.4; }, 40.0);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem teleop` in a terminal that this test plays, beside a system.
+// Tests `tandem teleop` in a simulated terminal, next to a running system.
 #include <pty.h>
 
 #include "support/paths.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
 
-// A program in a terminal of its own.
+// A program in a separate terminal.
 class InTerminal {
  public:
   InTerminal() {

@@ -41,7 +41,7 @@ TEST_F(TeleopOverDds, AxesAndButtonsThatAJoystickLacksAreAtRest) {
   EXPECT_TRUE(wait_until([&] { return trouble_ == "joy has no button 0 (deadman_button)"; }));
 }
 
-// A zero would tell that the stick was let go of. It may still be held when it is heard again.
+// A zero would mean that the stick was released, but it may still be held when messages resume.
 TEST_F(TeleopOverDds, ASilentJoystickIsFollowedBySilenceUntilItIsSeenAtRest) {
   axes_ = {0.0f, 1.0f};
   take_stick();

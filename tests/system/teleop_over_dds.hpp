@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// teleop over real DDS, and a joystick that says what a test wants.
+// Runs teleop over real DDS with a joystick whose data the test sets.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 namespace tandem::test {
 
 inline constexpr double kLeash = 0.4;      // [m]
-inline constexpr double kScale = 0.8;      // of either axis, the default
-inline const Pose2 kRobot{1.0, 2.0, 0.0};  // where odometry says it stands
+inline constexpr double kScale = 0.8;      // of both axes, the default
+inline const Pose2 kRobot{1.0, 2.0, 0.0};  // the robot's pose in odometry
 inline const std::string kNotAtRest = "stick is not at rest";
 
 class TeleopOverDds : public OneComponent {
@@ -52,7 +52,7 @@ class TeleopOverDds : public OneComponent {
     msg.buttons(buttons);
     return msg;
   }
-  // Takes the stick as a person does: it is seen at rest with the dead-man held.
+  // Takes control as a person does: the stick is first seen at rest with the dead-man button held.
   void take_stick() {
     const auto pushed = std::exchange(axes_, {0.0f, 0.0f});
     ASSERT_TRUE(wait_until([&] { return commands_ > 0; }));
@@ -72,13 +72,13 @@ class TeleopOverDds : public OneComponent {
   rt::Timer beat_;
 
   bool holds_joystick_ = true;
-  std::optional<double> stamp_age_;       // [s]; none: without a stamp
-  std::vector<float> axes_{-0.5f, 1.0f};  // right, ahead
+  std::optional<double> stamp_age_;       // [s]; empty: no timestamp
+  std::vector<float> axes_{-0.5f, 1.0f};  // right, forward
   std::vector<int> buttons_{1, 0};        // dead-man, end
   Twist2 twist_;
   long commands_ = 0, zeros_ = 0, beats_ = 0;
   int ends_ = 0;
-  std::string trouble_;  // why the stick moves nothing
+  std::string trouble_;  // why the stick has no effect
   std::vector<Pose2> leads_;
   std::string leader_frame_;
   visualization_msgs::msg::MarkerArray drawn_;

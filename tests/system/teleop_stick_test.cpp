@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which sticks drive: those seen at rest, and within their range.
+// Tests which sticks may drive: those seen at rest, with values within their range.
 #include "system/teleop_over_dds.hpp"
 
 namespace tandem::test {
 namespace {
 
-// A pad that has not reported its axes yet, or a stick that lies on the table.
+// A pad that has not reported its axes yet, or a stick that is tilted where it lies.
 TEST_F(TeleopOverDds, AStickThatWasNeverSeenAtRestMovesNothingAndSaysSo) {
   axes_ = {0.0f, 0.99f};
   buttons_ = {0, 0};
@@ -31,7 +31,7 @@ TEST_F(TeleopOverDds, AStickThatIsPushedBeforeTheDeadManMovesNothing) {
   EXPECT_EQ(commands_, 0);
 }
 
-// Two pads whose drivers give them one name.
+// Two pads whose drivers use the same name.
 TEST_F(TeleopOverDds, OneStickAtRestFreesNoOtherOfTheSameName) {
   const auto other = node_.create_publisher(topics::joy);
   ASSERT_TRUE(wait_until([&] { return other.matched() > 0; }));
@@ -50,7 +50,7 @@ TEST_F(TeleopOverDds, OneStickAtRestFreesNoOtherOfTheSameName) {
   EXPECT_TRUE(wait_until([&] { return twist_.v > 0.3; }));
 }
 
-// Bytes of −100 … 100, say: nobody knows how fast 5 is.
+// Axes scaled to −100 … 100, for example: the meaning of 5 is unknown.
 TEST_F(TeleopOverDds, AnAxisBeyondItsRangeIsReportedAndNotDrivenWith) {
   axes_ = {0.0f, 1.05f};
   take_stick();

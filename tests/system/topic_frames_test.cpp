@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which topics depend on the frame in their header, and which do not.
+// Tests which topics depend on the frame in their header.
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -115,7 +115,7 @@ TEST_F(OneComponent, NothingIsTakenFromAFrameThatNobodyKnows) {
   }
 }
 
-// The numbers of these depend on a frame: transformed, or refused.
+// The values of these topics depend on a frame: they are transformed or refused.
 const std::set<std::string> kPlaced{"leader_pose",  "goal_pose", "octomap_binary", "octomap_local",
                                     "people",       "obstacles", "odom",           "tf",
                                     "tf_static",    "scan",      "cloud_in",       "ground_truth",
@@ -128,7 +128,7 @@ const std::set<std::string> kUnread{"joy",           "plan",
                                     "filter_status", "arbitration_status",
                                     "collision",     "sensing_status",
                                     "diagnostics"};
-// Pictures for people; each marker has its own header, and nobody here reads them.
+// Visualizations: each marker has its own header, and no node reads them.
 const std::set<std::string> kShown{"hindsight_markers", "leader_markers", "obstacle_markers"};
 const std::set<std::string> kWithoutHeader{"Twist", "Bool", "Clock", "JoyFeedback", "String"};
 

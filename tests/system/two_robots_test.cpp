@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two complete systems in one domain, told apart by namespace: neither hears the other.
+// Runs two complete systems in one domain, separated by namespace: neither receives the other's
+// data.
 #include <unistd.h>
 
 #include <cmath>
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
 constexpr double kWay = 0.3;    // [m] that says "it drives"
 
-// What a tester sees and says of one robot.
+// What the tester observes and commands of one robot.
 class Robot {
  public:
   Robot(rt::Node& node, const std::string& ns)
@@ -44,7 +45,7 @@ class Robot {
     e_stop_.publish(msg);
   }
 
-  double v = 0.0;  ///< what its person asks for [m/s]; 0: nothing
+  double v = 0.0;  ///< the person's commanded speed [m/s]; 0: none
   std::optional<Pose2> X_MB;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map with one wall, in whatever frame.
+// Builds a map with one wall, in any frame.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace tandem::test {
 
 inline constexpr double kWall = 0.9;  // [m] ahead of the robot's centre, in odom
 
-// A wall across the robot's way, where odometry begins.
+// A wall across the robot's path, at the origin of odometry.
 inline octomap_msgs::msg::Octomap wall(const std::string& frame) {
   octomap::OcTree tree(0.05);
   for (int i = -40; i <= 40; ++i) tree.updateNode(kWall + 0.01, 0.05 * i + 0.01, 0.3, true);

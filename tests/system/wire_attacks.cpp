@@ -43,7 +43,7 @@ void replay_hostile_files(AttackedSystem& attacked) {
 void mutate(AttackedSystem& attacked, const LoopbackTap& tap, long count, unsigned seed) {
   attacked.note_memory();
   const double received = attacked.count("received"), dropped = attacked.count("dropped");
-  constexpr long kRound = 20'000;  // with a session of its own
+  constexpr long kRound = 20'000;  // each round uses a new session
   for (long sent = 0; sent < count && attacked.all_alive(); sent += kRound) {
     const auto session = tap.listen(1.0, 2000);
     if (session.empty()) break;

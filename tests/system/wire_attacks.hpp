@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Attacks with datagrams on a running system, and what comes of them.
+// Attacks a running system with datagrams and measures the effect.
 #pragma once
 
 #include <linux/if_packet.h>
@@ -18,13 +18,13 @@
 
 namespace tandem::test {
 
-/// A datagram and where it went.
+/// A datagram and its destination.
 struct Stamped {
   Octets octets;
   std::uint16_t port;
 };
 
-/// RTPS datagrams of this domain, as they pass over the loopback.
+/// Captures this domain's RTPS datagrams on loopback.
 class LoopbackTap {
  public:
   LoopbackTap() : socket_{socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, htons(ETH_P_IP))} {
@@ -40,10 +40,10 @@ class LoopbackTap {
   LoopbackTap(const LoopbackTap&) = delete;
   LoopbackTap& operator=(const LoopbackTap&) = delete;
 
-  /// False where this is not allowed (it takes CAP_NET_RAW).
+  /// False if capturing is not permitted (it needs CAP_NET_RAW).
   [[nodiscard]] bool works() const { return socket_ >= 0; }
 
-  /// What passes within `duration` [s], at most `most` datagrams.
+  /// The datagrams seen within `duration` [s], at most `most`.
   [[nodiscard]] std::vector<Stamped> listen(double duration, std::size_t most) const {
     std::vector<Stamped> heard;
     Octets packet(1 << 16);
@@ -73,12 +73,12 @@ class LoopbackTap {
   int socket_;
 };
 
-/// Changes datagrams as an attacker would who does not know what they mean.
+/// Mutates datagrams as an attacker does who does not know the format.
 class Mutator {
  public:
   explicit Mutator(unsigned seed) : random_{seed} {}
 
-  /// Leaves the header, and with it the GUID, as it is.
+  /// Keeps the header, and with it the GUID.
   [[nodiscard]] Octets mutate(Octets octets) {
     constexpr std::size_t kHeader = 20;
     if (octets.size() <= kHeader + 4) return octets;
@@ -104,7 +104,7 @@ class Mutator {
       case 2:
         octets[at] = static_cast<std::uint8_t>(random_());
         break;
-      default:  // a whole number
+      default:  // an integer
         std::fill_n(octets.begin() + static_cast<std::ptrdiff_t>(at),
                     std::min<std::size_t>(4, octets.size() - at),
                     kEdges[random_() % std::size(kEdges)]);
@@ -114,7 +114,7 @@ class Mutator {
   std::mt19937 random_;
 };
 
-/// A system of nine processes, the watcher included, that drives.
+/// A driving system of nine processes, including the watcher.
 class AttackedSystem {
  public:
   AttackedSystem() {
@@ -131,7 +131,7 @@ class AttackedSystem {
   void note_memory() {
     for (const char* name : kComponents) before_[name] = memory_of(system_.process(name).pid());
   }
-  /// [MB] by which the process that grew most has grown.
+  /// Largest memory growth of any process [MB].
   [[nodiscard]] double growth() {
     double most = 0.0;
     for (const char* name : kComponents)
@@ -143,7 +143,7 @@ class AttackedSystem {
       return memory_of(system_.process(name).pid()) > 0.0;
     });
   }
-  /// Datagrams that the guards of all processes have received or dropped, as told last.
+  /// Datagrams that the guards of all processes received or dropped, from their latest reports.
   [[nodiscard]] double count(const std::string& which) const {
     double sum = 0.0;
     const auto counts = counts_.find(which);
@@ -159,7 +159,7 @@ class AttackedSystem {
     return system_.wait_until([&] { return system_.stands(); }, 10.0);
   }
 
-  /// `count` datagrams, half of them from the corpus and half from `session`, mutated.
+  /// Sends `count` mutated datagrams, half from the corpus and half from `session`.
   void send_mutated(long count, const std::vector<Stamped>& session, unsigned seed) {
     Mutator mutator{seed};
     std::vector<Octets> corpus;
@@ -175,7 +175,8 @@ class AttackedSystem {
     }
   }
 
-  /// Announces `count` participants and endpoints that do not exist, one endpoint for each three.
+  /// Announces `count` participants and endpoints that do not exist: one participant for each three
+  /// endpoints.
   void announce(long count) {
     for (long i = 0; i < count; ++i) {
       const long participant = i / 4;
@@ -187,7 +188,7 @@ class AttackedSystem {
   }
 
  private:
-  // So that little is lost before it is received.
+  // Paces the sender so that few datagrams are lost before they are received.
   void pace(long sent) {
     constexpr long kBurst = 20;
     if (sent % kBurst == 0) system_.node().spin_some(0.002);
@@ -211,7 +212,7 @@ class AttackedSystem {
     return octets;
   }
   static Octets locator() {
-    Octets octets{1, 0, 0, 0, 1, 0, 0, 0};  // UDPv4, port 1: nobody
+    Octets octets{1, 0, 0, 0, 1, 0, 0, 0};  // UDPv4, port 1: nothing listens there
     octets.resize(20);
     octets.insert(octets.end(), {127, 0, 0, 1});
     return octets;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives over DDS with faults of frames, stamps and QoS, drawn by seed: a person pushes ahead in a
-// room, and the nodes must keep the robot from its walls or say why it stands.
+// Drives over DDS with faults of frames, timestamps and QoS, drawn by seed. A person pushes forward
+// in a room; the nodes must keep the robot off the walls or report why it stands.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -28,20 +28,20 @@
 
 namespace tandem::test {
 
-/// What is wrong on the wire.
+/// The faults on the wire.
 struct WireFault {
   std::string name;
-  std::string slash = {};         ///< before each frame's name
-  std::string map_frame = "map";  ///< of octomap_binary
-  bool map_lies = false;          ///< its walls are where odom has them, whatever its frame says
+  std::string slash = {};         ///< prefix of each frame name
+  std::string map_frame = "map";  ///< frame of octomap_binary
+  bool map_lies = false;          ///< the walls are placed as in odom, whatever the frame is called
   bool is_chain = false;          ///< map → odom_combined → odom
   bool is_inverse = false;        ///< odom → map is published instead of map → odom
-  bool has_two_parents = false;   ///< somebody else publishes building → odom
-  bool has_second_odom = false;   ///< somebody else publishes odom, of 5 s ago
-  bool sees = false;              ///< the robot goes by its scanner, not by a map
-  double sensor_clock = 0.0;      ///< [s] the scanner's clock is ahead
+  bool has_two_parents = false;   ///< a second publisher sends building → odom
+  bool has_second_odom = false;   ///< a second publisher sends odom that is 5 s old
+  bool sees = false;              ///< the robot uses its scanner instead of a map
+  double sensor_clock = 0.0;      ///< [s] offset of the scanner's clock into the future
   rt::QoS odom = rt::kDefault, map = rt::kLatched, scan = rt::kSensorData;
-  /// What log or reason must hold; the robot may stand then. Empty: it must drive all the same.
+  /// Text that the log or the reason must contain; the robot may stand then. Empty: it must drive.
   std::string named = {};
 };
 
@@ -71,13 +71,13 @@ inline const std::vector<WireFault>& wire_faults() {
   return faults;
 }
 
-/// One drive. The simulated base, localiser, scanner and map_server are one node; the nodes that
-/// drive run as they do in `tandem run`, in this process. Simulated time runs at half speed, and
-/// slower where the computer is late.
+/// One drive. The simulated base, localiser, scanner and map_server are one node; the other nodes
+/// run in this process as they do in `tandem run`. Simulated time runs at half speed, or slower if
+/// the computer falls behind.
 class WireDrive {
  public:
   static constexpr double kDuration = 7.0;  // [s] simulated
-  static constexpr double kRoom = 3.0;      // [m] from its middle to each wall
+  static constexpr double kRoom = 3.0;      // [m] from the centre to each wall
 
   WireDrive(unsigned seed, const WireFault& fault)
       : fault_{fault},
@@ -105,20 +105,20 @@ class WireDrive {
   [[nodiscard]] bool has_driven() const { return travelled() > 0.3; }
   /// Smallest gap to a wall [m], at most 1.
   [[nodiscard]] double closest() const { return sim_.min_clearance(); }
-  /// Whether a robot that may stand, or may be misled, was told why; any other one has driven.
+  /// True if the expected text was reported or, if none is expected, the robot has driven.
   [[nodiscard]] bool is_as_wanted() const {
     if (fault_.named.empty()) return has_driven();
     return (log_ + said_).find(fault_.named) != std::string::npos;
   }
-  /// All reasons that arbitration gave.
+  /// All reasons that arbitration reported.
   [[nodiscard]] const std::string& reasons() const { return said_; }
 
  private:
   static constexpr double kTick = 0.01;  // [s] simulated
-  static constexpr double kSpeed = 0.5;  // simulated per real time
+  static constexpr double kSpeed = 0.5;  // simulated time per real time
   static constexpr double kResolution = 0.05;
 
-  // Bounds that hold on a computer that others use too.
+  // These bounds allow for a computer under other load.
   static RobotParams robot() {
     RobotParams params;
     params.sensor_delay = 0.1;
@@ -135,7 +135,7 @@ class WireDrive {
     return {{"sensor_delay", "0.1"}, {"command_delay", "0.1"}, {"base_timeout", "0.2"}};
   }
 
-  // The walls, in a frame F in which the map's origin is X_FM: their voxels at 1 cm each.
+  // The walls in frame F, as voxels of 1 cm; X_FM is the map's origin in F.
   static octomap::OcTree room(const Pose2& X_FM) {
     octomap::OcTree tree(kResolution);
     const auto mark = [&](double x, double y) {
@@ -250,11 +250,12 @@ class WireDrive {
     scan_.publish(msg);
   }
 
-  static constexpr double kBegin = 1000.0;  // [s] of simulated time, so that stamps can be old
+  // [s] initial simulated time, so that timestamps can be old
+  static constexpr double kBegin = 1000.0;
 
   WireFault fault_;
   std::mt19937 random_;
-  Pose2 X_MO_;  // of odom, about 1 m off
+  Pose2 X_MO_;  // pose of odom, about 1 m from the map's origin
   DiffDriveSim sim_;
   Twist2 stick_;
   Pose2 start_;

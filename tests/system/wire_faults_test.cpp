@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A drive of each of three kinds; the command wire_faults makes five of every kind.
+// Drives once with each of three kinds of fault; the command wire_faults drives five times with
+// every kind.
 #include "system/wire_faults.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ TEST_P(WireFaults, TouchNothingAndAreNamedWhereTheRobotStands) {
   EXPECT_TRUE(drive.is_as_wanted()) << drive.travelled() << " m: " << drive.reasons();
 }
 
-// What these drives would show if a frame were not heeded.
+// Control test: a robot that ignored frames would fail these drives.
 TEST(WireDrive, WouldBeFeltByARobotThatBelievedTheMapsNumbers) {
   WireDrive drive{2, {.name = "a map that lies", .map_lies = true}};
   drive.run();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// As faults_test.cpp, but below DDS: the person sits at another computer, and the network between
-// it and the robot loses packets, or is gone for a while.
+// Like faults_test.cpp, but below DDS: the person uses another computer, and the network between it
+// and the robot loses packets or fails for a while.
 #include <optional>
 
 #include "support/paths.hpp"
@@ -10,9 +10,10 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLease = 20.0;  // [s] real, after which DDS forgets who is silent
+// [s] real time after which DDS drops a participant that sends nothing
+constexpr double kLease = 20.0;
 
-// Made before anything that speaks DDS.
+// Must be constructed before any DDS participant.
 struct Network {
   Network() {
     unsetenv("ROS_LOCALHOST_ONLY");
@@ -26,7 +27,7 @@ struct Network {
   std::string why_not;
 };
 
-// The robot here, the person (driver and teleop) there.
+// The robot runs on this host; the person's nodes (driver and teleop) on the other.
 class WirelessSystem : public Network, public WatchedSystem {
  public:
   WirelessSystem() {
@@ -40,7 +41,7 @@ class WirelessSystem : public Network, public WatchedSystem {
     }
   }
 
-  /// A process there.
+  /// A process on the other host.
   [[nodiscard]] ChildProcess& person(const std::string& name) { return *person_.at(name); }
 
  private:
@@ -72,8 +73,8 @@ TEST_F(Wireless, LosesPackets) {
   suffer(faults);
 }
 
-// Whoever lets go while the network is away wants to stand when it comes back, whatever was said
-// last through it, and whatever waits to be sent again.
+// A driver who releases the stick during a network outage wants the robot to stand when the network
+// returns, whatever was sent last before and whatever is queued for retransmission.
 TEST_F(Wireless, NoOldCommandComesBackWithTheNetwork) {
   ASSERT_TRUE(system_.wait_until_driving());
   system_.hosts->lose(100);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Pose2 kOrigin{};
 
-// Whether a stick that is held and speaks every `period` is found to speak too seldom.
+// True if a stick that is held and publishes every `period` is found to be too slow.
 bool is_too_seldom(double period) {
   JoyRhythm rhythm{0.12};
   bool found = false;
@@ -63,7 +63,7 @@ TEST(ReadStick, ClampsAnAxisThatExceedsItsTravelByALittle) {
   EXPECT_EQ(forward(-1.05f), -1.0);
 }
 
-// LUCI sends −100 … 100: of this 5 would be full speed.
+// LUCI publishes −100 … 100; read as −1 … 1, a value of 5 would mean full speed.
 TEST(ReadStick, DrivesNothingByAnAxisOfAnotherRangeUntilItIsTold) {
   for (const float value : {1.06f, -1.06f, 5.0f, 100.0f}) EXPECT_EQ(forward(value), 0.0) << value;
   const TeleopParams luci{.axis_range = 100.0, .gains = {.deadzone = 0.0}};
@@ -209,7 +209,8 @@ TEST(Teleop, LeaderComesBackAtOnceForWhoThrowsTheStickRound) {
   }
 }
 
-// A leader that was driven past a place and turned round comes back as it went: bit by bit.
+// A leader that was driven past a point and turned round comes back along the same path, step by
+// step.
 TEST(Teleop, LeaderThatWasTurnedRoundIsNotCalledBack) {
   Teleop teleop{{}};
   std::optional<Intent> intent;
@@ -270,7 +271,7 @@ TEST(Teleop, LeaderOfARobotThatStandsIsTurnedOnTheSpot) {
   }
 }
 
-// As sip and puff drives: the leader of one who pushes again soon is not fetched in between.
+// For sip-and-puff drives: the leader must not be recalled between two pushes in quick succession.
 TEST(Teleop, LeaderGoesOnFromPulseToPulseUntilTheRestIsLong) {
   Teleop teleop{{}, RobotParams{}};
   double t = 0.0;
@@ -405,7 +406,7 @@ class SeenAtRest : public testing::Test {
   double t_ = 10.0;
 };
 
-// A pad that has not reported yet, or a stick that lies on the table.
+// A pad that has not reported yet, or a stick that is tilted where it lies.
 TEST_F(SeenAtRest, AStickThatWasNeverDrivesNothing) {
   EXPECT_FALSE(frees(kUp, kPushed, 2.0));
   EXPECT_FALSE(frees(kDown, kPushed, 5.0));
@@ -426,7 +427,7 @@ TEST_F(SeenAtRest, DeadManAndAxisAtOnceAreNoPushFromRest) {
   EXPECT_FALSE(frees(kDown, kPushed));
 }
 
-// As the page, `tandem teleop` and the simulated driver do.
+// The page, `tandem teleop` and the simulated driver behave like this.
 TEST_F(SeenAtRest, OneSampleAtRestBeforeEachPressIsEnough) {
   for (int press = 0; press < 3; ++press) {
     EXPECT_TRUE(frees(kDown, kAtRest));
@@ -484,7 +485,7 @@ TEST_F(SeenAtRest, WithoutADeadManOnceIsEnough) {
   EXPECT_TRUE(frees(kDown, kPushed, 1.0));
 }
 
-// Its dead zone is its owner's to set.
+// The dead zone is the user's setting.
 TEST_F(SeenAtRest, AStickThatRestsOffItsCentreNeedsALargerDeadZone) {
   const std::vector<float> axes{0.0f, 0.08f};
   EXPECT_FALSE(frees(kDown, check_of(axes, {1, 0}).at_rest));

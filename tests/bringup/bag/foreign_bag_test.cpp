@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings as others write them: compressed, of older releases, with a clock that was set.
+// Tests recordings from other tools: compressed, from older releases, or with clock jumps.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <unistd.h>
@@ -84,7 +84,7 @@ class ForeignBag : public testing::Test {
     return all;
   }
 
-  // What the reader says about the recording; empty: it reads all of it.
+  // The reader's message about the recording; empty if it reads all of it.
   static std::string complaint(const std::string& path) {
     try {
       (void)read(path);

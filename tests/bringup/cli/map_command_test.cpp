@@ -27,7 +27,7 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Runs `tandem ARGUMENTS` in a folder of its own.
+// Runs `tandem ARGUMENTS` in a separate folder.
 class MapCommand : public ::testing::Test {
  protected:
   MapCommand()
@@ -76,7 +76,7 @@ TEST_F(MapCommand, BuildsAWorldOfABarnFile) {
   EXPECT_THROW(run("map build " + in_folder("worlds.json#x")), std::runtime_error);
 }
 
-// As Nav2's map_saver writes it: a wall of two pixels on free ground.
+// Nav2's map_saver format: a wall of two pixels on free ground.
 TEST_F(MapCommand, BuildsAnOctomapOfTheHeightAskedForFromNav2sMap) {
   std::ofstream(in_folder("room.pgm")) << "P2 4 3 255 254 254 254 254 254 0 0 254 254 254 254 254";
   std::ofstream(in_folder("room.yaml"))

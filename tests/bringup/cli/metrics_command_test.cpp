@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same drive measured live and from its recording.
+// Compares the measures of a drive taken live and from its recording.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -66,7 +66,7 @@ class MetricsProgram : public ::testing::Test {
     record.send(SIGINT);
     ASSERT_EQ(record.wait(30.0), 0);
   }
-  // What `tandem metrics` says of the recording.
+  // The output of `tandem metrics` for the recording.
   json measure(std::vector<std::string> words) {
     words.insert(words.begin(), {"metrics", file("bag")});
     words.insert(words.end(), {"--json", file("recorded.json")});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an observer counts of nodes that may have run long before it listened.
+// Tests an observer's counters when the nodes were running long before it subscribed.
 #include "bringup/drive/drive_observer.hpp"
 
 #include <gtest/gtest.h>
@@ -74,7 +74,7 @@ TEST_F(Observed, TheFirstWordOfAPlannerMayBeOfItsFirstPlan) {
   EXPECT_EQ(result().counts.plan_fallbacks, 1);
 }
 
-// As from a recording that was begun while the nodes had long been running.
+// As from a recording that was started while the nodes had long been running.
 TEST_F(Observed, LeavesOutWhatWasCountedBeforeIt) {
   collided(7), planned(400, 12, 5), filtered(80.0, 900, "slowed");
   person();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scenario file may say, and what is said of one that is wrong.
+// Tests what a scenario file may contain, and the error messages for invalid files.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -32,7 +32,7 @@ class ScenarioFile : public ::testing::Test {
     }
     std::ofstream{file_} << text;
   }
-  // What loading and checking it complains of; empty: nothing.
+  // The error message of loading and checking; empty if there is none.
   [[nodiscard]] std::string complaint() const {
     try {
       check_drive(load_scenario(file_.string()), DriveOptions{});

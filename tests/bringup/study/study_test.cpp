@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Study files, and the folder that keeps finished drives.
+// Tests study files, and the folder that stores finished drives.
 #include "bringup/study/study.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ class StudyTest : public ::testing::Test {
     std::ofstream{file_} << text;
     return load_study(file_.string());
   }
-  // What loading and checking it complains of; empty: nothing.
+  // The error message of loading and checking; empty if there is none.
   [[nodiscard]] std::string complaint(const std::string& text) const {
     try {
       check_study(load(text));
@@ -233,7 +233,7 @@ TEST_F(StudyFile, NamesTheScenarioThatIsNotThere) {
             std::string::npos);
 }
 
-// What of a drive is not a clock's.
+// The results of a drive that do not depend on a clock.
 nlohmann::json measures(DriveResult result) {
   result.wall_s = result.cpu_s = 0.0;
   result.part_s = {};
@@ -301,7 +301,7 @@ TEST_F(Folder, SaysWhichBuildMadeADrive) {
   EXPECT_EQ((StudyFolder{path, kStudy}.builds()), builds);
 }
 
-// However much of a line a crash left, what was before it is kept and what comes after it is whole.
+// Whatever part of a line a crash left, the lines before it are kept and later lines are complete.
 TEST_F(Folder, DropsALastLineTornAnywhere) {
   const std::string path = (folder_ / "out").string(), file = path + "/drives.jsonl";
   StudyFolder{path, kStudy}.append("one", line_of(1.0));

@@ -106,7 +106,7 @@ TEST(Tune, NeverReturnsWorseThanItsStartNorCallsMoreOftenThanAllowed) {
   EXPECT_LE(calls, 7);
 }
 
-// What is better for the persons of the search alone has learnt them by heart.
+// Values that are better only for the persons of the search are overfitted.
 TEST(Tune, KeepsWhatIsBetterElsewhereToo) {
   const std::vector<Knob> knobs{{"c", "a", 0.1, 10.0, 8.0, false},
                                 {"c", "b", -1.0, 1.0, 0.9, false}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for the parameters of all components together.
+// Tests properties of the parameters of all components together.
 #include "bringup/system/component_params.hpp"
 
 #include <gtest/gtest.h>
@@ -116,7 +116,7 @@ std::map<std::string, double> values_of(const std::string& parameter, const Syst
   return values;
 }
 
-// A planner may be told less on purpose, as in forest_lag.yaml.
+// A planner may be given less information on purpose, as in forest_lag.yaml.
 void expect_filter_to_know(const std::string& parameter, const System& system) {
   const auto values = values_of(parameter, system);
   ASSERT_TRUE(values.contains("safety_filter")) << system.path;

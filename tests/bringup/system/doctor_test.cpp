@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 using rt::DomainEndpoint;
 using rt::GraphForm;
 
-// Two ROS 2 processes, ours with a node /tandem that reads /odom reliably.
+// Two ROS 2 processes, one of them this program with a node /tandem that subscribes to /odom
+// reliably.
 rt::Domain domain() {
   rt::Domain domain;
   domain.participants = {{"aa", true, GraphForm::kSinceIron, {"/tandem"}},

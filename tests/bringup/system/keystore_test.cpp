@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keystores: laid out as SROS2's, signed so that OpenSSL verifies them.
+// Tests keystores: the layout is that of SROS2, and OpenSSL verifies the signatures.
 #include "bringup/system/keystore.hpp"
 
 #include <gtest/gtest.h>

@@ -44,7 +44,7 @@ class SystemFile : public testing::Test {
     }
   }
 
-  // Sends 1 into the chain until the answer comes out of it.
+  // Publishes 1 into the chain until the result arrives at its end.
   bool chain_answers() {
     double result = 0.0;
     const auto in = node_.create_publisher(rt::Topic<Float64>{"a"});
@@ -56,7 +56,7 @@ class SystemFile : public testing::Test {
     return spin_until([&] { return result == 10.0; }, kTimeout, node_);
   }
 
-  // Somebody subscribes to the topic.
+  // Waits until the topic has this many subscriptions.
   bool heard(const char* topic, int listeners) {
     const auto publisher = node_.create_publisher(rt::Topic<Float64>{topic});
     return spin_until([&] { return publisher.matched() == listeners; }, kTimeout, node_);
@@ -152,7 +152,7 @@ TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
   EXPECT_TRUE(spin_until([&] { return children_of(program.pid()).size() == 1; }, kTimeout, node_));
   EXPECT_TRUE(heard("b", 1));
   program.send(SIGINT);
-  EXPECT_EQ(program.wait(5.0), 1);  // whoever looks at the exit status learns of it
+  EXPECT_EQ(program.wait(5.0), 1);  // the exit status reports the killed process
 }
 
 TEST_F(SystemFile, StartsAgainWhatIsToRespawn) {

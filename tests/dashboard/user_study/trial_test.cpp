@@ -114,7 +114,7 @@ TEST(Trial, RefusesWhatIsNone) {
     EXPECT_THROW((void)parse_trial_request(text), std::invalid_argument) << text;
 }
 
-// What is read is a sound request, and what is not is refused in the one way there is.
+// Parsed requests are valid, and all others are refused in the same way.
 TEST(Trial, TakesAnyBytes) {
   const std::vector<std::string> texts{kTask1, kTask2};
   std::mt19937 random{11};

@@ -61,7 +61,7 @@ TEST(UserStudy, RefusesWhatIsNone) {
     EXPECT_THROW((void)parse_user_study(text), std::invalid_argument) << text;
 }
 
-// What is read is a sound test, and what is not is refused in the one way there is.
+// Parsed tests are valid, and all others are refused in the same way.
 TEST(UserStudy, TakesAnyBytes) {
   const std::vector<std::string> texts{kTest};
   std::mt19937 random{7};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who gets a connection, and how often a stranger is answered.
+// Tests who gets a connection, and how often unauthenticated clients are answered.
 #include <gtest/gtest.h>
 
 #include <map>

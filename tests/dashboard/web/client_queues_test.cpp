@@ -12,7 +12,7 @@ namespace {
 
 using Kind = WebEvent::Kind;
 
-// Clients 1 to `count`, whose arrival was taken.
+// Clients 1 to `count`, all accepted.
 ClientQueues queues_of(ClientId count, ClientQueues::Limits limits = {}) {
   ClientQueues queues{limits};
   for (ClientId client = 1; client <= count; ++client) queues.join(client, 0.0);

@@ -101,7 +101,7 @@ TEST(FoxgloveBinary, RefusesEveryShortenedServiceCall) {
   EXPECT_TRUE(is_malformed(binary({2, 1, 0, 0, 0, 9, 0, 0, 0, 0xff, 0xff, 0xff, 0xff, 'c'})));
 }
 
-// Whatever comes, it is a request or malformed, and nothing is thrown.
+// Any input is parsed as a request or rejected as malformed; nothing is thrown.
 TEST(Foxglove, TakesAnyBytes) {
   const std::vector<std::string> frames{
       R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":4}]})",

@@ -68,7 +68,7 @@ TEST(WebDoor, IsShutToOtherProtocolsAndWhenAllPlacesAreTaken) {
   EXPECT_FALSE(comes_in({}, {.max_clients = 2}, 2));
 }
 
-// Nobody guesses the token by damaging what is nearly right, and nothing is thrown.
+// A damaged token is never accepted, and nothing is thrown.
 TEST(WebDoor, TakesAnyRequest) {
   const WebServerParams params{.address = "0.0.0.0"};
   const std::vector<std::string> targets{"/?token=wrong", "/?token", "/?a=b&token=other&c", "?&=?&",

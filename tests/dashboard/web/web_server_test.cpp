@@ -34,7 +34,7 @@ std::string why_not(const WebServerParams& params) {
   }
 }
 
-// The whole answer to a request.
+// The complete response to a request.
 std::string ask(const WebServer& server, const std::string& request) {
   asio::io_context io;
   asio::ip::tcp::socket socket{io};
@@ -87,7 +87,7 @@ std::unique_ptr<WebServer> serve_with_token(const std::string& proxies = {}) {
   return serve({.port = 0, .token_file = path, .trusted_proxies = proxies});
 }
 
-// The head of the answer to one who wants in with that token, through a proxy perhaps.
+// The response header for a client with that token, optionally behind a proxy.
 std::string come_in(const WebServer& server, const std::string& token,
                     const std::string& forwarded = {}) {
   asio::io_context io;
@@ -143,7 +143,7 @@ TEST(WebServer, BelievesNoHeaderOfOthers) {
   EXPECT_EQ(status(come_in(*server, "wrong", "10.0.0.99")), 429);
 }
 
-// Half a request each, and none is ever finished.
+// Each client sends half a request and never finishes it.
 TEST(WebServer, LetsAHolderInPastConnectionsThatSayNothing) {
   for (const char* proxies : {"", "127.0.0.1"}) {
     const auto server = serve_with_token(proxies);

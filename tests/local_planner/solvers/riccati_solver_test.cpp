@@ -113,9 +113,10 @@ bool confirm_each_other(const Ocp& ocp, const Solution& ours, const Solution& th
          are_same(ocp, of_ours, ours) && are_same(ocp, of_theirs, theirs);
 }
 
-// Two solvers may end in two minima of a problem that has several: then both are optimal, and each
-// solver says so of the other's. That is counted, and neither may be worse more often than chance
-// and start explain. Where one of them does not converge, it is asked again from the other's end.
+// The two solvers may end in different minima of a problem that has several: then both are optimal,
+// and each solver confirms the other's result. Such cases are counted, and neither solver may be
+// worse more often than chance and starting point explain. If one of them does not converge, it is
+// restarted from the other's result.
 TEST(RiccatiSolver, AgreesWithIpopt) {
   RiccatiSolver solver;
   int agree = 0, better = 0, worse = 0, asked_again = 0, unjudged = 0, unexplained = 0, missed = 0;

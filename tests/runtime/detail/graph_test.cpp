@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What ROS 2 tools read about our nodes, seen by a reader of bytes.
+// Checks byte by byte what ROS 2 tools read about Tandem's nodes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is dropped is told on /diagnostics, by kind and source.
+// Checks that dropped datagrams are reported on /diagnostics, by kind and source.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a node says of peers that it cannot hear or reach.
+// Tests what a node reports about peers that it cannot receive from or reach.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -207,8 +207,8 @@ TEST(Topics, RefuseAThirdTypeUnderOneName) {
   }
 }
 
-// A sample that outlived its lifespan is not given to who comes late: so no old command is carried
-// out after a reconnect.
+// A late subscriber does not receive a sample whose lifespan has expired, so no old command is
+// executed after a reconnect.
 TEST(Lifespan, KeepsOldSamplesFromLateSubscriptions) {
   rt::Node node{"lifespan"};
   rt::QoS brief = rt::kLatched;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// QoS of a topic by parameters, as rclcpp names them.
+// Tests setting a topic's QoS by parameters with rclcpp's names.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -41,7 +41,7 @@ TEST(QosOverrides, ChangeWhatANodeOffersAndRequests) {
   EXPECT_NO_THROW(node.check_parameters());
 }
 
-// Twist and TwistStamped under one name, and latched senders beside volatile ones.
+// Twist and TwistStamped under one name, and latched publishers next to volatile ones.
 TEST(QosOverrides, HoldForEverySubscriptionButForItsOtherDurability) {
   rt::Node node{with({{"qos_overrides./chair/cmd_vel.subscription.reliability", "best_effort"},
                       {"qos_overrides./chair/cmd_vel.subscription.durability", "volatile"}})};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Subscriptions that hear every publisher of their topic, and how their samples are counted.
+// Tests subscriptions that match every publisher of their topic, and how their samples are counted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Float64 number(double value) {
   return message;
 }
 
-// Two nodes, one of which hears what publishers of the other say.
+// Two nodes: one subscribes to the publishers of the other.
 class HearsEvery : public ::testing::Test {
  protected:
   auto hear(const rt::Topic<Float64>& topic) {
@@ -39,7 +39,7 @@ class HearsEvery : public ::testing::Test {
   [[nodiscard]] bool wait_until(Predicate predicate) {
     return spin_until(predicate, kPatience, receiver_, sender_);
   }
-  // Says `value` until it is heard.
+  // Publishes `value` until it is received.
   [[nodiscard]] bool is_heard(const rt::Publisher<Float64>& publisher, double value) {
     return wait_until([&] {
       publisher.publish(number(value));
@@ -82,7 +82,7 @@ TEST_F(HearsEvery, LatchedWordThatWasSaidBefore) {
   EXPECT_TRUE(wait_until([&] { return got_ == std::vector<double>{1.0}; }));
 }
 
-// By three readers, which all receive what the reliable and the latched publisher send.
+// Three readers all receive what the reliable and the latched publisher send.
 TEST_F(HearsEvery, MessageOnceAndInOrder) {
   const auto subscription = hear(kKept);
   const rt::QoS deep{rt::Reliability::kReliable, rt::Durability::kTransientLocal, 100};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rqt_console shows of a node: its log lines on /rosout, and how much of them it asks for.
+// Tests a node's log lines on /rosout, and the level that rqt_console sets.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ constexpr rt::QoS kRosOut{rt::Reliability::kReliable, rt::Durability::kTransient
 
 class RosOut : public testing::Test {
  protected:
-  // The first line heard that has this text.
+  // The first received line with this text.
   std::optional<Log> heard(const std::string& text) {
     const auto found = [&] {
       return std::find_if(lines_.begin(), lines_.end(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which datagrams pass: those that DDS implementations send, and none that contradict themselves.
+// Tests which datagrams pass: all that DDS implementations send, and none that are inconsistent.
 #include "tandem/runtime/detail/rtps_guard.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ Drop check(const Datagram& datagram) { return check(datagram.octets()); }
 
 std::string kind_of(const Octets& octets) { return rt::name(check(octets)); }
 
-// Whatever a test says of a datagram in one byte order holds in the other.
+// Every statement about a datagram must hold in both byte orders.
 class InBothOrders : public testing::TestWithParam<bool> {
  protected:
   [[nodiscard]] static Datagram datagram() { return Datagram{GetParam()}; }
@@ -389,7 +389,7 @@ TEST_P(InBothOrders, DropsCutAndFragmentedSecurityMessages) {
   EXPECT_EQ(check(datagram().add_data_frag({.writer = kStateless}, Octets(1000))), Drop::kSecurity);
 }
 
-// What a stranger may say where the governance protects every datagram.
+// Datagrams that an outsider may send where the governance protects all of them.
 TEST_P(InBothOrders, WhereAllIsProtectedOnlyDiscoveryAndAuthenticationPassUnprotected) {
   rt::GuardLimits limits = kLimits;
   limits.all_protected = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Well-formed datagrams that would make Fast DDS keep too much.
+// Tests well-formed datagrams that would make Fast DDS keep too much memory.
 #include "tandem/runtime/detail/rtps_watch.hpp"
 
 #include <gtest/gtest.h>
@@ -150,7 +150,7 @@ TEST_P(Progress, BelievesNoSingleHeartbeatThatLeaps) {
       passes(from_peer().add_data({.number = 20}, Octets(8, 1)).add_heartbeat(20, 29, 103)));
 }
 
-// The reader acknowledges seldom while nothing is lost.
+// The reader rarely acknowledges while nothing is lost.
 TEST_P(Progress, FollowsWhatArrivesInOrder) {
   acknowledge(1);
   for (std::int64_t number = 1; number < 3 * rt::ReaderProgress::kWindow; ++number)
