@@ -250,7 +250,8 @@ TEST_F(BuilderInFrames, ASensorWhoseMountIsOnTfIsPlaced) {
   EXPECT_FALSE(is_occupied(1.52, 0.0));
 }
 
-// If such a scan were accepted, its beams would start at the map's origin and clear everything in between.
+// If such a scan were accepted, its beams would start at the map's origin and clear everything in
+// between.
 TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
   for (const char* frame : {"map", "/odom", "odom_combined"}) {
     sensor_ = frame;

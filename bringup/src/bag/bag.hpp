@@ -41,9 +41,10 @@ class BagWriter {
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// Returns the id to pass to write(). Throws std::runtime_error if the disk is full.
+  /// Returns the id to pass to write(). Throws std::runtime_error if SQLite cannot write, for
+  /// example because the disk is full.
   int add_topic(const BagTopic& topic);
-  /// Throws std::runtime_error if the disk is full.
+  /// Throws std::runtime_error if SQLite cannot write, for example because the disk is full.
   void write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes);
   /// Puts on the disk what was written so far, and metadata.yaml with it.
   void commit();
