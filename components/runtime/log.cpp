@@ -124,7 +124,7 @@ void Logger::set_sink(Sink sink) {
 
 bool Logger::is_young() const { return steady_seconds() < state_->start + State::kYouth; }
 
-// The text may contain received strings (topics, frames, reasons), so escape control characters.
+// The text may contain received strings (topics, frames, reasons): replace control characters.
 void Logger::write(LogLevel level, const std::string& raw, const Place& place) {
   if (!enabled(level)) return;
   const std::string text = printable(raw);
