@@ -49,7 +49,7 @@ struct MapInputParams {
   }
 };
 
-/// The virtual fixtures of the parameters. Throws std::runtime_error, as load_fixtures.
+/// The virtual fixtures of the parameters. Throws as load_virtual_fixtures.
 [[nodiscard]] VirtualFixtures fixtures_of(const MapInputParams& params);
 
 /// The static world of a map: what stands in the slice, and what the fixtures forbid. Throws

@@ -57,7 +57,7 @@ struct LocalPlannerNodeParams {
   }
 };
 
-/// The guidance lines of the parameters. Throws std::runtime_error, as load_fixtures.
+/// The guidance lines of the parameters. Throws as load_virtual_fixtures.
 [[nodiscard]] inline std::vector<GuidanceLine> guidance_of(const LocalPlannerNodeParams& params) {
   return params.fixtures.empty() ? std::vector<GuidanceLine>{}
                                  : load_virtual_fixtures(params.fixtures).guidance;

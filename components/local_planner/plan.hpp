@@ -52,7 +52,7 @@ enum class PlanSource {
   kSolution,  ///< of this cycle
   kPrevious,  ///< rest of the last good plan, checked again
   kBraking,   ///< slowing to rest along the current arc
-  kYielded,   ///< the person's own twist, unchecked: see close_approach.hpp and stalemate.hpp
+  kYielded,   ///< the person's own twist, unchecked: see close_approach.hpp and deadlock.hpp
   kResting,   ///< braking as hard as the robot can, as the stick at rest asks for
   kStanding,  ///< zero and nothing else: at rest, or nothing is known to plan from
 };

@@ -29,7 +29,7 @@ struct Expectation {
 /// A drive through a map: where, with which robot, whereto, by whom, and what must hold.
 struct Scenario {
   std::string name, path;
-  std::string map;                    ///< map file, or a family of worlds (world.hpp)
+  std::string map;                    ///< map file, or a family of worlds (seeded_world.hpp)
   std::string robot;                  ///< parameter file
   std::string fixtures;               ///< file of virtual fixtures; empty: none
   std::string map_source = "static";  ///< of extractor and filter; else an octomap_builder runs too

@@ -9,7 +9,7 @@ namespace tandem {
 
 /// What solves Ipopt's linear systems.
 enum class LinearSolver {
-  kStages,  ///< stage_linear_solver.hpp
+  kStages,  ///< ipopt_linear_solver.hpp
   kMumps,   ///< general, with pivoting: some ten times as long
 };
 
