@@ -57,8 +57,8 @@ struct LocalPlannerNodeParams {
   }
 };
 
-/// The guidance lines of the file `fixtures`; empty without one. Throws std::runtime_error, as
-/// load_virtual_fixtures does.
+/// The guidance lines of the file `fixtures`; empty without one. Throws
+/// std::invalid_argument, as load_virtual_fixtures does.
 [[nodiscard]] inline std::vector<GuidanceLine> guidance_of(const LocalPlannerNodeParams& params) {
   return params.fixtures.empty() ? std::vector<GuidanceLine>{}
                                  : load_virtual_fixtures(params.fixtures).guidance;
