@@ -120,7 +120,7 @@ void Hindsight::learn(const std::vector<Option>& options, double dt) {
   for (double& b : belief_) b = sum > 0.0 ? (1.0 - back) * b / sum + back * alike : alike;
 }
 
-// (4). Unreachable goals are left out: their infinite time to go would decide for all.
+// (4). Unreachable goals are left out: their infinite time to go would make every cost infinite.
 Twist2 Hindsight::best(const std::vector<Option>& options) const {
   const Twist2 user = options.front().twist;
   Twist2 best = user;
