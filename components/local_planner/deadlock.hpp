@@ -9,7 +9,8 @@ namespace tandem {
 /// Planner and safety filter can deadlock in a narrow gap: the planner sees fitted shapes, the
 /// filter map cells, and the filter can refuse the same plan forever. After 0.6 s of refused plans
 /// at standstill the person's own command is passed to the filter for 1.5 s. This needs a filter
-/// that reports that it refuses because of nearby obstacles: an emergency stop is not a deadlock.
+/// that reports that it enforces and refuses because of nearby obstacles: an emergency stop is not
+/// a deadlock.
 class Deadlock {
  public:
   /// Whether the person's command should be passed through at time t [s]. Call once per cycle.

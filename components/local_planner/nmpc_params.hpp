@@ -30,7 +30,7 @@ struct NmpcParams {
   double weight_x = 6.0, weight_y = 6.0, weight_heading = 4.0;
   double weight_v = 0.3, weight_w = 0.15;
   double weight_smooth = 0.1;
-  // Equal because across : along of 12 : 4 and 6 : 3 is slower in the corridor scenario, and 6 : 9
+  // Equal because across : along of 12 : 4 and 6 : 3 is slower in the corridor, and 6 : 9
   // and 6 : 12 are no faster over more seeds.
   double weight_across = 6.0, weight_along = 6.0;
   double terminal_weight = 50.0;
