@@ -13,10 +13,10 @@
 namespace tandem {
 namespace {
 
-constexpr double kAtRest = 0.02;      // [1] a stick below it says nothing
-constexpr double kLongestStep = 0.2;  // [s] of silence that counts as one sample
-constexpr double kMostDetour = 3.0;   // [s] no sample says more than this against a goal
-constexpr double kCellSlack = 0.08;   // [m] by which a map's distances may be too small
+constexpr double kAtRest = 0.02;      // [1] a smaller deflection counts as a stick at rest
+constexpr double kLongestStep = 0.2;  // [s] longest time that one sample counts for
+constexpr double kMostDetour = 3.0;   // [s] limits the evidence of one sample against a goal
+constexpr double kCellSlack = 0.08;   // [m] by which a map may underestimate distances
 
 double square(double x) { return x * x; }
 
@@ -65,7 +65,7 @@ Assistance Hindsight::assist(const Pose2& X_MB, const Twist2& user, double t) {
   return {best(all), belief_};
 }
 
-// The share of what the robot can do, 0 … 1.
+// The twist's share of the robot's limits, 0 … 1.
 double Hindsight::vigour(const Twist2& user) const {
   const double fastest = user.v < 0.0 ? -robot_.v_min : robot_.v_max;
   const double v = fastest > 0.0 ? std::abs(user.v) / fastest : 0.0;
@@ -78,7 +78,7 @@ double Hindsight::time_to_go(std::size_t goal, const Pose2& X_MB) const {
   if (std::isinf(cost)) return cost;
   const double way = cost_[goal].downhill(X_MB.position()), end = goals_[goal].theta;
   const double there = std::clamp(1.0 - cost / params_.heading_distance, 0.0, 1.0);
-  // From so far on a last turn of half a circle takes no longer than the way.
+  // The final turn fades in once the remaining drive takes less time than half a turn.
   const double comes = std::max(0.0, 1.0 - cost * robot_.w_max / (std::numbers::pi * robot_.v_max));
   const double turns =
       std::abs(wrap_angle(way - X_MB.theta)) + comes * std::abs(wrap_angle(end - way));
@@ -86,7 +86,7 @@ double Hindsight::time_to_go(std::size_t goal, const Pose2& X_MB) const {
   return cost / robot_.v_max + ((1.0 - there) * turns + there * last) / robot_.w_max;
 }
 
-// (2), the person's own first.
+// (2). The first option is the person's own twist.
 std::vector<Hindsight::Option> Hindsight::options(const Pose2& X_MB, const Twist2& user) const {
   std::vector<Option> all;
   const auto add = [&](const Twist2& twist) {
@@ -120,8 +120,7 @@ void Hindsight::learn(const std::vector<Option>& options, double dt) {
   for (double& b : belief_) b = sum > 0.0 ? (1.0 - back) * b / sum + back * alike : alike;
 }
 
-// (4). Of the goals that can be reached from here: a place that is walled up costs the others
-// nothing.
+// (4). Unreachable goals are left out: their infinite time to go would make every cost infinite.
 Twist2 Hindsight::best(const std::vector<Option>& options) const {
   const Twist2 user = options.front().twist;
   Twist2 best = user;

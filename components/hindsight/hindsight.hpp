@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the person's command and the places they may be going to. Out: where they seem to go, and the
-// command that helps.
+// Estimates which of several goals the person is driving to, and assists toward it.
 #pragma once
 
 #include <vector>
@@ -39,45 +38,48 @@ struct HindsightParams {
   }
 };
 
-/// The command that helps, and the belief it came from.
+/// The assisted command and the belief over the goals behind it.
 struct Assistance {
   Twist2 command;
-  std::vector<double> belief;  ///< one probability for each goal; uniform where nothing is known
+  std::vector<double> belief;  ///< one probability per goal, uniform at the start
 };
 
 /// Shared autonomy via hindsight optimisation (Javdani, Srinivasa, Bagnell 2015; Javdani et al.
-/// 2018): which goal the person has in mind stays uncertain, and the command is the best on average
-/// over the belief.
+/// 2018): the person's goal stays uncertain, and the command is the best one in expectation over
+/// the belief.
 ///
-///   V_g(X)  time to go: cost-to-go / v_max + turns / ω_max: to the way downhill and, once the goal
-///           comes, from there to its heading; on the spot to its heading alone. Falls on the way
-///           to the goal everywhere, as turning twice is never less than turning once           (1)
-///   Q_g(a)  V_g where the twist a leads to in `lookahead`                                     (2)
+///   V_g(X)  time to go [s]: cost-to-go / v_max + turns / ω_max. The turns lead to the direction of
+///           steepest descent and, near the goal, on to its heading; at the goal only its heading
+///           counts. V_g decreases along the whole path to the goal, as turning twice is never less
+///           than turning once                                                                 (1)
+///   Q_g(a)  V_g at the pose that the twist a reaches in `lookahead`                           (2)
 ///   belief  ḃ_g ∝ −certainty · b_g (Q_g(u) − min_a Q_g(a)): the person chooses u with likelihood
 ///           exp(−Q + V), maximum-entropy inverse optimal control (Ziebart et al. 2008)         (3)
-///   command argmin_a Σ_g b_g Q_g(a) + weight_user ‖a − u‖², a in shares of the fastest        (4)
+///   command argmin_a Σ_g b_g Q_g(a) + weight_user ‖a − u‖², a, u in shares of v_max and ω_max (4)
 ///
-/// The twists compared are as vigorous as the person's, so a stick at rest rests and half a stick
-/// is half the speed. What stands in the way is left to the planner and the filter behind.
+/// The twists compared are scaled by the stick's deflection: a stick at rest commands rest, half
+/// deflection at most half the speed. Obstacles that are not in the map are left to the planner and
+/// the safety filter.
 class Hindsight {
  public:
-  /// Throws std::invalid_argument on parameters out of range, no goal, an incomplete one,
-  /// and a robot that does not drive forward.
+  /// Throws std::invalid_argument if a parameter is out of range, there is no goal, a goal is
+  /// incomplete, or the robot cannot drive forward.
   Hindsight(const HindsightParams& params, const RobotParams& robot);
 
-  /// One fast marching per goal.
+  /// Computes each goal's cost-to-go by fast marching, O(n log n) in the map's cells.
   void on_map(const StaticMap& map);
   [[nodiscard]] bool has_map() const { return !cost_.empty(); }
   [[nodiscard]] const std::vector<Pose2>& goals() const { return goals_; }
 
-  /// The person's command at `t` [s], one clock that does not go back. Before the first map, and
-  /// from where no way leads to any goal, the person's own command. Never throws.
+  /// Assists the person's command `user` at time `t` [s] from X_MB in the map frame. Returns `user`
+  /// before the first map, for a stick at rest, and where no goal can be reached. Time that runs
+  /// backwards counts as zero. Never throws.
   [[nodiscard]] Assistance assist(const Pose2& X_MB, const Twist2& user, double t);
 
  private:
   struct Option {
     Twist2 twist;
-    std::vector<double> time_to_go;  // [s] per goal, after it
+    std::vector<double> time_to_go;  // [s] per goal, from the pose that the twist reaches
   };
 
   [[nodiscard]] double vigour(const Twist2& user) const;
@@ -88,9 +90,9 @@ class Hindsight {
 
   HindsightParams params_;
   RobotParams robot_;
-  double radius_;  // [m] of the disc whose way is the robot's
+  double radius_;  // [m] of the disc for which paths are computed
   std::vector<Pose2> goals_;
-  std::vector<CostToGo> cost_;  // one for each goal, once there is a map
+  std::vector<CostToGo> cost_;  // one per goal; empty before the first map
   std::vector<double> belief_;
   double last_ = -1e9;  // [s]
 };

@@ -30,9 +30,10 @@ struct HindsightNodeParams {
 
 /// cmd_vel_user, octomap_binary, odom, tf → cmd_vel_assisted, hindsight/markers.
 ///
-/// Between the person and a planner of method intention, which reads cmd_vel_assisted by remapping.
-/// Each command is answered at once; while map or robot are not known the person's own goes on.
-/// Ways are found on the finished map only: `map_source` has to be static.
+/// Sits between the person and a planner with method intention, whose cmd_vel_user is remapped to
+/// cmd_vel_assisted. Publishes once per command received; while the map or the robot's state is
+/// missing it passes the person's command through. Throws std::invalid_argument unless `map_source`
+/// is static, because paths are computed on the finished map only.
 class HindsightNode {
  public:
   explicit HindsightNode(rt::Node& node);

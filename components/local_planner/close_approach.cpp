@@ -12,23 +12,23 @@ namespace {
 
 constexpr double kSpeed = 0.5;  // [m/s]
 constexpr double kTurn = 0.8;   // [rad/s]
-constexpr double kSpot = 0.15;  // [m] an arc of less radius is a turn on the spot
-constexpr double kLever = 0.5;  // [m] by which a turn rate counts like a speed
+constexpr double kSpot = 0.15;  // [m] an arc of smaller radius is a turn on the spot
+constexpr double kLever = 0.5;  // [m] converts a turn rate to a speed for comparison
 constexpr double kSoon = 1.0;   // [s]
 constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
-constexpr double kBlocked = 0.15;   // share of the person's way; a plan that makes less is blocked
-constexpr double kFree = 0.8;       // and one that makes more is followed again
-constexpr double kStands = 0.1;     // [m/s] a robot that is slower all but stands
-constexpr double kPatience = 0.3;   // [s] of plans that are blocked
-constexpr double kStraight = 0.5;   // [1/m]
-constexpr double kGivesUp = 5.0;    // [s] of pushing without moving
-constexpr double kElsewhere = 0.5;  // [m]
-constexpr double kNear = 0.25;      // [m] between discs and obstacle
-constexpr double kNoLonger = 0.35;  // [m] where the planner takes over again
+constexpr double kBlocked = 0.15;   // a plan that covers a smaller share of the way is blocked
+constexpr double kFree = 0.8;       // a plan that covers a larger share is followed again
+constexpr double kStands = 0.1;     // [m/s], [rad/s] slower than this counts as standing
+constexpr double kPatience = 0.3;   // [s] of blocked plans before the person's twist is used
+constexpr double kStraight = 0.5;   // [1/m] largest curvature that counts as straight
+constexpr double kGivesUp = 5.0;    // [s] of pushing while standing
+constexpr double kElsewhere = 0.5;  // [m] from where the person gave up
+constexpr double kNear = 0.25;      // [m] gap between discs and obstacle that allows an approach
+constexpr double kNoLonger = 0.35;  // [m] gap at which the planner takes over again
 
 bool turns_on_spot(const Twist2& twist) { return std::abs(twist.v) < kSpot * std::abs(twist.w); }
 
-// The twist with its ratio kept, no faster than kSpeed and kTurn.
+// Keeps w / v, so that the robot stays on the commanded arc.
 Twist2 slowed(const Twist2& twist) {
   const double times = std::max({1.0, std::abs(twist.v) / kSpeed, std::abs(twist.w) / kTurn});
   return {twist.v / times, twist.w / times};
@@ -42,8 +42,8 @@ double gap_at_start(const Cycle& cycle) {
   return gaps.front() + cycle.limits.margin;
 }
 
-// How far the plan brings the robot in `time` seconds, but no longer than the twist needs for a
-// quarter turn: as a share of the way of that twist, or of its turn on the spot.
+// Progress of the plan over `time` [s], as a share of the displacement (or of the turn on the spot)
+// that `twist` would produce. Capped at a quarter turn, beyond which the comparison means little.
 double share_of_way(const Plan& plan, const Twist2& twist, double time) {
   time = std::min(time, kQuarterTurn / std::max(1e-9, std::abs(twist.w)));
   const Pose2 &from = plan.X_MB.front(), to = plan.pose_at(plan.t0 + time);
@@ -52,9 +52,9 @@ double share_of_way(const Plan& plan, const Twist2& twist, double time) {
   return (to.position() - from.position()).dot(way) / way.squaredNorm();
 }
 
-// A plan that follows a leader may lead anywhere for a while, and counts only where the robot
-// stands. One that follows the stick, or is to turn on the spot, may promise for later what it
-// never begins.
+// A plan that follows a leader may leave the stick's direction for a while, so it counts as blocked
+// only if the robot stands. A plan that follows the stick, or turns on the spot, may postpone its
+// progress cycle after cycle, so for a standing robot the first second is checked as well.
 bool is_blocked(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
   const bool stands = std::abs(cycle.request.measured.v) < kStands;
   const bool for_good =
@@ -69,7 +69,7 @@ bool is_free(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
          share_of_way(plan, twist, cycle.params.dt * cycle.params.horizon_steps) > kFree;
 }
 
-// A person who turns the stick wants past something, not nearer to it.
+// A person who steers wants to get past the obstacle, not closer to it.
 bool is_straight(const Twist2& twist) {
   return turns_on_spot(twist) || std::abs(twist.w) < kStraight * std::abs(twist.v);
 }

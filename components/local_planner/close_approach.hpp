@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a cycle and what was planned in it. Out: the person's own twist where plans come to nothing.
+// Decides when the person's own twist replaces a plan that makes no progress near an obstacle.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace tandem {
 
-/// Whether the person has pushed for 5 s without moving anything. They then want past what is in
-/// the way, not nearer to it, until the robot has come 0.5 m away or the stick has been at rest.
+/// Detects that the person has pushed for 5 s while the robot stands. They then want to get past
+/// the obstacle, not closer to it. Holds until the robot is 0.5 m away or the stick is at rest.
 class InVain {
  public:
   /// Called once per cycle.
@@ -20,22 +20,23 @@ class InVain {
   std::optional<Eigen::Vector2d> gave_up_at_;
 };
 
-/// Lets the person come near something on purpose. The programme keeps discs and a margin between
-/// the robot and every obstacle. That suits a robot that travels, but a person who docks at a desk,
-/// enters a lift or passes a gap with 7 cm to spare on either side wants to be nearer: there the
-/// plans come to nothing while the outline is still far from touching. If the person goes on
-/// pushing about straight, their own twist replaces the plan, slowed to 0.5 m/s and 0.8 rad/s at
-/// most, until plans get on again, the stick is pulled back, or the person has pushed in vain. The
-/// safety filter, which knows the outline and every cell, decides how near is near enough.
+/// Lets the person approach an obstacle on purpose. The optimal control problem keeps a margin
+/// between the robot's discs and every obstacle. A person who docks at a desk, enters a lift or
+/// passes a gap with 7 cm to spare on either side wants to be closer: there the plans make no
+/// progress although the outline is still clear. If the person keeps pushing roughly straight,
+/// their twist, limited to 0.5 m/s and 0.8 rad/s, replaces the plan until plans make progress
+/// again, the stick is reversed, or InVain holds. The safety filter, which checks the outline
+/// against every cell, limits how close the robot gets.
 ///
-/// Never without a safety filter that enforces, away from obstacles, or for a goal.
+/// Inactive without an enforcing safety filter, away from obstacles, for a goal, for a round body,
+/// and with the stick at rest.
 class CloseApproach {
  public:
-  /// The person's twist, slowed, if plans have come to nothing for 0.3 s; nullopt if the plan is to
-  /// be followed. To be called once per cycle.
+  /// The person's twist, slowed, if plans have been blocked for 0.3 s; nullopt to follow the plan.
+  /// Call once per cycle.
   [[nodiscard]] std::optional<Twist2> instead_of(const Plan& plan, const Cycle& cycle);
 
-  /// Whether the person's twist was the last answer.
+  /// Whether the last call returned the person's twist.
   [[nodiscard]] bool is_near() const { return approaches_; }
 
  private:

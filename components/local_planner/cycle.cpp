@@ -13,27 +13,27 @@
 namespace tandem {
 namespace {
 
-constexpr double kLeftOut = 0.005;   // [m] miss by an unlisted pair that asks for a second solve
-constexpr double kTolerated = 0.02;  // [m] of slack in a motion in good order
-constexpr double kActive = 1e-3;     // [m] a row with less left counts as active
-constexpr double kLeastPull = 50.0;  // [1/m] for the penalty, where the reference hardly pulls
-constexpr double kAfterwards = 8.0;  // stages that count like the last one in a motion's value
+constexpr double kLeftOut = 0.005;   // [m] violation by a left-out pair that needs a second solve
+constexpr double kTolerated = 0.02;  // [m] slack beyond the start's that is still acceptable
+constexpr double kActive = 1e-3;     // [m] a row with a smaller residual counts as active
+constexpr double kLeastPull = 50.0;  // [1/m] lower bound of the pull that scales the penalty
+constexpr double kAfterwards = 8.0;  // stages beyond the horizon, charged at the final pose
 
-// Limits of a speed at stage k; wider where the command in force lies outside, by what the
-// acceleration cannot take back until then. The 0.9 leaves the programme an interior.
+// Limits of a speed at one stage. If the command in force lies outside, they are widened to what is
+// reachable by then; `step` is the largest change. The factor 0.9 leaves a nonempty interior.
 Interval reachable(double min, double max, double command, double step) {
   return {std::min(min, command + 0.9 * step), std::max(max, command - 0.9 * step)};
 }
 
-// How much the speed may change toward rest in the `step` seconds after the first `from`: fast as
-// long as the command in force could still be braked fast.
+// Largest change of speed toward rest over `step` [s], beginning `from` [s] after the start: at
+// the braking limit while the command in force is not braked to zero, then at a_max.
 double fall(const Cycle& cycle, double from, double step) {
   const double braking = braking_of(cycle.request, cycle.robot);
   const double fast = std::clamp(std::abs(cycle.start.command.v) / braking - from, 0.0, step);
   return braking * fast + cycle.robot.a_max * (step - fast);
 }
 
-// Largest |x|, |y| on the way to rest, after one step in which the command hardly changes.
+// Largest |x|, |y| on the way to rest, if the command is held for one step first.
 double extent_of_braking(const Cycle& cycle) {
   const MotorLag lag = lag_of(cycle.params);
   const Moving moving =
@@ -48,7 +48,7 @@ double extent_of_braking(const Cycle& cycle) {
   return extent + 0.01;
 }
 
-// What another stage would cost that stays where the motion ends.
+// Cost of one more stage at rest in the motion's final pose.
 double final_cost(const Cycle& cycle, const Forecast& motion) {
   const StageCost& c = cycle.costs.back();
   const Pose2& X = motion.X_MB.back();
@@ -56,8 +56,9 @@ double final_cost(const Cycle& cycle, const Forecast& motion) {
   return off.dot(c.pull(off)) + 2.0 * c.q_theta * (1.0 - std::cos(X.theta - c.X_MR.theta));
 }
 
-// Delay compensation: what was commanded during the last `delay` seconds is what the robot is still
-// to do. Before the first known command it went from the measured twist to that one.
+// Delay compensation: the robot has yet to execute the commands of the last `delay` seconds. For
+// the time before the first known command, and without a lag, the mean of the measured twist and
+// that command is assumed.
 Moving predicted(const PlanRequest& request, double delay, const MotorLag& lag,
                  std::span<const Sent> sent) {
   const Twist2 first = sent.empty() ? request.command : sent.front().twist;
@@ -241,7 +242,8 @@ bool left_out_a_pair(const Candidate& candidate) {
 }
 
 bool is_poor(const Cycle& cycle, const Candidate& candidate) {
-  if (candidate.slack > cycle.least_slack + kTolerated) return true;  // it tunnels
+  // Such a motion tunnels through an obstacle.
+  if (candidate.slack > cycle.least_slack + kTolerated) return true;
   const bool is_near = candidate.clearance < cycle.limits.reach;
   return is_near && is_stuck(cycle.request, cycle.wish, candidate.motion,
                              cycle.params.dt * cycle.params.horizon_steps, cycle.robot);

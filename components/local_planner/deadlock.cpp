@@ -7,7 +7,7 @@ namespace tandem {
 namespace {
 
 constexpr double kPatience = 0.6;  // [s] of refused plans
-constexpr double kYields = 1.5;    // [s] that the person then has their way
+constexpr double kYields = 1.5;    // [s] of passing the person's command through
 constexpr double kStands = 0.005;  // [m/s, rad/s]
 
 bool stands(const Twist2& twist) {

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: whether the safety filter refuses what is planned. Out: whether the plans come to nothing.
+// Detects a deadlock between planner and safety filter.
 #pragma once
 
 #include "tandem/model/se2.hpp"
 
 namespace tandem {
 
-/// Between two obstacles that stand nearer than the margin, planner and safety filter can disagree
-/// for ever: the planner sees shapes, the filter cells, and what the planner asks for again and
-/// again the filter never lets pass. Then the person, who looks at it, is worth more than the plan:
-/// their own command goes to the filter for a while. Without a filter that says that it enforces,
-/// and refuses for what is near, nobody ever has their way: an emergency stop is no stalemate.
+/// Planner and safety filter can deadlock in a narrow gap: the planner sees fitted shapes, the
+/// filter map cells, and the filter can refuse the same plan forever. After 0.6 s of refused plans
+/// at standstill the person's own command is passed to the filter for 1.5 s. This needs a filter
+/// that reports that it enforces and refuses because of nearby obstacles: an emergency stop is not
+/// a deadlock.
 class Deadlock {
  public:
-  /// Whether the person should have their way at time t [s]. `refused`: the filter lets nothing of
-  /// what it is asked for pass; `measured`: what the robot does.
+  /// Whether the person's command should be passed through at time t [s]. Call once per cycle.
+  /// `refused`: the filter passes nothing of what it is asked for; `measured`: twist from odometry.
   [[nodiscard]] bool holds(bool refused, const Twist2& measured, double t);
 
  private:

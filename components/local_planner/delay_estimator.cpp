@@ -8,12 +8,12 @@ namespace tandem {
 namespace {
 
 constexpr double kWindow = 4.0;        // [s] of measurements that are matched
-constexpr double kLongest = 1.0;       // [s] delay that is looked for
+constexpr double kLongest = 1.0;       // [s] longest delay tried
 constexpr double kGrid = 0.01;         // [s] between delays tried, then refined
-constexpr double kBetweenLooks = 0.5;  // [s]
-constexpr double kSmoothing = 0.3;     // share of a new value that is believed
-constexpr double kExcited = 0.003;     // mean squared change of the command from its mean
-constexpr double kUnexplained = 0.15;  // share of it that may remain
+constexpr double kBetweenLooks = 0.5;  // [s] between estimates
+constexpr double kSmoothing = 0.3;     // weight of a new estimate
+constexpr double kExcited = 0.003;     // least variance of the measured twist, in shares of maximum
+constexpr double kUnexplained = 0.15;  // largest residual, as a share of the grid's worst
 constexpr std::size_t kMostSamples = 4000;
 
 }  // namespace
@@ -27,7 +27,7 @@ void DelayEstimator::forget() {
 void DelayEstimator::on_command(const Twist2& twist, double t) {
   if (!is_finite(twist) || !std::isfinite(t) || (!sent_.empty() && t < sent_.back().t)) return;
   sent_.push_back({twist, t});
-  // The last command before the window is still in force in it.
+  // The last command before the window is still in force at its beginning.
   while (sent_.size() > kMostSamples ||
          (sent_.size() > 1 && sent_[1].t < t - kWindow - 2.0 * kLongest))
     sent_.pop_front();
@@ -57,7 +57,7 @@ bool DelayEstimator::is_excited() const {
   return (vv + ww - (v * v + w * w) / n) / n > kExcited;
 }
 
-// (1), the mean. Commands and measurements are walked together, so it takes their sum of steps.
+// The mean of (1). A merge of both sequences, hence linear in their total length.
 double DelayEstimator::misfit(double delay) const {
   double sum = 0.0;
   std::size_t i = 0;
@@ -70,7 +70,7 @@ double DelayEstimator::misfit(double delay) const {
   return sum / static_cast<double>(measured_.size());
 }
 
-// The best of a grid, refined by the parabola through its neighbours.
+// The best delay of a grid, refined by the parabola through its neighbours.
 std::optional<double> DelayEstimator::best_delay() const {
   double best = 0.0, least = misfit(0.0), most = least;
   for (double delay = kGrid; delay < kLongest + 0.5 * kGrid; delay += kGrid) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: commands as they are sent, twists as they are measured. Out: the delay between the two.
+// Estimates the delay between commands sent and their effect in odometry.
 #pragma once
 
 #include <deque>
@@ -10,30 +10,31 @@
 
 namespace tandem {
 
-/// Measures the delay of the loop: from a command to the moment its effect is seen in the odometry
-/// (transport, motor lag, sensor). That is how far ahead of the measured pose a new command acts.
+/// Estimates the loop delay, from sending a command until its effect appears in odometry
+/// (transport, motor lag, sensor). A new command acts this much later than the measured pose.
 ///
-/// The delay is the shift d that explains the measurements m by the commands c best,
+/// The delay is the shift d for which the commands c fit the measurements m best,
 ///
 ///   min_d Σ_i ((m_v(t_i) − c_v(t_i − d)) / v_max)² + ((m_ω(t_i) − c_ω(t_i − d)) / ω_max)²     (1)
 ///
 /// over the last seconds (matching by least squares, as Knapp & Carter 1976 do by correlation). A
-/// first-order lag counts as a delay of its time constant, a little less where the commands change
-/// as quickly as it does. Nothing is concluded from commands that
-/// hardly change, nor where (1) leaves much unexplained, as for a robot that is held.
+/// first-order lag counts as a delay of its time constant, or slightly less if the commands change
+/// on the same time scale. The estimate is not updated while the measured twist hardly changes, or
+/// if the residual of (1) stays large, as for a robot that is blocked.
 class DelayEstimator {
  public:
   explicit DelayEstimator(const RobotParams& robot) : v_max_{robot.v_max}, w_max_{robot.w_max} {}
 
-  /// A command sent at t, in force until the next. Times do not decrease; not finite: ignored.
+  /// A command sent at t [s], in force until the next. Ignored if not finite or older than the
+  /// last.
   void on_command(const Twist2& twist, double t);
-  /// A twist that arrived at t.
+  /// A twist received at t [s]. Ignored if not finite or not newer than the last.
   void on_measurement(const Twist2& twist, double t);
 
-  /// The clock was set back: commands and measurements are of no known time. The delay stays.
+  /// Call after the clock jumps back: discards commands and measurements, keeps the delay.
   void forget();
 
-  /// Smoothed delay [s]; none before the first conclusion.
+  /// Smoothed delay [s]; nullopt before the first estimate.
   [[nodiscard]] std::optional<double> delay() const { return delay_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace tandem {
 namespace {
 
-// No faster than `command`, which may brake already, and not the other way.
+// The smaller magnitude of both, as `command` may be braking already; zero if the signs differ.
 double eased(double command, double braked) {
   const double least = std::min(std::abs(command), std::abs(braked));
   return command * braked > 0.0 ? std::copysign(least, command) : 0.0;

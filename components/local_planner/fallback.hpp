@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the last good plan and where the robot is. Out: the safest motion that needs no solver.
+// Motions that need no solver: the rest of the last plan, and braking.
 #pragma once
 
 #include <algorithm>
@@ -16,35 +16,37 @@ struct Start {
   Pose2 X_MB;
   Twist2 command;     ///< in force
   double t0 = 0.0;    ///< [s]
-  Twist2 moves = {};  ///< what the robot does then; not read without a lag
+  Twist2 moves = {};  ///< actual twist at t0; not read without a lag
 };
 
-/// Rest of `plan` from t0 on, within acceleration limits of the command in force, one twist per
-/// `period`; after the plan's end it brakes.
+/// Rest of `plan` from t0 on, one twist per `period` [s], reached from the command in force within
+/// the acceleration limits; brakes after the plan's end.
 [[nodiscard]] Motion rest_of(const Plan& plan, const Start& start, double period,
                              const RobotParams& robot);
 
-/// To rest along the current arc: w / v stays. The slower of v / a and w / α decides.
+/// Brakes to rest along the current arc (w / v is kept) in max(|v| / a, |w| / α). `a` [m/s²],
+/// `alpha` [rad/s²], `period` [s] per twist.
 [[nodiscard]] Motion braking(const Start& start, double period, double a, double alpha);
 
-/// The motion as motors drive that lag: seconds of rest commanded at its end until they stand.
+/// The motion driven by lagging motors: zero twists are appended until the motors stand. `moves`:
+/// actual twist at the start.
 [[nodiscard]] Motion with_lag(Motion motion, const MotorLag& lag, const Twist2& moves);
 
-/// Seconds in which the motors all but reach a command.
+/// Time in which the motors reach a command to within 5 % [s].
 [[nodiscard]] inline double coasting_time(const MotorLag& lag) {
   return 3.0 * std::max(lag.v, lag.w);
 }
 
-/// Seconds to rest from `twist` at the comfortable limits.
+/// Time to rest from `twist` at a_max and alpha_max [s].
 [[nodiscard]] double stopping_time(const Twist2& twist, const RobotParams& robot);
 
-/// The motion as a plan: poses along the arcs.
+/// The motion as a plan that starts at t0 [s], with poses along the arcs.
 [[nodiscard]] Plan to_plan(const Motion& motion, double t0);
 
-/// The plan for a stick at rest: as hard as the robot can brake. By hand such a stick stops the
-/// robot as soon as it can stop, and no method may take longer. The command asks for as much less
-/// than the robot does as it can brake until the next command acts, not for zero, so that a stick
-/// that rested only for a moment goes on from there. `delay`, `period` [s]: as in NmpcParams.
+/// The plan for a stick at rest: braking as hard as the robot can, because shared control must not
+/// stop later than manual control. The command is the speed the robot can brake to before the next
+/// command acts, not zero, so that driving resumes from there after a brief rest of the stick.
+/// `delay`, `period` [s]: as in NmpcParams.
 [[nodiscard]] Plan resting(const PlanRequest& request, double delay, double period,
                            const RobotParams& robot);
 

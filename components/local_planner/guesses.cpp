@@ -12,8 +12,8 @@ namespace {
 
 struct Blocker {
   Eigen::Vector2d p_MO;
-  double t;                 // from the obstacles' time [s]
-  Eigen::Vector2d heading;  // of the wish there
+  double t;                 // after the obstacles' time [s]
+  Eigen::Vector2d heading;  // of the nominal trajectory there
 };
 
 std::optional<Blocker> first_blocker(const Forecast& wish, const Body& body,
@@ -64,7 +64,7 @@ Forecast stopped_in_time(const Forecast& motion, const Body& body,
   if (first == motion.twist.size()) return out;
   for (std::size_t stages = first;; --stages) {
     out = stopped_after(stages, motion, limits.dt, robot);
-    PairLimits later = limits;  // up to there nothing has changed
+    PairLimits later = limits;  // earlier poses are unchanged and known to be clear
     later.start += limits.dt * static_cast<double>(stages);
     const auto changed = std::span(out.X_MB).subspan(1 + stages);
     if (stages == 0 || first_miss(body, obstacles, changed, later) == changed.size()) return out;
@@ -93,8 +93,8 @@ std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& bod
 
 bool is_stuck(const PlanRequest& request, const Forecast& wish, const Forecast& motion,
               double horizon, const RobotParams& robot) {
-  constexpr double kProgress = 0.6;  // share of the way that a motion in good order makes
-  constexpr double kAble = 0.3;      // mean over fastest speed, with a turn on the spot before
+  constexpr double kProgress = 0.6;  // a motion that covers a smaller share of the way is stuck
+  constexpr double kAble = 0.3;      // mean speed over v_max, allowing for a turn on the spot first
   const Eigen::Vector2d from = motion.X_MB.front().position(), to = motion.X_MB.back().position();
   if (request.method == Method::kIntention) {
     const Eigen::Vector2d way = wish.X_MB.back().position() - from;

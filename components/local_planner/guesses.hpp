@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a wish that something blocks. Out: motions that pass it left and right, to start solves from.
+// Initial guesses for the solver when an obstacle blocks the nominal trajectory.
 #pragma once
 
 #include <span>
@@ -10,20 +10,21 @@
 
 namespace tandem {
 
-/// Points beside whatever the wish runs into first: left, then right; each is clear of all
-/// obstacles for the body's largest disc. Fewer where no such point lies within 3 m, none if the
-/// wish is free.
+/// Points left and right (in this order) of what first blocks the nominal trajectory, in the map
+/// frame [m]. At each the body's largest disc is clear of all obstacles. A side without such a
+/// point within 3 m is left out; empty if nothing blocks.
 [[nodiscard]] std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& body,
                                                          std::span<const Obstacle> obstacles,
                                                          const PairLimits& limits);
 
-/// The motion as far as it can be followed and still be braked, at `a_max` and `alpha_max`, before
-/// the first miss of the margin; from rest, or too late to brake: braking at once.
+/// Follows the motion as long as the robot can still brake, at `a_max` and `alpha_max`, before it
+/// violates the margin, then brakes. If no stage allows that, brakes after the first twist.
 [[nodiscard]] Forecast stopped_in_time(const Forecast& motion, const Body& body,
                                        std::span<const Obstacle> obstacles,
                                        const PairLimits& limits, const RobotParams& robot);
 
-/// Whether the motion makes little of the way that the wish asks for within `horizon` seconds.
+/// Whether the motion makes little progress within `horizon` [s]: along the nominal trajectory for
+/// method intention, toward the leader or goal for the others.
 [[nodiscard]] bool is_stuck(const PlanRequest& request, const Forecast& wish,
                             const Forecast& motion, double horizon, const RobotParams& robot);
 

@@ -36,7 +36,7 @@ Nearest nearest_on(const GuidanceLine& line, const Vector2d& p) {
 }  // namespace
 
 Pose2 guided(const Pose2& X_M, std::span<const GuidanceLine> lines) {
-  constexpr double kCrossing = std::numbers::pi / 3.0;  // [rad] off the line: none of its business
+  constexpr double kCrossing = std::numbers::pi / 3.0;  // [rad] from here on the line has no effect
   Pose2 out = X_M;
   double strongest = 0.0;
   for (const GuidanceLine& line : lines) {

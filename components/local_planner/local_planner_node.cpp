@@ -52,7 +52,7 @@ void LocalPlannerNode::change(const LivePlannerParams& wanted) {
   if (wanted.nmpc.control_period != now.nmpc.control_period)
     start_timers(wanted.nmpc.control_period);
   if (wanted.method == now.method) return;
-  nmpc_.reset();  // the way that another method took leads nowhere
+  nmpc_.reset();  // another method's last plan is no useful warm start
   method_ = method_named(wanted.method);
   status_.method(wanted.method);
 }
@@ -161,7 +161,7 @@ void LocalPlannerNode::watch() {
   if (const auto reason = missing(node_.now())) stop(*reason);
 }
 
-// To wait for a person, or for a goal, is no trouble.
+// Waiting for a person or a goal is normal and is reported as healthy.
 void LocalPlannerNode::stop(Reason reason) {
   if (reason == Reason::kObstaclesSilent)
     diagnostics_.report_trouble(text_of(reason), topics::obstacles.name);
@@ -189,7 +189,7 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   publish_paths(plan, request);
 }
 
-// All but the text and the counts from the start.
+// Fills all fields but the status text and the counters since start.
 void LocalPlannerNode::write_status(const Plan& plan) {
   const bool is_solution = plan.source == PlanSource::kSolution;
   status_.header(header(node_.stamp(), params_->input.frames.map));

@@ -16,7 +16,7 @@
 
 namespace tandem {
 
-/// What may change while the node runs.
+/// The parameters that may change while the node runs.
 struct LivePlannerParams {
   NmpcParams nmpc;
   std::string method = "leader";
@@ -57,18 +57,20 @@ struct LocalPlannerNodeParams {
   }
 };
 
-/// The guidance lines of the parameters. Throws as load_virtual_fixtures.
+/// The guidance lines of the file `fixtures`; empty without one. Throws
+/// std::invalid_argument, as load_virtual_fixtures does.
 [[nodiscard]] inline std::vector<GuidanceLine> guidance_of(const LocalPlannerNodeParams& params) {
   return params.fixtures.empty() ? std::vector<GuidanceLine>{}
                                  : load_virtual_fixtures(params.fixtures).guidance;
 }
 
 /// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
-/// user_path, planner/status, /diagnostics. safety_filter/status, where there is one, says whether
-/// plans pass.
+/// user_path, planner/status, /diagnostics. Optional input: safety_filter/status, which reports
+/// whether plans pass.
 ///
-/// Plans every control period, and is drawn to the guidance lines of the file `fixtures`. While an
-/// input that it needs is silent it says zero, and why; it notices between two plans too.
+/// Plans once per control period; the guidance lines of the file `fixtures` draw the reference.
+/// While a required input is silent it publishes zero and the reason. A watchdog checks the inputs
+/// four times per control period.
 class LocalPlannerNode {
  public:
   explicit LocalPlannerNode(rt::Node& node);
@@ -80,7 +82,7 @@ class LocalPlannerNode {
   void watch_clock(double now);
   void plan();
   void watch();
-  /// Why there can be no plan now; nothing if there can.
+  /// Why planning is impossible now; nullopt if it is possible.
   [[nodiscard]] std::optional<Reason> missing(double now) const;
   struct FilterState {
     bool enforces = false, refuses = false;
@@ -114,8 +116,8 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  std::string standing_for_;                    ///< why it stands, as it was logged
-  double last_time_ = Stamped<Twist2>::kNever;  ///< when the clock was last looked at [s]
+  std::string standing_for_;                    ///< last logged reason for standing
+  double last_time_ = Stamped<Twist2>::kNever;  ///< clock at the last plan(), detects jumps [s]
   rt::Timer timer_, watchdog_;
 };
 

@@ -23,7 +23,7 @@ Obstacle scaled(Obstacle obstacle, double factor) {
   return obstacle;
 }
 
-// Largest factor by which the obstacle stays untouched, less 1 % for the first step's rounding.
+// Largest scale at which the obstacle is untouched, less 1 % against rounding in the first step.
 double untouched_scale(const Body& body, const Pose2& X_MB, const Obstacle& obstacle) {
   double low = 0.0, high = 1.0;
   for (int i = 0; i < 20; ++i) {

@@ -22,12 +22,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLongestReuse = 1.0;  // [s] age up to which a plan is a warm start or a fallback
-constexpr double kSurprise = 0.3;      // [m, rad] off the last solution that make it worthless
+constexpr double kSurprise = 0.3;      // [m], [rad] deviation that makes the last solution useless
 constexpr double kReserve = 0.003;     // [s] of the budget for the check and the fallback
-constexpr double kExplores = 0.3;      // share of the budget for other guesses than the last plan
-constexpr double kLeads = 2.0;         // [s] that a leader is ahead which has just begun
-constexpr double kBetter = 0.9;  // another guess has to win by this to replace the last plan …
-constexpr double kBetterThanPoor = 0.98;  // … and by this if that one leads nowhere
+constexpr double kExplores = 0.3;      // share of the budget within which other guesses may start
+constexpr double kLeads = 2.0;         // [s] ahead of the robot: assumed leader in close approach
+// A motion from another guess replaces the last plan if its value is below this share of the last
+// plan's; the second factor holds if the last plan is poor.
+constexpr double kBetter = 0.9;
+constexpr double kBetterThanPoor = 0.98;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -40,24 +42,24 @@ struct Nmpc::State {
   RobotParams robot;
   Body body;
   Solver explorer;                  // solves from every guess
-  std::optional<Solver> judge;      // certifies the winner, if the explorer's word is not enough
+  std::optional<Solver> judge;      // verifies the best solution; only with solver "certified"
   std::optional<Solved> last = {};  // warm start
-  Plan good = {};                   // last plan that was a solution
+  Plan good = {};                   // last plan with source kSolution
   DelayEstimator loop{robot};
-  std::vector<Sent> sent = {};  // of the last `delay` seconds
+  std::vector<Sent> sent = {};  // during the last `delay` seconds
   Trail trail = {};             // of the leader
   Deadlock stalemate = {};
   CloseApproach approach = {};
   BriefPush stick = {};
-  double iteration_time = 0.0;
-  double solve_time = 0.0;  // of one solve, recent mean [s]
-  int timeouts = 0;         // in a row
-  unsigned turn = 0;        // whose it is among the arcs to start from
+  double iteration_time = 0.0;  // smoothed [s]
+  double solve_time = 0.0;      // of one solve, smoothed [s]
+  int timeouts = 0;             // consecutive
+  unsigned turn = 0;            // index of the next constant twist to start from
 
-  // Of the running cycle.
+  // State of the current cycle.
   Clock::time_point started = {};
   int iterations = 0, guesses = 0, solves = 0, confirmed = 0, disagreements = 0;
-  int effort = 0;  // iterations as the budget counts them
+  int effort = 0;  // iterations, as counted against iteration_budget
 
   void measure_delay(const PlanRequest& request);
   void note_command(const PlanRequest& request);
@@ -89,7 +91,7 @@ void Nmpc::State::measure_delay(const PlanRequest& request) {
   if (const auto measured = loop.delay()) params.delay = std::max(0.0, *measured - told);
 }
 
-// The request's command was in force since the request before.
+// The request's command has been in force since the previous request.
 void Nmpc::State::note_command(const PlanRequest& request) {
   if (params.measure_delay) measure_delay(request);
   const double before = sent.empty() ? request.t : sent.back().until;
@@ -99,7 +101,7 @@ void Nmpc::State::note_command(const PlanRequest& request) {
   std::erase_if(sent, [&](const Sent& s) { return s.until < request.t - params.delay; });
 }
 
-// Whether the last solution is recent and the robot is where it said.
+// Whether the last solution is recent and the robot is where it predicted.
 bool Nmpc::State::is_continued(const Cycle& cycle) const {
   if (!(elapsed(cycle) >= 0.0 && elapsed(cycle) < kLongestReuse)) return false;
   const Pose2 expected = shifted_start(*last, elapsed(cycle));
@@ -117,7 +119,7 @@ SolveLimits Nmpc::State::solve_limits() const {
   return limits;
 }
 
-// Whether a solve may begin within that share of the budget.
+// Whether another solve is expected to finish within that share of the budget.
 bool Nmpc::State::has_time_for_another(double share) const {
   if (params.iteration_budget > 0 && effort >= share * params.iteration_budget) return false;
   if (params.time_budget <= 0.0) return true;
@@ -133,8 +135,8 @@ Candidate Nmpc::State::solve(Solver& solver, const Cycle& cycle, Ocp ocp, const 
   effort += answer.effort;
   confirmed += answer.verdict == Verdict::kConfirmed ? 1 : 0;
   disagreements += answer.verdict == Verdict::kDisagreement ? 1 : 0;
-  // A smoothed, bounded guess: one iteration that the machine interrupted must not keep all later
-  // solves from starting. A solve without an iteration makes it forget.
+  // Smoothed and bounded, so that one preempted iteration cannot keep later solves from starting.
+  // A solve that had no time for an iteration lets the estimate decay.
   iteration_time =
       std::min(0.7 * iteration_time + 0.3 * solution.iteration_time, 0.1 * params.time_budget);
   const double took = seconds_since(before);
@@ -151,7 +153,7 @@ Candidate Nmpc::State::solve(Solver& solver, const Cycle& cycle, Ocp ocp, const 
   return out;
 }
 
-// Solves from a guess; once more if the solution went where left-out pairs matter.
+// Solves from a guess, and again if the solution violates the margin of a pair left out.
 Candidate Nmpc::State::attempt(const Cycle& cycle, const Forecast& guess, bool warm) {
   Ocp ocp = problem(cycle, guess);
   const Iterate point =
@@ -179,9 +181,8 @@ Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
   return wins ? cold : out;
 }
 
-// The last plan competes with solutions from many other guesses, as many as there is time for. It
-// has to lose clearly, so that the robot does not dither between two ways that are worth about the
-// same.
+// Solves from other guesses while time permits. The last plan is replaced only by a clearly better
+// motion, so that the robot does not alternate between two ways of nearly equal value.
 void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   if (params.extra_guesses == 0) return;
   const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
@@ -202,7 +203,7 @@ void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
   if (found) best = std::move(*found);
 }
 
-// Ipopt, started where the structured solver ended, has to find the same.
+// Solves again from the best solution with the verifier, which compares both solvers' results.
 void Nmpc::State::certify(const Cycle& cycle, Candidate& best) {
   if (!judge) return;
   Candidate judged = solve(*judge, cycle, best.ocp, best.solution.point);
@@ -210,7 +211,7 @@ void Nmpc::State::certify(const Cycle& cycle, Candidate& best) {
   if (is_clear(cycle, judged) || !is_clear(cycle, best)) best = std::move(judged);
 }
 
-// Keeps the point for the next warm start, unless it leads nowhere again and again.
+// Keeps the point for the next warm start, unless the solve failed or three in a row timed out.
 void Nmpc::State::remember(const Cycle& cycle, const Candidate& best) {
   const SolveStatus status = best.solution.status;
   timeouts = status == SolveStatus::kTimeout ? timeouts + 1 : 0;
@@ -220,7 +221,7 @@ void Nmpc::State::remember(const Cycle& cycle, const Candidate& best) {
     last.reset();
 }
 
-// A solve that was cut short has to beat what it started from.
+// A solution cut short by the time limit must not cost more than the last solution, shifted.
 bool Nmpc::State::is_usable(const Cycle& cycle, const Candidate& best) const {
   if (best.solution.status == SolveStatus::kFailed || !is_clear(cycle, best)) return false;
   if (best.solution.status != SolveStatus::kTimeout || !last) return true;
@@ -253,8 +254,9 @@ Plan Nmpc::State::finish(const Cycle& cycle, const Candidate& best) {
   return good;
 }
 
-// The ladder below a solution: rest of the last good plan, comfortable braking, full braking, which
-// at rest is to stand.
+// Without a solution, the first of these that is clear of obstacles: the rest of the last good
+// plan, braking at a_max, braking at the hardware limit (unchecked). At rest, braking means
+// standing.
 Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
   const Start& start = cycle.start;
   const double period = params.control_period;
@@ -284,7 +286,7 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
   return plan;
 }
 
-// What the person asks for, in the place of a plan that the safety filter does not let pass.
+// Replaces the plan's motion by the person's twist, within the acceleration limits.
 Plan Nmpc::State::yield(const Twist2& user, const Cycle& cycle, Plan plan) const {
   const Forecast wish =
       forecast_of(user, cycle.request, {cycle.start.X_MB, cycle.start.moves}, params, robot);
@@ -308,7 +310,9 @@ Plan Nmpc::State::plan_for(const PlanRequest& request) {
   PlanRequest able = request;
   able.user = limit(request.user, robot);
   const bool led = request.method == Method::kLeader || request.method == Method::kPath;
-  if (led && approach.is_near()) {  // it waits beside the robot; what if it went ahead?
+  // During a close approach the leader waits beside the robot, so a plan for it would always stand.
+  // Plan for a leader ahead instead, to find out whether plans make progress again.
+  if (led && approach.is_near()) {
     able.method = Method::kLeader;
     able.X_MG = integrate(request.X_MB, able.user, kLeads);
     trail.clear();
@@ -342,7 +346,7 @@ Plan Nmpc::State::plan_for(const PlanRequest& request) {
   return plan;
 }
 
-// Nothing in a request that is not finite can be trusted: brake from the command, if that is one.
+// A request with a non-finite value is not trusted: brake from the command if that one is finite.
 Plan Nmpc::State::refuse(const PlanRequest& bad) {
   last.reset();
   good = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a request every control period. Out: a plan that was checked, or a fallback that says so.
+// The planner: turns one request per control period into a checked plan or a fallback.
 #pragma once
 
 #include <memory>
@@ -12,24 +12,26 @@ namespace tandem {
 
 /// Receding-horizon planner; the optimal control problem is stated in ocp.hpp.
 ///
-/// Where Ipopt has to solve with MUMPS, one solve runs at a time per process; else none waits for
-/// another. With time_budget = 0 equal sequences of requests give equal plans, bit for bit.
+/// If Ipopt uses MUMPS, which is not thread-safe, Ipopt's solves in one process run one at a time;
+/// otherwise instances do not block each other. With time_budget = 0 equal sequences of requests
+/// give bitwise equal plans.
 class Nmpc {
  public:
-  /// Throws std::invalid_argument on parameters out of range or that contradict each other.
+  /// Throws std::invalid_argument on parameters that are out of range or contradict each other.
   Nmpc(const NmpcParams& params, const RobotParams& robot);
   ~Nmpc();
   Nmpc(Nmpc&&) noexcept;
   Nmpc& operator=(Nmpc&&) noexcept;
 
-  /// Goes on with other parameters: the next solve starts cold, but the way driven, the commands
-  /// sent and the last good plan are kept. Throws as the constructor, having changed nothing.
+  /// Replaces the parameters. The next solve starts cold; the leader's trail, the commands sent,
+  /// the measured delay and the last good plan are kept. Throws as the constructor does, in which
+  /// case nothing has changed.
   void set_params(const NmpcParams& params);
 
   /// Plans from the pose predicted for the moment the command acts. Does not throw.
   [[nodiscard]] Plan solve(const PlanRequest& request);
 
-  /// Forgets the last plan: the next solve starts cold.
+  /// Discards the last plan, the commands sent and the leader's trail: the next solve starts cold.
   void reset();
 
  private:

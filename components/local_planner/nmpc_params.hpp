@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: one planner's YAML. Out: horizon, weights, margins and budgets of the NMPC.
+// Parameters of the NMPC: horizon, weights, margins and budgets.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace tandem {
 
 /// Tuning of the NMPC. Speed and acceleration limits come from RobotParams.
 ///
-/// Symbols of ocp.hpp: horizon_steps = N, dt = Δt, weight_* = Q, R, C. Devalla 2020, scripts B.1
-/// and B.2, are reproduced by script_exact().
+/// Symbols of ocp.hpp: horizon_steps = N, dt = Δt, weight_* = Q, R, C. script_exact() reproduces
+/// scripts B.1 and B.2 of Devalla 2020.
 struct NmpcParams {
   int horizon_steps = 15;
   double dt = 0.25;
@@ -30,7 +30,8 @@ struct NmpcParams {
   double weight_x = 6.0, weight_y = 6.0, weight_heading = 4.0;
   double weight_v = 0.3, weight_w = 0.15;
   double weight_smooth = 0.1;
-  // Equal: 12 : 4 and 6 : 3 lose time in the corridor, 6 : 9 and 6 : 12 gain none over more seeds.
+  // Equal because across : along of 12 : 4 and 6 : 3 is slower in the corridor, and 6 : 9
+  // and 6 : 12 are no faster over more seeds.
   double weight_across = 6.0, weight_along = 6.0;
   double terminal_weight = 50.0;
   double heading_fade = 0.5;
@@ -45,7 +46,8 @@ struct NmpcParams {
   double margin = 0.04;
   double margin_v = 0.18;
   double margin_w = 0.02;
-  double margin_moving = 0.6;  // people: 0.35 and 0.5 stand more among them, 0.7 and 1 come late
+  // Among people the robot stands more with 0.35 and 0.5, and arrives later with 0.7 and 1.
+  double margin_moving = 0.6;
   double weight_slack = 3.0;
   double disc_overhang = 0.014;
   double disc_radius = 0.0;
@@ -127,9 +129,9 @@ struct NmpcParams {
   return {params.lag_v, params.lag_w};
 }
 
-/// Devalla's scripts: Euler, N = 15, Δt = control period = 0.25 s, circle of 0.45 m, workspace
-/// ±4.2 m, no terminal cost, no delay. The weights are those without obstacles (B.1) or with the
-/// sixteen poles (B.2).
+/// Parameters of Devalla's scripts: Euler, N = 15, Δt = control period = 0.25 s, circle of radius
+/// 0.45 m, workspace ±4.2 m, no terminal cost, no delay. Weights without obstacles (B.1) or with
+/// the sixteen poles (B.2).
 [[nodiscard]] NmpcParams script_exact(bool with_obstacles);
 
 }  // namespace tandem

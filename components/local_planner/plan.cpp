@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-// Constant twist that leads from one pose to the other in dt: the mean one where the motors lag.
+// Constant twist that leads from one pose to the other in dt [s]; with a motor lag it is the mean.
 Twist2 between(const Pose2& from, const Pose2& to, double dt) {
   const double turn = to.theta - from.theta, middle = from.theta + 0.5 * turn;
   const double chord = (to.x - from.x) * std::cos(middle) + (to.y - from.y) * std::sin(middle);

@@ -11,19 +11,19 @@
 namespace tandem {
 namespace {
 
-// (2) and (3) in Krijnen's units are this much lighter than (1) in Devalla's; one slack weight and
-// one barrier have to suit all.
+// Scales (2) and (3), in Krijnen's units, to the magnitude of (1), in Devalla's: one slack weight
+// and one barrier parameter must suit all of them.
 constexpr double kIntentionScale = 20.0;
 
-// [s] The person is obeyed now rather than later: what has to give way gives way in the end of the
-// horizon. Without this a person who is blocked far ahead never starts moving.
+// [s] Time constant of the discount on (2) and (3). It moves deviations from the person's wish to
+// the end of the horizon; without it a robot that is blocked far ahead would never start.
 constexpr double kPatience = 2.0;
 
-constexpr double kEases = 0.8;      // [1] of the speed in force; a stick that asks for less brakes
-constexpr double kEver = 1e9;       // [s]
-constexpr double kArrived = 0.15;   // [m] from the point that was asked for, the heading counts
-constexpr double kLookahead = 0.4;  // [m] the wish steers to this far along the trail
-constexpr double kLead = 0.3;       // [m] the reference is this far ahead of the wish
+constexpr double kEases = 0.8;     // a stick below this share of the speed in force asks to brake
+constexpr double kEver = 1e9;      // [s]
+constexpr double kArrived = 0.15;  // [m] from the target; closer, the forecast turns to its heading
+constexpr double kLookahead = 0.4;  // [m] along the trail to the point the forecast steers to
+constexpr double kLead = 0.3;       // [m] along the trail from the forecast to the reference
 
 bool is_far_along(const PlanRequest& request) {
   return request.method == Method::kPath && request.trail.size() > 2;
@@ -50,7 +50,7 @@ Forecast roll_out(const Wanted& wanted, const PlanRequest& request, const Moving
   return out;
 }
 
-// Steers to a point, forwards or backwards, whichever needs less turning; slows to stop there.
+// Steers to a point, backwards if it lies behind, and slows down to stop there.
 Twist2 drive_to(const Eigen::Vector2d& p_MT, const Pose2& X_MB, const RobotParams& robot) {
   const Eigen::Vector2d to = p_MT - X_MB.position();
   const double bearing = wrap_angle(std::atan2(to.y(), to.x()) - X_MB.theta);

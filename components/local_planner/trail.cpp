@@ -6,13 +6,13 @@
 namespace tandem {
 namespace {
 
-constexpr double kJump = 0.5;         // [m] in a cycle: the leader was put somewhere else
-constexpr double kSamePlace = 0.2;    // [m] of the trail: what lay between was taken back
-constexpr std::size_t kRecent = 12;   // points that are near because they are new
-constexpr double kBridge = 0.15;      // [m] between two points: some are missing
-constexpr double kSearchAhead = 2.0;  // [m] the robot passes no more of the trail than this at once
+constexpr double kJump = 0.5;         // [m] in a cycle: the leader was repositioned
+constexpr double kSamePlace = 0.2;    // [m] from an earlier point: the leader has returned to it
+constexpr std::size_t kRecent = 12;   // newest points, too close to count as a return
+constexpr double kBridge = 0.15;      // [m] between two points: points between them were left out
+constexpr double kSearchAhead = 2.0;  // [m] most of the trail that the robot can pass in one cycle
 
-// Index of the point nearest to p within the first `most` metres.
+// Index of the point nearest to p within the first `most` [m] of the path.
 std::size_t nearest(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& p,
                     double most) {
   std::size_t best = 0;
@@ -58,7 +58,7 @@ std::vector<Eigen::Vector2d> Trail::free_points(const Body& body,
 
 namespace {
 
-// Direction of the trail about its i-th step, over a few of them: single ones are coarse.
+// Direction of the trail around its i-th step, averaged because single steps are noisy.
 Eigen::Vector2d direction(std::span<const Eigen::Vector2d> trail, std::size_t i) {
   constexpr std::size_t kSteps = 3;  // to either side
   const Eigen::Vector2d from = trail[i > kSteps ? i - kSteps : 0];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: where the leader is, cycle by cycle. Out: the way it took, as far as it is still ahead.
+// Records the leader's path from the robot onward, for method path.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,18 +10,18 @@
 
 namespace tandem {
 
-/// Where the person's leader drove since the place beside which the robot is now. Devalla 2020,
-/// §5.1 asks for it: the leader's way, not only its pose, says what the person means.
+/// The part of the leader's path that the robot has not passed yet, in the map frame [m]. After
+/// Devalla 2020, §5.1: the leader's path, not only its pose, expresses what the person wants.
 class Trail {
  public:
-  /// The leader moved to p_ML, the robot to p_MB. A leader that comes back to an earlier place of
-  /// its trail takes back what lay between; one that jumps begins anew.
+  /// The leader moved to p_ML, the robot to p_MB. A leader that returns to an earlier point of its
+  /// trail removes the loop between; a leader that jumps starts a new trail at the robot.
   void extend(const Eigen::Vector2d& p_ML, const Eigen::Vector2d& p_MB);
   void clear() { points_.clear(); }
 
-  /// Points kSpacing apart up to the leader and `onward` from there, without those at which the
-  /// body's smallest disc would miss the margin, the last apart: a leader is a ghost and drives
-  /// through what stands in its way.
+  /// The trail's points, kSpacing apart, followed by `onward`. Points at which the body's largest
+  /// disc would violate the margin are left out, except the last: the leader is virtual and drives
+  /// through obstacles.
   [[nodiscard]] std::vector<Eigen::Vector2d> free_points(
       const Body& body, std::span<const Obstacle> obstacles, const PairLimits& limits,
       std::span<const Eigen::Vector2d> onward = {}) const;
@@ -32,12 +32,14 @@ class Trail {
   std::vector<Eigen::Vector2d> points_;
 };
 
-/// The point `ahead` metres along the trail from its point nearest to p_MQ [m].
+/// A point on a trail, in the map frame [m].
 struct OnTrail {
   Eigen::Vector2d p_MT;
-  Eigen::Vector2d ahead = {1.0, 0.0};  ///< the trail's direction there, of length 1
-  bool bridges = false;  ///< where points are missing, so that the robot has to find its own way
+  Eigen::Vector2d ahead = {1.0, 0.0};  ///< unit vector of the trail's direction there
+  bool bridges = false;  ///< the point lies in a gap of the trail, left by an obstacle
 };
+/// The point `ahead` [m] along the trail from its point nearest to p_MQ; at most the last point.
+/// `trail` must not be empty.
 [[nodiscard]] OnTrail along(std::span<const Eigen::Vector2d> trail, const Eigen::Vector2d& p_MQ,
                             double ahead);
 

@@ -8,9 +8,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kBarrier = 1e-4;  // where the solvers end
+constexpr double kBarrier = 1e-4;  // barrier parameter at the solvers' end
 
-// Where stage k of the new problem lies in the old one: (1 − r) · first + r · second.
+// Stage k of the new problem in stages of the old one: (1 − r) · first + r · second.
 struct Between {
   std::size_t first, second;
   double r;
@@ -38,7 +38,7 @@ std::vector<double> interpolate(const std::vector<double>& values, const Solved&
   return out;
 }
 
-// First row (4) of each stage.
+// Index of each stage's first row (4).
 std::vector<std::size_t> first_pair_rows(const Ocp& ocp) {
   std::vector<std::size_t> rows;
   std::size_t row = equalities(ocp) * ocp.stages.size();
@@ -49,12 +49,12 @@ std::vector<std::size_t> first_pair_rows(const Ocp& ocp) {
   return rows;
 }
 
-// Identifiers may be unset or used again: the place has to agree as well.
+// Identifiers may be unset or reused, so the positions must agree as well.
 bool is_same(const Obstacle& a, const Obstacle& b) {
   return a.id == b.id && (a.p_MO - b.p_MO).norm() < 0.2;
 }
 
-// Multiplier of the stage's pair that is the same disc and obstacle, or `otherwise`.
+// Multiplier of the old stage's row for the same disc and obstacle, or `otherwise`.
 double multiplier(const Solved& last, const std::vector<std::size_t>& first, std::size_t k,
                   const Pair& pair, double otherwise) {
   const auto& pairs = last.ocp.stages[k].pairs;
@@ -114,7 +114,7 @@ Pose2 shifted_start(const Solved& last, double elapsed) {
 Forecast shifted_motion(const Solved& last, double elapsed, const Ocp& ocp) {
   const std::size_t stages = ocp.stages.size();
   const auto z = interpolate(last.point.z, last, elapsed, stages, block(ocp));
-  // The measured heading is wrapped, the plan's is continuous: compare stage 0 of both.
+  // The measured heading is wrapped, the plan's is continuous. Stage 0 of both gives the offset.
   const double turns = std::round((last.ocp.X_MB.theta - ocp.X_MB.theta) / (2 * std::numbers::pi));
   Forecast out{{}, {ocp.X_MB}};
   Moving at{ocp.X_MB, ocp.motion};

@@ -10,8 +10,8 @@ namespace tandem {
 namespace {
 
 constexpr double kClearanceCap = 1.0;    // [m]
-constexpr double kShortestStep = 0.015;  // [m] of the outline between two looks at the map
-constexpr double kRetreat = 1e-3;        // [m] inside the margin that much nearness is forgiven
+constexpr double kShortestStep = 0.015;  // [m] least travel of the outline between two map checks
+constexpr double kRetreat = 1e-3;        // [m] allowed loss of clearance inside the margin
 
 double square(double x) { return x * x; }
 
@@ -36,7 +36,8 @@ DwaChoice SharedDwa::choose(const Pose2& X_MB, const Twist2& measured, const Twi
   const double room = std::min(best.clearance, map.clearance(footprint_, X_acting, kClearanceCap));
   const double margin = std::min(params_.margin, room - kRetreat);
   for (const auto& [twist, disagreement] : samples(measured, limit(user, robot_))) {
-    if (best.admissible && disagreement >= best.cost) break;  // the rest only costs more
+    // Samples are sorted by disagreement, a lower bound of their cost: none of the rest can win.
+    if (best.admissible && disagreement >= best.cost) break;
     const Arc arc = follow(X_acting, twist, margin, map);
     ++best.looked_at;
     if (!arc.admissible) continue;
@@ -51,7 +52,8 @@ DwaChoice SharedDwa::choose(const Pose2& X_MB, const Twist2& measured, const Twi
   return best;
 }
 
-// The window's grid and the person's own command, in order of disagreement.
+// The person's twist, rest (both clamped to the window) and the window's grid, sorted by
+// disagreement.
 std::vector<SharedDwa::Sample> SharedDwa::samples(const Twist2& measured,
                                                   const Twist2& user) const {
   const double dv = params_.window * robot_.a_brake, dw = params_.window * robot_.alpha_brake;
@@ -77,8 +79,8 @@ std::vector<SharedDwa::Sample> SharedDwa::samples(const Twist2& measured,
   return all;
 }
 
-// Conservative advancement: the outline never moves further than it is clear. Braking along the arc
-// covers half the way that its time would at full speed.
+// Conservative advancement: each step is as long as the clearance allows, but at least
+// kShortestStep. Braking covers half the distance that the same time at full speed would.
 SharedDwa::Arc SharedDwa::follow(const Pose2& X_MB, const Twist2& twist, double margin,
                                  const StaticMap& map) const {
   const double braking =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the person's command, the robot's state, the map. Out: the nearest command whose arc is free.
+// Chooses the admissible command closest to the person's by the dynamic window approach.
 #pragma once
 
 #include "tandem/config/params.hpp"
@@ -38,39 +38,39 @@ struct SharedDwaParams {
   }
 };
 
-/// What was chosen, and from how much.
+/// The chosen command and its rating.
 struct DwaChoice {
   Twist2 command;          ///< zero if no sample is admissible
-  bool admissible = true;  ///< false: nothing was, and the command is to brake
+  bool admissible = true;  ///< false: no sample is admissible and the robot must brake
   double cost = 0.0;
   double clearance = 0.0;  ///< of the outline now [m], at most 1
-  int looked_at = 0;       ///< arcs followed through the map
+  int looked_at = 0;       ///< number of arcs checked against the map
 };
 
 /// Shared Dynamic Window Approach: the Dynamic Window Approach (Fox, Burgard, Thrun 1997) with the
-/// person's command in the place of a goal. Of the twists within the window about the present one
-/// it takes the one of least cost
+/// person's command instead of a goal. Of the admissible twists in the window around the present
+/// one it chooses the one of least cost
 ///
 ///   C_v ((v − v_user) / v_max)² + C_w ((ω − ω_user) / ω_max)²
 ///     + C_way (1 − t_free / horizon)² + C_c max(0, 1 − c / comfort)²                          (1)
 ///
-/// t_free: time along the arc until contact; c: least clearance on the way to rest. Admissible is
-/// only what, acting for one control period and then braked along its arc, keeps the margin (or,
-/// inside of it, the present clearance). The outline is exact, the world the map's
-/// cells.
+/// t_free: time along the arc until the margin is violated [s]; c: least clearance until rest [m].
+/// A twist is admissible if the robot, after one control period at this twist and braking along its
+/// arc, has kept the margin or, if it is inside the margin already, its present clearance. The
+/// exact outline is checked against the map's cells.
 class SharedDwa {
  public:
   /// Throws std::invalid_argument on parameters out of range.
   SharedDwa(const SharedDwaParams& params, const RobotParams& robot);
 
-  /// `measured`: the body twist at X_MB.
+  /// `measured`: body twist at X_MB (map frame) [m/s, rad/s]; `user`: the person's command.
   [[nodiscard]] DwaChoice choose(const Pose2& X_MB, const Twist2& measured, const Twist2& user,
                                  const StaticMap& map) const;
 
  private:
   struct Arc {
-    double t_free = 0.0;     // [s] along it until contact, at most the horizon
-    double clearance = 0.0;  // [m] the least until rest
+    double t_free = 0.0;     // [s] until the margin is violated, at most the horizon
+    double clearance = 0.0;  // [m] least clearance until rest
     bool admissible = false;
   };
   struct Sample {

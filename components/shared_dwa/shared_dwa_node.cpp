@@ -35,7 +35,7 @@ void SharedDwaNode::choose() {
   if (!map) return stop_in_trouble(map_.missing(), map_.missing_topic());
   user_.forget_later_than(node_.now());
   if (!user_.fresh(node_.now(), params_->user_timeout)) {
-    diagnostics_.report_well(text_of(Reason::kUserSilent));  // to wait for a person is no trouble
+    diagnostics_.report_well(text_of(Reason::kUserSilent));  // waiting for a person is normal
     return stop(text_of(Reason::kUserSilent));
   }
   standing_for_ = {};
@@ -72,7 +72,7 @@ void SharedDwaNode::stop(const std::string& reason) {
   if (std::exchange(standing_for_, reason) != reason)
     node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
-  // Nothing of the last choice: its clearance would be taken for how near things are now.
+  // A new message, because the last choice's clearance would be mistaken for the present one.
   tandem_msgs::msg::PlannerStatus standing;
   standing.method(status_.method());
   standing.solver(status_.solver());

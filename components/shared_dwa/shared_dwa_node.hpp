@@ -35,8 +35,8 @@ struct SharedDwaNodeParams {
 /// cmd_vel_user, octomap_binary, octomap_local, odom, tf → cmd_vel_shared, planner/status,
 /// /diagnostics.
 ///
-/// In the place of local_planner. Chooses every control period; while an input that it needs is
-/// silent it says zero, and why.
+/// Replaces local_planner. Chooses once per control period; while a required input is silent it
+/// publishes zero and the reason.
 class SharedDwaNode {
  public:
   explicit SharedDwaNode(rt::Node& node);
@@ -53,7 +53,7 @@ class SharedDwaNode {
   RobotStateInput robot_;
   MapInput map_;
   Stamped<Twist2> user_;
-  std::string standing_for_;  ///< why it stands, as it was logged
+  std::string standing_for_;  ///< last logged reason for standing
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
