@@ -7,8 +7,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-5, kEta = 1e-8;  // their γ_θ, γ_φ, η_φ
-constexpr double kRounding = 1e-15;
+constexpr double kGammaTheta = 1e-5, kGammaPhi = 1e-5, kEta = 1e-8;  // γ_θ, γ_φ, η_φ of the paper
+constexpr double kRounding = 1e-15;  // relative increase of φ that counts as rounding
 
 }  // namespace
 
