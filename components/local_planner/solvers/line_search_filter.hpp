@@ -6,8 +6,8 @@
 
 namespace tandem {
 
-/// The two measures of a point: θ = ‖residuals of the equalities‖₁ and φ = cost − μ Σ
-/// log(distances).
+/// The two measures of a point: θ = ‖residuals of the equalities‖₁ and
+/// φ = cost − μ Σ log(distances).
 struct Merit {
   double infeasibility, barrier;
 };
