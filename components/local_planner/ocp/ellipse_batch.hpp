@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to local_planner: the distance to an ellipse for several points at once, each with an
-// ellipse of its own. A lane of an array is a point; what takes long (roots, quotients) is computed
-// for all lanes by the same instructions.
+// Private to local_planner: signed distances of several points at once, each to its own ellipse.
+// One array lane per point, so that the costly square roots and divisions are vectorised.
 //
-// The closest point of an ellipse solves, with q = (|x|, |y|) in its axes and e = a² − b²,
+// With q = (|x|, |y|) in the ellipse's axes and e = a² − b², the closest point c follows from the
+// one root s > 0 of
 //
 //   F(s) = (a q₁ / (s + e))² + (b q₂ / s)² − 1 = 0,   c = (a² q₁ / (s + e), b² q₂ / s)    (3)
 //
-// for the one root s > 0 (Eberly, "Distance from a point to an ellipse", 2013, with t = s − b²).
-// 0 ≤ F ≤ 1 at s₀ = max(b q₂, a q₁ − e). Newton's method is used on 1 / √(1 + F) = 1 instead, as
-// trust-region methods do (Conn, Gould, Toint 2000, section 7.3): the left side rises, is concave
-// and nearly straight, so that it climbs from s₀ to the root without overshoot in a few steps.
+// (Eberly, "Distance from a point to an ellipse", 2013, with t = s − b²). 0 ≤ F ≤ 1 at
+// s₀ = max(b q₂, a q₁ − e). Newton's method is applied to 1 / √(1 + F) = 1 instead, as in
+// trust-region methods (Conn, Gould, Toint 2000, section 7.3): the left side is increasing, concave
+// and nearly linear, so the iteration from s₀ reaches the root in a few steps without overshoot.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,10 +20,11 @@ namespace tandem {
 template <int n>
 using Lanes = Eigen::Array<double, n, 1>;
 
-/// Coordinates in the axes are at least this share of b: on the axes (3) degenerates.
+/// Points are kept off the ellipse's axes by this fraction of b, because (3) degenerates there.
 inline constexpr double kOffAxes = 1e-9;
 
-/// Value, outward normal in the axes, curvature: (1) and (2) of ellipse_distance.hpp.
+/// Distance [m], outward normal in the ellipse's axes and curvature [1/m]: (1) and (2) of
+/// ellipse_distance.hpp.
 template <int n>
 struct OutlineDistance {
   Lanes<n> value, n_x, n_y, curvature;
@@ -32,7 +33,7 @@ struct OutlineDistance {
 template <int n>
 [[nodiscard]] Lanes<n> closest_point_root(const Lanes<n>& e, const Lanes<n>& aq_x,
                                           const Lanes<n>& bq_y) {
-  constexpr double kLastStep = 1e-8;  // relative; the next would be of its square
+  constexpr double kLastStep = 1e-8;  // relative; Newton's method converges quadratically
   Lanes<n> s = bq_y.max(aq_x - e);
   for (int i = 0; i < 60; ++i) {
     const Lanes<n> se = s + e, per_both = (se * s).inverse();
@@ -47,7 +48,7 @@ template <int n>
   return s;
 }
 
-/// Of points q in the first quadrants of the axes, both coordinates positive; a ≥ b > 0.
+/// Distances of points q in the first quadrant of the ellipses' axes [m], q_x, q_y > 0; a ≥ b > 0.
 template <int n>
 [[nodiscard]] OutlineDistance<n> distance_to_outline(const Lanes<n>& a, const Lanes<n>& b,
                                                      const Lanes<n>& q_x, const Lanes<n>& q_y) {
@@ -61,7 +62,7 @@ template <int n>
   return {value, n_x, n_y, kappa / (1.0 + kappa * value).max(0.5)};  // (2)
 }
 
-/// The same, the short way for circles.
+/// The same, with a closed form for circles of radius r.
 template <int n>
 [[nodiscard]] OutlineDistance<n> distance_to_circle(const Lanes<n>& r, const Lanes<n>& q_x,
                                                     const Lanes<n>& q_y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a point and an ellipse. Out: their exact signed distance with first and second derivatives.
+// Exact signed distance from a point to an ellipse, with first and second derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,37 +20,38 @@ struct SignedDistance {
   double curvature;        ///< κ' of (2) [1/m]
 };
 
-/// Exact up to rounding, outside and inside. A disc of radius r ≥ 0 about p meets the filled
-/// ellipse E exactly if φ(p) ≤ r: nothing is bounded, the sum of ellipse and disc is used as it is.
-/// Proof: with D the closed disc of radius r about 0,
+/// Exact up to rounding, outside and inside. A disc of radius r ≥ 0 about p intersects the filled
+/// ellipse E if and only if φ(p) ≤ r: the Minkowski sum of ellipse and disc is represented exactly,
+/// not by a bounding shape. Proof: with D the closed disc of radius r about 0,
 ///
 ///   (p + D) ∩ E ≠ ∅  ⇔  |p − e| ≤ r for some e ∈ E  ⇔  p ∈ E ⊕ D  ⇔  dist(p, E) ≤ r        (4)
 ///
-/// as D = −D, and since E is compact. Outside of E its nearest point is on the outline: φ = dist;
-/// inside φ < 0 ≤ r and p itself is in both. So E ⊕ D = {φ ≤ r}, the outer parallel body of E
-/// (Schneider, "Convex Bodies: The Brunn-Minkowski Theory", 2nd ed., section 3.1), and its outline
-/// is the offset curve c + r n. That is no ellipse. The ellipse of semi-axes a + r and b + r lies
-/// inside of it, and would hide contacts: support functions add (ibid., section 1.7), and
+/// because D = −D and E is compact. For p outside E the nearest point of E is on the outline, so
+/// φ = dist; for p inside, φ < 0 ≤ r and p lies in both sets. Hence E ⊕ D = {φ ≤ r}, the outer
+/// parallel body of E (Schneider, "Convex Bodies: The Brunn-Minkowski Theory", 2nd ed., section
+/// 3.1). Its outline is the offset curve c + r n, which is not an ellipse. The ellipse of semi-axes
+/// a + r and b + r lies inside it and would miss contacts: support functions add (ibid., section
+/// 1.7), and
 /// |(a cos t, b sin t)| + |(r cos t, r sin t)| ≥ |((a + r) cos t, (b + r) sin t)|.
 ///
 /// (1) and (2): Gilbarg and Trudinger, "Elliptic Partial Differential Equations of Second Order",
-/// section 14.6. Inside, beyond the centres of curvature, φ has a crease along the long axis; there
-/// (2) is bounded.
+/// section 14.6. Inside, beyond the centres of curvature, φ has a crease along the long axis; κ' is
+/// capped there, at 2κ.
 ///
-/// `axis`: cosine and sine of the ellipse's angle, for who asks often.
+/// `axis`: cosine and sine of the ellipse's angle, so that callers can compute them once.
 [[nodiscard]] SignedDistance signed_distance_to_ellipse(const Obstacle& ellipse,
                                                         const Eigen::Vector2d& axis,
                                                         const Eigen::Vector2d& p_MQ);
 
-/// The same, the short way for a circle.
+/// The same, with a closed form for circles.
 [[nodiscard]] inline SignedDistance signed_distance(const Obstacle& ellipse,
                                                     const Eigen::Vector2d& axis,
                                                     const Eigen::Vector2d& p_MQ) {
   if (ellipse.a != ellipse.b) return signed_distance_to_ellipse(ellipse, axis, p_MQ);
   const double r = ellipse.a, x = p_MQ.x() - ellipse.p_MO.x(), y = p_MQ.y() - ellipse.p_MO.y();
   const double d2 = x * x + y * y;
-  if (d2 <= 1e-18 * r * r) return {-r, {1.0, 0.0}, 2.0 / r};  // its centre has no normal
-  const double d = std::sqrt(d2), per = d * (1.0 / d2);       // root and quotient at the same time
+  if (d2 <= 1e-18 * r * r) return {-r, {1.0, 0.0}, 2.0 / r};  // no unique normal at the centre
+  const double d = std::sqrt(d2), per = d * (1.0 / d2);       // division need not wait for the root
   return {d - r, {x * per, y * per}, per * r <= 2.0 ? per : 2.0 / r};
 }
 [[nodiscard]] inline SignedDistance signed_distance(const Obstacle& ellipse,

@@ -152,7 +152,7 @@ void jacobian_values(const Ocp& ocp, std::span<const double> z, std::span<double
     for (const double value : list) values[i++] = value;
   };
   const LagStep& lag = ocp.lag;
-  const double of_v = 1.0 - lag.share_v, of_w = 1.0 - lag.share_w;  // of the mean, by the command
+  const double of_v = 1.0 - lag.share_v, of_w = 1.0 - lag.share_w;  // ∂m/∂u
   for (std::size_t k = 0; k < ocp.stages.size(); ++k) {
     const Displacement d = motion_at(ocp, z, k);
     put({1.0, -1.0, 1.0, -1.0});
@@ -210,7 +210,7 @@ void hessian_values(const Ocp& ocp, std::span<const double> z, double sigma,
     for (const double value : list) values[i++] = value;
   };
   const LagStep& lag = ocp.lag;
-  const double of_v = 1.0 - lag.share_v, of_w = 1.0 - lag.share_w;  // of the mean, by the command
+  const double of_v = 1.0 - lag.share_v, of_w = 1.0 - lag.share_w;  // ∂m/∂u
   const std::size_t equality_rows = equalities(ocp);
   auto pair_row = equality_rows * ocp.stages.size();
   std::size_t theta_theta_before = 0;
@@ -220,11 +220,11 @@ void hessian_values(const Ocp& ocp, std::span<const double> z, double sigma,
     const Placed X{pose_after(ocp, z, k)};
     const Displacement d = motion_at(ocp, z, k);
     const auto row = lambda.subspan(equality_rows * k, equality_rows);
-    const Vector2d l{-row[2], -row[3]};  // (3) holds −D
+    const Vector2d l{-row[2], -row[3]};  // (3) contains −D
 
-    double crowded = 0.0;  // multipliers of this stage's rows (4)
+    double crowded = 0.0;  // sum of the multipliers of this stage's rows (4)
     Eigen::Matrix3d pose = (sigma * c.X2).asDiagonal();
-    pose(1, 0) = sigma * c.xy;  // the lower triangle is what is wanted
+    pose(1, 0) = sigma * c.xy;  // only the lower triangle is read
     for (const Pair& pair : stage.pairs) {
       pose += lambda[pair_row] * pair_terms(pair, X).hessian();
       crowded += lambda[pair_row++];

@@ -9,10 +9,10 @@
 namespace tandem {
 namespace {
 
-constexpr double kMoves = 0.05;  // [m/s] an obstacle that is faster moves
+constexpr double kMoves = 0.05;  // [m/s] faster obstacles count as moving
 
-// Body and obstacles, asked for their distances at many poses. Most pairs are far apart: the box
-// around an ellipse tells so at once.
+// Distances between body and obstacles at many poses. Most pairs are far apart, so the ellipse's
+// bounding box is tested before the exact distance.
 class Surroundings {
  public:
   Surroundings(const Body& body, std::span<const Obstacle> obstacles, const PairLimits& limits)
@@ -23,8 +23,8 @@ class Surroundings {
     }
   }
 
-  // Calls found(clearance, pair) for the pairs of the stage that ends at X_MB, `t` seconds after
-  // the obstacles' time, with less clearance than `most` at the time of asking.
+  // Calls found(clearance, pair) for each pair with less clearance than `most` at the pose X_MB,
+  // `t` seconds after the obstacles' timestamp. `found` may lower `most` between calls.
   template <class Found>
   void closer_than(const double& most, const Pose2& X_MB, double t, const Found& found) const {
     const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
@@ -83,7 +83,7 @@ std::vector<std::vector<Pair>> nearest_pairs(const Body& body, std::span<const O
   std::vector<Candidate> nearest;
   for (std::size_t k = 0; k < X_MB.size(); ++k) {
     nearest.clear();
-    double most = limits.reach;  // clearance of one that would still be among them
+    double most = limits.reach;  // [m] a pair must be closer than this to be kept
     around.closer_than(most, X_MB[k], around.time(k), [&](double clearance, const Pair& pair) {
       const auto is_nearer = [](double c, const Candidate& other) { return c < other.clearance; };
       const auto place = std::upper_bound(nearest.begin(), nearest.end(), clearance, is_nearer);

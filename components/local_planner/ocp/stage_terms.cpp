@@ -10,7 +10,7 @@ struct Sinc {
   double value, first, second;
 };
 
-// `turn`: cosine and sine of b.
+// sinc and its derivatives at b. `turn`: cosine and sine of b.
 Sinc sinc(double b, const Heading& turn) {
   const double b2 = b * b;
   if (std::abs(b) < 0.02)
@@ -20,8 +20,9 @@ Sinc sinc(double b, const Heading& turn) {
   return {value, first, -value - 2.0 * first / b};
 }
 
-// Krijnen's wish as a smooth function of the twist: 2 (1 − (v cos δ + w sin δ) / r) with
-// r² = v² + w² + ε². For v > 0 its direction is his atan(w / v), and it is 0 at the same twists.
+// Krijnen's direction term as a smooth function of the twist: 2 (1 − (v cos δ + w sin δ) / r) with
+// r² = v² + w² + ε². For v > 0 the direction of (v, w) is his atan(w / v); up to ε both terms
+// vanish at the same twists.
 struct Wish {
   double value;
   Vector2d gradient;
@@ -29,7 +30,7 @@ struct Wish {
 };
 
 Wish wish(const Twist2& u, double direction) {
-  constexpr double kEpsilon2 = 0.05 * 0.05;  // [m²/s²] where the direction loses its meaning
+  constexpr double kEpsilon2 = 0.05 * 0.05;  // [m²/s²] near standstill (v, w) has no direction
   const double c = std::cos(direction), s = std::sin(direction);
   const double r2 = u.v * u.v + u.w * u.w + kEpsilon2, r = std::sqrt(r2);
   const double along = u.v * c + u.w * s, r3 = r2 * r, k = 3.0 * along / r2;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: one stage of an Ocp at a point. Out: its terms with first and second derivatives, the ones
-// that every solver uses.
+// Terms of one stage of an Ocp with first and second derivatives, shared by all solvers.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +10,7 @@
 
 namespace tandem {
 
-/// A heading by its cosine and sine, computed once for all that asks for them.
+/// Cosine and sine of a heading, computed once and shared.
 struct Heading {
   double c, s;
 
@@ -34,33 +33,34 @@ struct Displacement {
 };
 [[nodiscard]] Displacement displacement(const Ocp& ocp, const Heading& theta, const Twist2& u);
 
-/// Cost (1) of a stage without its slack. What is not listed of the Hessian is zero.
+/// Cost (1) of a stage without its slack term, and its derivatives. Hessian entries not listed here
+/// are zero.
 struct CostTerms {
   double value;
   Eigen::Vector2d u, change;  ///< gradient with respect to (v, w), (d_v, d_w)
-  Eigen::Vector3d X;          ///< … and the pose
-  double vv, vw, ww;          ///< Hessian
-  Eigen::Vector2d change2;    ///< … its diagonal
-  Eigen::Vector3d X2;         ///< … its diagonal
-  double xy;                  ///< … and of x with y
+  Eigen::Vector3d X;          ///< gradient with respect to the pose X⁺
+  double vv, vw, ww;          ///< Hessian with respect to (v, w)
+  Eigen::Vector2d change2;    ///< Hessian diagonal of (d_v, d_w)
+  Eigen::Vector3d X2;         ///< Hessian diagonal of X⁺
+  double xy;                  ///< Hessian entry of (x⁺, y⁺)
 };
-/// `error`: θ⁺ − θ_r.
+/// `p_MB`: position at the end of the stage; `error`: θ⁺ − θ_r.
 [[nodiscard]] CostTerms cost_terms(const StageCost& cost, const Twist2& u, const Twist2& change,
                                    const Eigen::Vector2d& p_MB, const Heading& error);
 
-/// A pose.
+/// A pose with the cosine and sine of its heading.
 struct Placed {
   explicit Placed(const Pose2& X_MB) : p_MB{X_MB.position()}, theta{Heading::of(X_MB.theta)} {}
   Eigen::Vector2d p_MB;
   Heading theta;
 };
 
-/// Clearance φ(C(X)) − gap of a pair. The disc's centre C = p + R(θ) c has C_θ = R(θ) c⊥ and
-/// C_θθ = −R(θ) c, so with n = ∇φ and κ' its curvature
+/// Clearance φ(C(X)) − gap of a pair [m] and its derivatives. The disc's centre C = p + R(θ) c has
+/// C_θ = R(θ) c⊥ and C_θθ = −R(θ) c, so with n = ∇φ and κ' its curvature
 ///
 ///   gradient (n, n · C_θ),   Hessian κ' l lᵀ − diag(0, 0, n · R c),   l = (n⊥, n⊥ · C_θ)     (7)
 ///
-/// where n⊥ · C_θ = n · R c as well.
+/// where n⊥ · C_θ = n · R c.
 struct PairTerms {
   double value;
   double n_x, n_y;

@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kLeastRoom = 2e-6;  // between two bounds
+constexpr double kLeastRoom = 2e-6;  // least distance between a variable's bounds
 
 Pose2 pose_of(const double* z) { return {z[kX], z[kY], z[kTheta]}; }
 Twist2 command_of(const double* z) { return {z[kV], z[kW]}; }

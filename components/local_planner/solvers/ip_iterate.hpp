@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: variables of an Ocp. Out: everything that an iteration needs of them, each stage seen once.
+// Primal point of the interior point method, with all terms of the Ocp evaluated in one pass.
 #pragma once
 
 #include <cmath>
@@ -11,17 +11,17 @@
 
 namespace tandem {
 
-/// Bounds of the variables, all of them: where there is none, kFar stands for it, so far away that
-/// its barrier has no effect. Fixed variables get a little room.
+/// Bounds of all variables. Missing bounds are at ±kFar, where their barrier has no effect. Bounds
+/// that coincide or nearly do are widened, because the method needs an interior.
 struct Box {
   static constexpr double kFar = 1e10;
   std::vector<double> lower, upper;
 
-  /// False if a bound is not a number or lies on the wrong side.
+  /// Returns false if a bound is NaN or a lower bound exceeds its upper bound.
   [[nodiscard]] bool set(const Ocp& ocp);
 };
 
-/// Σ log of many factors, by few logarithms.
+/// Σ log of many factors with few calls of log.
 class LogOfProduct {
  public:
   void operator*=(double factor) {
@@ -36,17 +36,18 @@ class LogOfProduct {
   double product_ = 1.0, sum_ = 0.0;
 };
 
-/// A stage at a point. n: states that it hands on, 3, or 5 where the motors lag.
+/// Terms of a stage at a point. n: states that it passes on, 3, or 5 with a motor lag.
 template <int n>
 struct StageTerms {
   CostTerms cost;
   Displacement motion;
   Eigen::Vector2d change;           ///< residuals of rows (2)
-  Eigen::Matrix<double, n, 1> gap;  ///< f(X, u) − X⁺: rows (3) and (8), with the other sign
+  Eigen::Matrix<double, n, 1> gap;  ///< f(X, u) − X⁺: rows (3) and (8), negated
   Eigen::Vector2d growth;           ///< gradient of growth() with respect to u
 };
 
-/// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0; and what follows.
+/// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0, and the terms that
+/// follow from them.
 template <int n>
 struct IpIterate {
   static constexpr std::size_t kBlock = block_of(n);
@@ -61,21 +62,21 @@ struct IpIterate {
 
   [[nodiscard]] Merit merit(double mu) const { return {infeasibility, cost - mu * logs}; }
   void resize(std::size_t stage_count, std::size_t pair_count);
-  /// To be called when the problem has changed.
+  /// Must be called after resize() and whenever the problem has changed.
   void set_problem(const Ocp& ocp);
-  /// Fills the rest from z and t.
+  /// Computes all other members from z and t.
   void evaluate(const Ocp& ocp, const Box& box);
   /// t = φ − gap − growth + s, but at least `least`.
   void set_slacks(const Ocp& ocp, double least);
 
  private:
   void evaluate_pairs();
-  // Of stage k, whose first row (4) is `first`; returns the next stage's.
+  // Adds the rows (4) of stage k to the sums. `first`: its first row; returns the next stage's.
   std::size_t sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
                            LogOfProduct& distances);
 
-  std::vector<Heading> targets_;  // of the stages' costs
-  std::vector<Placed> ends_;      // of the stages
+  std::vector<Heading> targets_;  // target headings of the stages
+  std::vector<Placed> ends_;      // poses at the ends of the stages
   std::vector<PairBatch> lanes_;  // rows (4)
 };
 

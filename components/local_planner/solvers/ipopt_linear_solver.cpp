@@ -20,9 +20,9 @@ thread_local Active active;
 #ifdef TANDEM_IPOPT_TAKES_MA27
 std::size_t count(const int* n) { return static_cast<std::size_t>(*n); }
 
-// MA27's four subroutines, arguments as HSL documents them. What Ipopt reads of INFO: (1) status,
-// 0 or 3 for singular; (2) rank; (5), (6) lengths of A and IW to provide; (15) negative
-// eigenvalues.
+// MA27's four subroutines, with the arguments that HSL documents. Ipopt reads from INFO: (1)
+// status, 0, or 3 if singular; (2) rank; (5), (6) lengths to provide for A and IW; (15) number of
+// negative eigenvalues.
 void ma27_defaults(int*, double*) {}
 
 void ma27_analyse(int* n, int* nz, const int* rows, const int* columns, int*, int*, int*, int*,

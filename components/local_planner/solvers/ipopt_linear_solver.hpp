@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: Ipopt's linear systems for an Ocp. Out: their solutions, from pivots that its stages tell.
+// Solves Ipopt's linear systems for an Ocp with a pivot order derived from its stages.
 #pragma once
 
 #include "tandem/local_planner/ocp/ocp.hpp"
@@ -7,16 +7,18 @@
 
 namespace tandem {
 
-/// Pivots for the system of Ipopt's step, unknowns z, slacks of rows (4), λ of (2), (3), then λ of
-/// (4), in the order of a Riccati recursion: each row (4) into its stage, then the stages from the
-/// last to the first, s, d, X⁺ and a⁺ each against its own row, whose entry is 1, and u at the end.
-/// Only the pivots of u depend on the curvature: as in riccati.cpp, they tell its inertia.
+/// Pivots for the KKT system of Ipopt's step, whose unknowns are z, the slacks of rows (4), λ of
+/// (2), (3), (8), then λ of (4). The order is that of a Riccati recursion: first the rows (4) are
+/// eliminated into their stages, then the stages from last to first. In a stage s comes first, then
+/// d, X⁺ and a⁺, each paired with its own row, whose entry is ±1, and u last. Only the pivots of u
+/// depend on the curvature; as in riccati.cpp, they determine the inertia.
 [[nodiscard]] std::vector<Pivot> stage_pivots(const Ocp& ocp);
 
-/// Whether this Ipopt lets a linear solver be put in the place of HSL's MA27 (3.11 does).
+/// Whether this Ipopt lets HSL's MA27 be replaced by another solver (3.11 does).
 [[nodiscard]] bool takes_linear_solver();
 
-/// While it lives, Ipopt's `ma27` on this thread is `factors` with pivots `order`.
+/// During its lifetime, Ipopt's `ma27` on this thread uses `factors` with the pivots `order`, both
+/// of which must outlive it.
 class AsMa27 {
  public:
   AsMa27(SparseLdl& factors, const std::vector<Pivot>& order);
@@ -24,7 +26,7 @@ class AsMa27 {
   AsMa27(const AsMa27&) = delete;
   AsMa27& operator=(const AsMa27&) = delete;
 
-  /// Whether Ipopt has asked it for factors.
+  /// Whether Ipopt has requested a factorisation.
   [[nodiscard]] bool is_used() const;
 };
 

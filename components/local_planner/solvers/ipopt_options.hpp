@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: Ipopt's options. Out: the same, each looked up once.
+// An Ipopt options list that caches lookups, because they dominate the time of short solves.
 #pragma once
 
 #include <IpOptionsList.hpp>
@@ -9,8 +9,8 @@
 
 namespace tandem {
 
-/// Ipopt asks for some three hundred options per solve and searches two trees of strings for each,
-/// longer than a short solve takes. This list remembers what it was asked.
+/// Ipopt reads about three hundred options per solve and searches two string trees for each, which
+/// takes longer than a short solve. This list caches every answer until the option is set again.
 class RememberedOptions : public Ipopt::OptionsList {
  public:
   bool SetStringValue(const std::string& tag, const std::string& value, bool allow_clobber = true,
@@ -35,7 +35,7 @@ class RememberedOptions : public Ipopt::OptionsList {
   struct Answer {
     Kind kind;
     std::string prefix;
-    bool is_set;  // else the value is the default
+    bool is_set;  // false: the value is the default
     double number;
     std::string text;
   };

@@ -135,7 +135,8 @@ bool IpoptProblem::eval_h(Index n, const Number* x, bool, Number sigma, Index m,
   return true;
 }
 
-// Stops while two more iterations, one of them perhaps with several factorisations, would not fit.
+// Stops unless two more iterations fit before the deadline, because the next one may need several
+// factorisations.
 bool IpoptProblem::intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number, Number,
                                          Number, Number, Number, Number, Number, Number, Index,
                                          const Ipopt::IpoptData*,

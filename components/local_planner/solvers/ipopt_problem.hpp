@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: an optimal control problem, a guess, limits. Out: the same as Ipopt wants to see it.
+// Presents an optimal control problem to Ipopt as a TNLP.
 #pragma once
 
 #include <IpTNLP.hpp>
@@ -10,29 +10,30 @@
 
 namespace tandem {
 
-/// What of an Ocp decides where the zeros are: Ipopt keeps what it made of it as long as it stays.
+/// The properties of an Ocp that determine its sparsity. Ipopt's setup can be reused while they are
+/// unchanged.
 struct Structure {
   std::vector<int> pairs;            ///< per stage
   std::vector<signed char> bounded;  ///< per variable: bit 0 below, bit 1 above
-  bool fixed = false;                ///< some bounds meet: Ipopt leaves those variables out
+  bool fixed = false;                ///< some bounds coincide; Ipopt removes those variables
 
   friend bool operator==(const Structure&, const Structure&) = default;
 };
 [[nodiscard]] Structure structure_of(const Ocp& ocp, const Bounds& all);
 
-/// Problems of one structure, one after the other.
+/// A sequence of problems of the same structure.
 class IpoptProblem : public Ipopt::TNLP {
  public:
   using Index = Ipopt::Index;
   using Number = Ipopt::Number;
 
-  /// Of the structure of `ocp`, which is not kept.
+  /// Takes the structure of `ocp`; keeps no reference to it.
   explicit IpoptProblem(const Ocp& ocp);
 
-  /// The next one. All three have to live until the solve has ended.
+  /// Sets the next problem. `ocp`, `guess` and `limits` must outlive the solve.
   void set(const Ocp& ocp, Bounds all, const Iterate& guess, const SolveLimits& limits);
 
-  /// How it ended.
+  /// Result of the last solve; moves its point out. kFailed if the point is not finite.
   [[nodiscard]] Solution solution(Ipopt::ApplicationReturnStatus status);
 
   bool get_nlp_info(Index& n, Index& m, Index& nnz_jac, Index& nnz_hessian,

@@ -12,8 +12,8 @@
 #include "tandem/local_planner/solvers/ipopt_problem.hpp"
 
 // Ipopt before 3.14 times each of its steps with getrusage: five hundred system calls per solve, a
-// third of its time, for statistics that nobody reads and for a limit on the time of all threads
-// together. These take the place of its own as the program is loaded.
+// third of its time, for unused statistics and for a CPU time limit over all threads. These
+// definitions replace Ipopt's own when the program is loaded.
 #if IPOPT_VERSION_MAJOR == 3 && IPOPT_VERSION_MINOR < 14
 namespace Ipopt {
 Number CpuTime() { return 0.0; }
@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 using Ipopt::GetRawPtr;
 using Ipopt::SmartPtr;
 
-constexpr int kPatience = 40;           // iterations from a warm start: more, and it misleads
+constexpr int kPatience = 40;           // iterations after which a warm start counts as misleading
 constexpr std::size_t kMostSetups = 8;  // kept per thread
 
 void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
@@ -46,10 +46,11 @@ void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
   if (linear == LinearSolver::kStages) {
     options.SetStringValue("linear_system_scaling", "none");
     options.SetIntegerValue("min_refinement_steps", 0);
-    // No better factors if asked again.
+    // The pivots are fixed, so a higher pivot tolerance would not improve the factors.
     options.SetNumericValue("ma27_pivtol", 1e-4);
     options.SetNumericValue("ma27_pivtolmax", 1e-4);
-    // Of all solves with one setup together, and of all threads: the clock is ours.
+    // Ipopt's limit would count all solves of a setup and all threads; IpoptProblem checks the
+    // deadline instead.
     options.SetNumericValue("max_cpu_time", 1e20);
   }
   if (!warm) {
@@ -58,7 +59,7 @@ void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
   }
   options.SetStringValue("warm_start_init_point", "yes");
   options.SetNumericValue("mu_init", 1e-4);
-  // So little that an optimum, whose slacks are 1e-4 over a multiplier, stays one.
+  // Small enough not to move an optimum, whose slacks are 1e-4 / multiplier.
   for (const char* push :
        {"warm_start_bound_push", "warm_start_bound_frac", "warm_start_slack_bound_push",
         "warm_start_slack_bound_frac", "warm_start_mult_bound_push"})
@@ -67,7 +68,8 @@ void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
 
 // --- with the stages' pivots ---------------------------------------------------------------------
 
-// What all setups of a thread share. Of a thread, as Ipopt's object tags are.
+// Shared by all setups of a thread. Not shared by threads, since Ipopt's object tags are per
+// thread.
 struct Common {
   SmartPtr<Ipopt::Journalist> journalist = new Ipopt::Journalist;
   SmartPtr<Ipopt::RegisteredOptions> registered = new Ipopt::RegisteredOptions;
@@ -95,7 +97,7 @@ class Setup {
         problem_{new IpoptProblem(ocp)},
         app_{new Ipopt::IpoptApplication(common.registered, GetRawPtr(options_),
                                          common.journalist)} {
-    // "": no file of options from wherever the process happens to run.
+    // "": read no options file from the working directory.
     is_good_ = app_->Initialize("") == Ipopt::Solve_Succeeded;
   }
 
@@ -125,8 +127,8 @@ class Setup {
   SmartPtr<IpoptProblem> problem_;
   SmartPtr<Ipopt::IpoptApplication> app_;
   bool is_good_ = false;
-  bool is_used_ = false;      // one solve has gone through
-  bool has_factors_ = false;  // one that was not done before its first step
+  bool is_used_ = false;      // a solve has run
+  bool has_factors_ = false;  // a solve got as far as a factorisation
 };
 
 Solution Setup::solve(const Ocp& ocp, Bounds all, const Iterate& guess, const SolveLimits& limits) {
@@ -151,10 +153,10 @@ class Setups {
       if (setups_.size() == kMostSetups) setups_.pop_back();
       found = setups_.insert(setups_.end(), std::make_unique<Setup>(common_, ocp, structure, warm));
     }
-    std::rotate(setups_.begin(), found, found + 1);  // the latest first
+    std::rotate(setups_.begin(), found, found + 1);  // most recently used first
     return *setups_.front();
   }
-  // After a failure nothing is known of what is left in it.
+  // To be called after a failure, which leaves the setup in an unknown state.
   void drop_latest() { setups_.erase(setups_.begin()); }
 
  private:
@@ -162,7 +164,7 @@ class Setups {
   std::vector<std::unique_ptr<Setup>> setups_;
 };
 
-// From a warm start at most kPatience iterations.
+// A warm start gets at most kPatience iterations.
 Solution solve_with_stages(const Ocp& ocp, const Bounds& all, const Structure& structure,
                            const Iterate& guess, const SolveLimits& limits) {
   thread_local Setups setups;
@@ -181,15 +183,15 @@ std::timed_mutex& mumps_mutex() {
   return mutex;
 }
 
-// A thread's applications, for cold and for warm starts. To build one, its some hundred options
-// above all, takes longer than a short solve.
+// A thread's applications for cold and warm starts. They are kept because building one, mainly its
+// options, takes longer than a short solve.
 class Applications {
  public:
   ~Applications() {
-    const std::lock_guard lock{mumps_mutex()};  // the last solve's MUMPS goes with them
+    const std::lock_guard lock{mumps_mutex()};  // destroys the last solve's MUMPS
     cold_ = warm_ = nullptr;
   }
-  // Null if Ipopt does not start.
+  // Null if Ipopt fails to initialise.
   Ipopt::IpoptApplication* get(bool warm) {
     auto& app = warm ? warm_ : cold_;
     if (IsValid(app)) return GetRawPtr(app);

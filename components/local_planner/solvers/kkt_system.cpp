@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows (4) of a stage share Δs, and the gradient of their growth γ. With Σᵢ = yᵢ / tᵢ, rᵢ the
-// residual, pᵢ the gradient of the clearance, the pair adds to the model
+// The rows (4) of a stage share Δs and γ, the gradient of the speed-dependent margin. With
+// Σᵢ = yᵢ / tᵢ, rᵢ the residual and pᵢ the gradient of the clearance, pair i adds to the model
 //
 //   ½ Σᵢ (pᵢ·ΔX⁺ − γ·Δu + Δs + rᵢ)² − μ/tᵢ (pᵢ·ΔX⁺ − γ·Δu + Δs)                              (3)
 //
-// and minimising over Δs subtracts v vᵀ / (Σ_s + S), where S = Σ Σᵢ and v = (Σ Σᵢ pᵢ, −S γ).
+// Minimising over Δs subtracts v vᵀ / (Σ_s + S), where S = Σ Σᵢ and v = (Σ Σᵢ pᵢ, −S γ).
 #include "tandem/local_planner/solvers/kkt_system.hpp"
 
 #include <algorithm>
@@ -18,12 +18,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
-constexpr double kLeast = 1e-10, kMost = 1e10;  // of a multiplier, times μ / distance
-constexpr double kTau = 0.99;                   // of a distance that a step may use up
-constexpr int kAttempts = 40;                   // at a convex system
-constexpr double kDropsCurvature = 10.0;
+constexpr double kLeast = 1e-10, kMost = 1e10;  // limits of a multiplier, relative to μ / distance
+constexpr double kTau = 0.99;             // least fraction of a distance that a step may use up
+constexpr int kAttempts = 40;             // factorisations before giving up
+constexpr double kDropsCurvature = 10.0;  // regularisation above which curvature is dropped
 
-// Two variables at once: what a loop over them sums up stays in registers.
+// Two variables at a time, so that the loops' sums stay in registers.
 using Two = Eigen::Array2d;
 Eigen::Map<Two> two(std::vector<double>& values, std::size_t i) {
   return Eigen::Map<Two>{&values[i]};
@@ -36,14 +36,15 @@ Two clamp(const Two& multipliers, const Two& centred) {
   return multipliers.max(kLeast * centred).min(kMost * centred);
 }
 
-// Derivative of the pose after a stage by the mean twist.
+// Derivative of the pose at the end of a stage with respect to the mean twist.
 Matrix32 by_mean(const Ocp& ocp, const Displacement& motion) {
   Matrix32 B;
   B << motion.d_v.x(), motion.d_w.x(), motion.d_v.y(), motion.d_w.y(), 0.0, ocp.dt;
   return B;
 }
 
-// What a stage knows of the mean twist, share · a + (1 − share) · u, told of a and u.
+// Turns derivatives with respect to the mean twist, share · a + (1 − share) · u, into derivatives
+// with respect to a and u.
 void share_out(const LagStep& lag, ChainStage<5>& out) {
   const Vector2d of_a{lag.share_v, lag.share_w}, of_u = Vector2d::Ones() - of_a;
   const Matrix2d C = out.C_uu;
@@ -59,7 +60,8 @@ void share_out(const LagStep& lag, ChainStage<5>& out) {
   out.B << B * of_u.asDiagonal(), Matrix2d{(Vector2d::Ones() - out.lag.E).asDiagonal()};
 }
 
-// Largest fraction of a step that a ratio −Δ / distance allows.
+// Largest fraction of a step, at most 1, that keeps −Δ / distance ≤ τ. `worst`: ratio of the full
+// step.
 double allowed(double worst, double tau) { return worst > tau ? tau / worst : 1.0; }
 
 }  // namespace
@@ -138,7 +140,7 @@ template <int n>
 typename KktSystem<n>::PairSums KktSystem<n>::condense_pairs(Rows rows, const IpIterate<n>& point,
                                                              double mu,
                                                              Multipliers<n>& multipliers) {
-  // Sums of this function, not of an object that the stores below could change: in registers.
+  // Local sums stay in registers; members might alias the stores below.
   double sigma_sum = 0.0, y_sum = 0.0, gradient_sum = 0.0;
   double least = least_product_, largest = largest_product_;
   Vector3d sigma_n = Vector3d::Zero(), y_n = Vector3d::Zero(), gradient_n = Vector3d::Zero();
@@ -175,7 +177,7 @@ void KktSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerm
   const double *sigma = &sigma_[kBlock * k], *barrier = &barrier_[kBlock * k];
   const double per = 1.0 / (sigma[kSlack] + pairs.sigma);
   const double gradient = ocp.slack_weight + barrier[kSlack] - pairs.gradient;
-  const double stiffness = sigma[kSlack] * per;  // of the rows, their slack being free: a share
+  const double stiffness = sigma[kSlack] * per;  // share that the rows keep with s eliminated
   slacks_[k] = {per, gradient, pairs.sigma, pairs.sigma_n};
 
   ChainStage<n>& out = stages_[k];
@@ -265,15 +267,15 @@ double KktSystem<n>::complementarity(double mu) const {
 
 template <int n>
 double KktSystem<n>::error(double mu) const {
-  constexpr double kOrdinary = 100.0;  // mean multiplier above which the error is scaled
+  constexpr double kOrdinary = 100.0;  // mean multiplier above which the error is scaled down
   const auto count =
       static_cast<double>((2 * kBlock + equalities_of(n)) * stages_.size() + 2 * per_t_.size());
   const double scale = std::max(kOrdinary, multipliers_ / count) / kOrdinary;
   return std::max({dual_ / scale, violation_, complementarity(mu) / scale});
 }
 
-// Adds more and more to the diagonal until the pivots are positive. Where much is needed, the
-// curvature of pairs and motion is dropped instead: what is left is convex, or nearly.
+// Increases the regularisation until the pivots are positive definite. If that takes too much, the
+// curvature of pairs and motion is dropped instead; the rest is convex or nearly so.
 template <int n>
 bool KktSystem<n>::factorize_convex() {
   const double before = last_delta_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a point with multipliers. Out: its optimality error, and Newton's step for the barrier.
+// KKT system of the barrier problem: optimality error and Newton step at a primal-dual point.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace tandem {
 
-/// Multipliers: of the bounds, of rows (4) (y = −λ ≥ 0), of rows (3), (8) (π = −λ) and of rows (2).
+/// Multipliers of the bounds, of rows (4) (y = −λ ≥ 0), of rows (3), (8) (π = −λ) and of rows (2).
 template <int n>
 struct Multipliers {
   std::vector<double> lower, upper;
@@ -20,11 +20,11 @@ struct Multipliers {
   void resize(std::size_t stage_count, std::size_t pair_count);
 };
 
-/// Newton's step and how much of it stays inside: (1 − τ) of each distance is left.
+/// Newton step, and the fractions of it that leave at least (1 − τ) of each distance to a bound.
 template <int n>
 struct Step {
   std::vector<double> z, t, lower, upper, y;
-  std::vector<ChainStep<n>> chain;  ///< its pi and lambda: the new multipliers
+  std::vector<ChainStep<n>> chain;  ///< pi and lambda are the new multipliers, not steps
   double alpha_primal = 1.0, alpha_dual = 1.0;
   double worst_primal = 0.0, worst_dual = 0.0;  ///< largest −Δ / distance
   double slope = 0.0;                           ///< derivative of the barrier objective along it
@@ -32,44 +32,46 @@ struct Step {
   void resize(std::size_t stage_count, std::size_t pair_count);
 };
 
-/// The primal-dual system of min cost − μ Σ log(distances) subject to (2), (3), (4), condensed:
-/// t, y and the bounds' multipliers are eliminated by themselves, then s of each stage, then d;
-/// what is left is the chain of (1) of riccati.hpp. Owns its memory: no allocation once it is
-/// large enough. n: states that a stage hands on, 3, or 5 where the motors lag.
+/// The primal-dual system of min cost − μ Σ log(distances) subject to (2), (3), (4), (8) of
+/// ocp.hpp, condensed: first t, y and the bounds' multipliers are eliminated one by one, then s of
+/// each stage, then d, which leaves the chain (1) of riccati.hpp. Owns its memory and does not
+/// allocate once it is large enough. n: states that a stage passes on, 3, or 5 with a motor lag.
 template <int n>
 class KktSystem {
  public:
   void resize(std::size_t stage_count, std::size_t pair_count);
 
-  /// Sets the system up. Multipliers more than 1e10 off μ / distance are brought back first.
+  /// Sets up the system. First clamps the multipliers of bounds and rows (4) to within a factor of
+  /// 1e10 of μ / distance.
   void condense(const Ocp& ocp, const Box& box, const IpIterate<n>& point, double mu,
                 Multipliers<n>& multipliers);
 
-  /// Largest residual of the optimality conditions at barrier `mu` as Ipopt scales it.
+  /// Largest residual of the optimality conditions at barrier `mu`, scaled as in Ipopt.
   [[nodiscard]] double error(double mu) const;
-  /// Largest |distance · multiplier − μ|, not scaled.
+  /// Largest |distance · multiplier − μ|, unscaled.
   [[nodiscard]] double complementarity(double mu) const;
 
-  /// Solves for the step. False if no regularisation makes the system convex.
+  /// Solves for the step. Returns false if no regularisation makes the system convex, or if the
+  /// step's slope is not finite.
   [[nodiscard]] bool solve(const Ocp& ocp, const IpIterate<n>& point, double mu,
                            const Multipliers<n>& multipliers, Step<n>& step);
 
-  /// Forgets how much regularisation was needed.
+  /// Resets the regularisation remembered from earlier solves.
   void reset() { last_delta_ = 0.0; }
 
  private:
   static constexpr std::size_t kBlock = block_of(n);
 
-  // s of a stage: Δs = −per (gradient + weights · ΔX − sum growth · Δu).
+  // Recovers the slack step of a stage: Δs = −per (gradient + weights · ΔX − sum growth · Δu).
   struct SlackTerms {
     double per, gradient, sum;
     Eigen::Vector3d weights;
   };
-  // Rows (4) of a stage.
+  // Range of a stage's rows (4).
   struct Rows {
     std::size_t first, end;
   };
-  // How far a stage moves as its rows (4) see it: ΔX⁺, and Δs less the growth's step.
+  // Step of a stage as it enters its rows (4): ΔX⁺, and Δs minus the step of growth().
   struct PairStep {
     Eigen::Vector3d X;
     double offset;
@@ -120,13 +122,13 @@ class KktSystem {
   std::vector<ChainGain<n>> gains_;
   std::vector<SlackTerms> slacks_;
   std::vector<double> per_lower_, per_upper_;  // 1 / distance
-  std::vector<double> sigma_, barrier_;        // of the bounds: Hessian, gradient
+  std::vector<double> sigma_, barrier_;        // Hessian and gradient of the bounds' barrier
   std::vector<double> per_t_;                  // 1 / t
   double last_delta_ = 0.0;
 
   double dual_ = 0.0, violation_ = 0.0;  // largest residuals
   double least_product_ = 0.0, largest_product_ = 0.0;
-  double multipliers_ = 0.0;  // ‖all of them‖₁
+  double multipliers_ = 0.0;  // 1-norm of all multipliers
 };
 
 }  // namespace tandem

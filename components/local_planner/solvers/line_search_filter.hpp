@@ -1,33 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: two points on a line, by what they miss and what they cost. Out: whether to take the step.
+// Line-search filter: decides whether the interior point method accepts a trial point.
 #pragma once
 
 #include <vector>
 
 namespace tandem {
 
-/// What a line search looks at: ‖residuals of the equalities‖₁ and cost − μ Σ log(distances).
+/// The two measures of a point: θ = ‖residuals of the equalities‖₁ and
+/// φ = cost − μ Σ log(distances).
 struct Merit {
   double infeasibility, barrier;
 };
 
-/// Line-search filter (Wächter and Biegler 2006, section 2.3): a trial point has to be better than
-/// every remembered one in one of the two, and better than the present one by a little.
+/// Line-search filter (Wächter and Biegler 2006, section 2.3): a trial point must be better than
+/// every filter entry in θ or φ, and sufficiently better than the current point.
 class LineSearchFilter {
  public:
-  /// Room for this many steps without an allocation.
+  /// Reserves memory for this many steps.
   void reserve(std::size_t steps) { corners_.reserve(steps); }
 
-  /// Forgets all points. `infeasibility`: of the first point from now on.
+  /// Clears the filter. `infeasibility`: θ of the new starting point.
   void reset(double infeasibility);
 
-  /// Whether `trial`, `alpha` of a step away from `now`, is good enough; remembers `now` if the
-  /// step was taken for its infeasibility. `slope`: derivative of the barrier along the step.
+  /// Whether `trial`, the fraction `alpha` of a step away from `now`, is acceptable. Adds an entry
+  /// for `now` unless the switching condition holds. `slope`: derivative of φ along the step.
   [[nodiscard]] bool accepts(const Merit& now, const Merit& trial, double alpha, double slope);
 
  private:
-  std::vector<Merit> corners_;
-  double most_ = 0.0, least_ = 0.0;
+  std::vector<Merit> corners_;       // filter entries (θ, φ)
+  double most_ = 0.0, least_ = 0.0;  // θ_max, θ_min
 };
 
 }  // namespace tandem

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to local_planner: the pairs of a problem, laid out to be looked at many times.
+// Private to local_planner: evaluates a problem's pairs in SIMD lanes.
 #pragma once
 
 #include <array>
@@ -10,17 +10,16 @@
 
 namespace tandem {
 
-/// Up to eight successive pairs, which are rows (4) of an Ocp; they may belong to several stages.
+/// Up to eight consecutive pairs, i.e. rows (4) of an Ocp, possibly of several stages.
 class PairBatch {
  public:
   static constexpr std::size_t kLanes = 8;
 
-  /// True while there is room.
   [[nodiscard]] bool has_room() const { return count_ < kLanes; }
   void add(const Pair& pair, std::size_t stage);
   [[nodiscard]] std::size_t count() const { return count_; }
 
-  /// pair_terms() of each, in their order; X: where the stages end.
+  /// pair_terms() of each pair, in the order added. X: poses at the ends of all stages.
   void terms(std::span<const Placed> X, std::span<PairTerms> out) const;
 
  private:
@@ -28,10 +27,10 @@ class PairBatch {
 
   [[nodiscard]] OutlineDistance<int{kLanes}> distance(const All& q_x, const All& q_y) const;
 
-  // Those lanes that are not used compute something harmless.
+  // Initialised so that unused lanes compute finite values.
   All a_ = All::Ones(), b_ = All::Ones(), axis_c_ = All::Ones(), axis_s_ = All::Zero();
-  All p_x_ = All::Zero(), p_y_ = All::Zero();      // of the ellipses' centres in M [m]
-  All arm_x_ = All::Zero(), arm_y_ = All::Zero();  // of the discs' centres in B [m]
+  All p_x_ = All::Zero(), p_y_ = All::Zero();      // ellipses' centres in M [m]
+  All arm_x_ = All::Zero(), arm_y_ = All::Zero();  // discs' centres in B [m]
   All gap_ = All::Zero();
   bool round_ = true;  // all ellipses are circles
   std::array<std::size_t, kLanes> stage_{};

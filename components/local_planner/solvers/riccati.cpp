@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// With W = H + C + δI + P the value function of (ΔX⁺, Δu), and ΔX⁺ put in:
+// With W = H + C + δI + P the value function of (ΔX⁺, Δu), substituting ΔX⁺ gives
 //
 //   Q_uu = BᵀW_xx B + BᵀW_xu + W_xuᵀB + W_uu + D,   Q_xu = Aᵀ(W_xx B + W_xu) + e_θ t_uᵀ
 //   Q_xx = AᵀW_xx A + t e_θ e_θᵀ,                   Q_u'u = −D,   Q_u'u' = D                 (2)
 //   P = Q − (Q_xu; −D) Q_uu⁻¹ (Q_xu; −D)ᵀ
 //
-// The pivots are the Q_uu, 2 × 2. All of them are positive exactly if the matrix of the whole
-// system has as many positive eigenvalues as it has variables: the inertia that Ipopt asks for.
+// The pivots are the 2 × 2 matrices Q_uu. All of them are positive definite if and only if the KKT
+// matrix has as many positive eigenvalues as there are variables, the inertia that Ipopt requires.
 #include "tandem/local_planner/solvers/riccati.hpp"
 
 namespace tandem {
@@ -24,7 +24,7 @@ struct Value {
   Vector2d u = Vector2d::Zero();
 };
 
-// Adds the stage's own terms: then V is W.
+// Adds the stage's own terms, which turns V from P into W of (2).
 template <int n>
 void add(const ChainStage<n>& s, const Convexity& convexity, Value<n>& V) {
   if constexpr (n == 3) {
@@ -41,7 +41,7 @@ void add(const ChainStage<n>& s, const Convexity& convexity, Value<n>& V) {
   V.u += s.h_u;
 }
 
-// Aᵀ M: the row of θ gathers those of the position, the rows of the twist those of the pose.
+// Aᵀ M, exploiting that A differs from I only in the column of θ and the columns of the twist.
 template <int n, class Matrix>
 Matrix before(const ChainStage<n>& s, const Matrix& M) {
   Matrix out = M;
@@ -52,7 +52,7 @@ Matrix before(const ChainStage<n>& s, const Matrix& M) {
   return out;
 }
 
-// Adds the curvature of the motion, which is that of the stage's start.
+// Adds the curvature of the motion, which acts on the state at the start of the stage.
 template <int n>
 void add_motion(const ChainStage<n>& s, double curvature, Eigen::Matrix<double, n, n>& Q_xx,
                 Eigen::Matrix<double, n, 2>& Q_xu) {
@@ -66,7 +66,7 @@ void add_motion(const ChainStage<n>& s, double curvature, Eigen::Matrix<double, 
   }
 }
 
-// False unless M is safely positive definite.
+// Returns false unless M is positive definite by a safe margin.
 bool invert(const Matrix2d& M, Matrix2d& inverse) {
   const double product = M(0, 0) * M(1, 1), determinant = product - M(1, 0) * M(1, 0);
   if (!(M(0, 0) > 0.0 && determinant > 1e-12 * product)) return false;
@@ -75,7 +75,8 @@ bool invert(const Matrix2d& M, Matrix2d& inverse) {
   return true;
 }
 
-// One step of (2). V: of the end of the stage when called, of its start afterwards.
+// One step of (2): takes V from the end of the stage to its start. Returns false if the pivot is
+// not positive definite.
 template <int n>
 bool recede(const ChainStage<n>& s, const Convexity& convexity, Value<n>& V, ChainGain<n>& gain) {
   add(s, convexity, V);

@@ -11,14 +11,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kTarget = 1e-4;                              // final barrier, and optimality error
-constexpr double kAcceptable = 1e-3;                          // error that is good enough …
-constexpr int kAcceptableCount = 5;                           // … after so many iterations
-constexpr double kColdBarrier = 1e-2, kRaisedBarrier = 1e-3;  // times the slacks' weight
-constexpr double kColdPush = 1e-2, kWarmPush = 1e-8;          // from bounds, to begin with
-constexpr double kShort = 0.1;  // share of a step that makes no progress …
-constexpr int kShortCount = 4;  // … if it happens so often in a row
-constexpr int kPatience = 20;   // iterations at the final barrier: more, and it is going round
+constexpr double kTarget = 1e-4;      // final barrier parameter, and optimality tolerance
+constexpr double kAcceptable = 1e-3;  // an optimality error below this suffices …
+constexpr int kAcceptableCount = 5;   // … for this many iterations in a row
+constexpr double kColdBarrier = 1e-2, kRaisedBarrier = 1e-3;  // times the slack weight
+constexpr double kColdPush = 1e-2, kWarmPush = 1e-8;  // initial relative distance from bounds
+constexpr double kShort = 0.1;  // a step cut below this fraction makes no progress …
+constexpr int kShortCount = 4;  // … if this many occur in a row
+constexpr int kPatience = 20;   // iterations at the final barrier after which it counts as stuck
 constexpr int kRecentrings = 3;
 constexpr int kBacktracks = 20;
 
@@ -30,7 +30,7 @@ std::size_t pair_count(const Ocp& ocp) {
   return count;
 }
 
-// An interior point method on stages that hand on n states.
+// The interior point method for stages that pass on n states.
 template <int n>
 struct Chain {
   const Solution& solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits);
@@ -62,7 +62,7 @@ struct Chain {
   void write_point();
 };
 
-// False if guess or bounds are unusable.
+// Returns false if the guess or the bounds are unusable.
 template <int n>
 bool Chain<n>::start(const Ocp& ocp, const Iterate& guess) {
   const std::size_t stages = ocp.stages.size(), pairs = pair_count(ocp);
@@ -120,7 +120,8 @@ void Chain<n>::take_multipliers(const Iterate& guess) {
     multipliers.y[i] = -guess.lambda[equalities_of(n) * stages + i];
 }
 
-// Well inside of all bounds, multipliers of bounds and rows (4) such that each product is mu.
+// Moves the point well inside all bounds and sets the multipliers of bounds and rows (4) so that
+// each product distance · multiplier is mu.
 template <int n>
 void Chain<n>::centre(const Ocp& ocp, double barrier) {
   mu = std::max(kTarget, barrier);
@@ -140,7 +141,8 @@ void Chain<n>::begin_from_here(const Ocp& ocp) {
   system.condense(ocp, box, now, mu, multipliers);
 }
 
-// Sets the status if there is nothing left to do, or no time.
+// Sets the status. Returns true on convergence, after enough acceptable iterations, at the
+// iteration limit, or if two more iterations might miss the deadline.
 template <int n>
 bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
   const double error = system.error(kTarget);
@@ -158,7 +160,7 @@ bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
   return clock + std::chrono::duration<double>(2.0 * each) >= limits.deadline;
 }
 
-// Ipopt's monotone rule: once the error is of the barrier's size, on to the next one.
+// Ipopt's monotone rule: lowers the barrier parameter once the error is of its size.
 template <int n>
 void Chain<n>::lower_barrier(const Ocp& ocp) {
   const double before = mu;
@@ -169,8 +171,9 @@ void Chain<n>::lower_barrier(const Ocp& ocp) {
   system.condense(ocp, box, now, mu, multipliers);
 }
 
-// One iteration. Steps that stay short, or many of them, tell that the point hugs its bounds at too
-// low a barrier: it is centred again, at a higher one.
+// One iteration; returns false if there is no acceptable step. Repeatedly short steps, or many
+// iterations at the final barrier, mean that the point is too close to its bounds for so low a
+// barrier: it is recentred at a higher one.
 template <int n>
 bool Chain<n>::advance_point(const Ocp& ocp) {
   lower_barrier(ocp);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: an optimal control problem and a guess. Out: where an interior point method on its stages
-// ended, primal and dual.
+// Riccati interior point method: solves an optimal control problem stage by stage, for speed.
 #pragma once
 
 #include <memory>
@@ -10,13 +9,14 @@
 
 namespace tandem {
 
-/// Primal-dual interior point method on the chain of stages: line-search filter, exact Hessian,
-/// Riccati recursion (riccati.hpp). The same conditions as ipopt_solve's, some hundred times as
-/// fast. A guess with multipliers is solved at the final barrier from the start; a guess without,
-/// or one that turns out to be far away, with a falling barrier.
+/// Primal-dual interior point method on the chain of stages, with a line-search filter, the exact
+/// Hessian and a Riccati recursion (riccati.hpp). It has the same optimality conditions as
+/// ipopt_solve and is about a hundred times as fast. A guess with multipliers starts at the final
+/// barrier parameter. A guess without, or one that turns out to be far from the optimum, is solved
+/// with a decreasing barrier parameter.
 ///
-/// Keeps its memory: no allocation once it has solved a problem as large. Equal calls give equal
-/// results as long as no deadline cuts them short.
+/// Reuses its memory: no allocation once it has solved a problem of at least the same size. Equal
+/// calls give equal results unless a deadline interrupts them.
 class RiccatiSolver {
  public:
   RiccatiSolver();

@@ -11,9 +11,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kSameTwist = 5e-3;  // [m/s, rad/s] of the first stage
-constexpr double kSameCost = 1e-3;   // relative
-constexpr int kPerIpopt = 30;        // structured iterations in the time of one of Ipopt's
+constexpr double kSameTwist = 5e-3;  // [m/s, rad/s] tolerance on the first stage's twist
+constexpr double kSameCost = 1e-3;   // relative tolerance on the cost
+constexpr int kPerIpopt = 30;        // structured iterations in the time of one Ipopt iteration
 constexpr int kMostStructured = 200;
 
 int effort(const Solution& structured) {
@@ -27,7 +27,8 @@ bool is_same(const Ocp& ocp, const Solution& a, const Solution& b) {
   return off <= kSameTwist && std::abs(cost_a - cost_b) <= kSameCost * (1.0 + std::abs(cost_b));
 }
 
-// Cost, and what a miss of the equalities might hide: they are worth no more than the slacks.
+// Cost plus a penalty on violated rows, since an infeasible point can have a low cost. The
+// penalty's weight is well above that of the slacks.
 double price(const Ocp& ocp, const Iterate& point) {
   std::vector<double> values(static_cast<std::size_t>(rows(ocp)));
   row_values(ocp, point.z, values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: an optimal control problem, a guess, limits. Out: the chosen solver's answer.
+// Solves an optimal control problem with the configured solver.
 #pragma once
 
 #include "tandem/local_planner/solvers/riccati_solver.hpp"
@@ -7,20 +7,20 @@
 namespace tandem {
 
 struct Answer {
-  Solution solution = {};  ///< iterations: of all solvers; iteration_time: Ipopt's, if it was asked
-  SolverKind by = SolverKind::kIpopt;  ///< kIpopt or kStructured
+  Solution solution = {};  ///< iterations of all solvers; iteration_time of Ipopt if it ran
+  SolverKind by = SolverKind::kIpopt;  ///< solver of `solution`: kIpopt or kStructured
   Verdict verdict = Verdict::kUnjudged;
-  int effort = 0;  ///< what it cost, in iterations of Ipopt
+  int effort = 0;  ///< computing effort, in Ipopt iterations
 };
 
-/// Solves with the solver of its kind. Iteration limits are Ipopt's: the structured solver, some
-/// hundred times as fast, gets more of its own.
+/// Runs the solver or solvers of a SolverKind. Iteration limits count Ipopt iterations; the faster
+/// structured solver gets 30 times as many, but at most 200.
 class Solver {
  public:
   explicit Solver(SolverKind kind) : kind_{kind} {}
 
-  /// Does not throw. Certified: where the two disagree the better point is taken, where the
-  /// structured one does not converge Ipopt starts from the guess.
+  /// Does not throw. With kCertified, Ipopt starts from the structured solver's solution, or from
+  /// the guess if that did not converge; if the two disagree, the better point is returned.
   [[nodiscard]] Answer solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits);
 
  private:

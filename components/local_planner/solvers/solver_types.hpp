@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: an optimal control problem, a guess, limits. Out: where a solver ended, primal and dual.
+// Types shared by all solvers: primal-dual point, limits, solution, solver kinds.
 #pragma once
 
 #include <chrono>
@@ -8,17 +8,17 @@
 
 namespace tandem {
 
-/// Primal and dual point of an Ocp. `lambda` empty: no multipliers are known, a cold start.
+/// Primal and dual point of an Ocp. An empty `lambda` means a cold start.
 struct Iterate {
   std::vector<double> z;             ///< variables(ocp)
   std::vector<double> lambda;        ///< rows(ocp)
   std::vector<double> lower, upper;  ///< multipliers of the variables' bounds
 };
 
-/// When to stop. The clock is read inside the iteration.
+/// When to stop. The deadline is checked in every iteration.
 struct SolveLimits {
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  double iteration_time = 0.0;  ///< what an iteration took last time [s]
+  double iteration_time = 0.0;  ///< duration of an iteration in the previous solve [s]
   int iterations = 60;
 };
 
@@ -28,20 +28,20 @@ struct Solution {
   SolveStatus status = SolveStatus::kFailed;
   Iterate point = {};
   int iterations = 0;
-  double iteration_time = 0.0;  ///< mean of this solve [s]; 0 if it had no iteration
+  double iteration_time = 0.0;  ///< mean of this solve [s]; 0 without iterations
 };
 
 enum class SolverKind {
   kIpopt,       ///< the reference
-  kStructured,  ///< some hundred times as fast
-  kCertified,   ///< structured, and Ipopt from its solution has to find the same
+  kStructured,  ///< Riccati interior point, about a hundred times as fast
+  kCertified,   ///< structured, verified by Ipopt started from its solution
 };
 
-/// How a certified solution was judged.
+/// Agreement of the two solvers of kCertified.
 enum class Verdict {
-  kUnjudged,     ///< no second solver was asked, or its time was up
-  kConfirmed,    ///< both end in the same optimum
-  kDisagreement  ///< they do not, or the structured solver did not converge
+  kUnjudged,     ///< no second solver ran, or it was interrupted
+  kConfirmed,    ///< both found the same optimum
+  kDisagreement  ///< they did not, or the structured solver did not converge
 };
 
 [[nodiscard]] const char* name(SolverKind kind);

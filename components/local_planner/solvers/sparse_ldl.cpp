@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Right-looking: a pivot with rows V below leaves L = V D⁻¹ in their place and takes V D⁻¹ Vᵀ off
-// the rest, whose pattern holds all products of its rows.
+// Right-looking: eliminating a pivot D with rows V below it stores L = V D⁻¹ over V and subtracts
+// V D⁻¹ Vᵀ from the remaining matrix, whose pattern includes the fill-in.
 #include "tandem/local_planner/solvers/sparse_ldl.hpp"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kSingular = 1e-14;  // of a pivot, beside the products or rows that it came from
+constexpr double kSingular = 1e-14;  // absolute for order 1; relative to its products for order 2
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -48,8 +48,8 @@ void SparseLdl::order_unknowns(std::span<const Pivot> order) {
   }
 }
 
-// The rows of a block: those of its own entries, and what the blocks that it is the next one of
-// pass on.
+// Symbolic factorisation: the rows of a block are those of its own entries and those passed on by
+// its children in the elimination tree.
 void SparseLdl::find_rows() {
   std::vector<std::vector<int>> below(blocks_.size());
   for (std::size_t i = 0; i < pattern_rows_.size(); ++i) {
