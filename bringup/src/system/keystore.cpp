@@ -202,7 +202,7 @@ std::time_t seconds_of(const ASN1_TIME* time) {
   return timegm(&parts);
 }
 
-// The identity that the folder holds or gets; its permissions hold for as long.
+// Keeps or creates the folder's identity. Returns its validity period, which its permissions share.
 Validity provide_identity(const fs::path& folder, const std::string& enclave,
                           const Identity& authority, const Validity& validity) {
   const fs::path certificate = folder / "cert.pem", key = folder / "key.pem";

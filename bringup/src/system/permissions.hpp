@@ -15,7 +15,7 @@ namespace tandem {
 struct Permissions {
   std::set<std::string> publish, subscribe;
 
-  /// Adds the topics of `other`.
+  /// Adds the topics of `others`.
   void add(const Permissions& others);
 };
 
