@@ -36,15 +36,14 @@ struct Scenario {
   Pose2 start;
   Goal goal;
   std::string goal_edge;  ///< front, rear, left or right: the edge that must reach the pose
-  std::optional<RegionGoal>
-      after;                       ///< the goal counts only after that edge, or base_link, was here
-  Eigen::Vector2d p_BA{0.0, 0.0};  ///< that edge's point on the robot [m], set by with_options()
-  std::vector<Pose2> goals;        ///< if there are several poses: the seed selects one
-  std::string method;              ///< default; the command line may name another
+  std::optional<RegionGoal> after;   ///< to be visited by that edge, or base_link, first
+  Eigen::Vector2d p_BA{0.0, 0.0};    ///< that edge's point on the robot [m], set by with_options()
+  std::vector<Pose2> goals;          ///< if there are several poses: the seed selects one
+  std::string method;                ///< default; the command line may name another
   std::vector<std::string> methods;  ///< methods the scenario is meant for
   std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them
   std::string recording;             ///< played by the driver `replay`; otherwise empty
-  std::string recording_topic;       ///< its joystick topic; empty: the only one
+  std::string recording_topic;       ///< its joystick topic; empty: see recorded_stick()
   double duration = 120.0;           ///< [s] simulated time limit
   unsigned seed = 1;
   std::map<std::string, rt::ParameterValue> slice;  ///< of the map: z_min, z_max, floor

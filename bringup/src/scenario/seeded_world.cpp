@@ -31,7 +31,7 @@ struct World {
   MapDescription description;
 };
 
-// Counted round, worlds would be driven twice and called others.
+// No wrap-around: it would repeat worlds under other seeds.
 int number_of(const std::string& family, unsigned seed) {
   const auto numbers = barn_world_numbers(family);
   if (seed >= 1 && seed <= numbers.size()) return numbers[seed - 1];
