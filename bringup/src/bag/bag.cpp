@@ -154,8 +154,7 @@ int BagWriter::add_topic(const BagTopic& topic) {
 void BagWriter::write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes) {
   sqlite3_bind_int(insert_.get(), 1, topic);
   sqlite3_bind_int64(insert_.get(), 2, time);
-  const void* data = bytes.empty() ? static_cast<const void*>("")
-                                   : bytes.data();  // SQLite binds a null pointer as NULL
+  const void* data = bytes.empty() ? static_cast<const void*>("") : bytes.data();  // not NULL
   sqlite3_bind_blob64(insert_.get(), 3, data, bytes.size(), SQLITE_STATIC);
   const int result = sqlite3_step(insert_.get());
   sqlite3_reset(insert_.get());
