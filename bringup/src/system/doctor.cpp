@@ -188,8 +188,7 @@ class FrameWatch {
   explicit FrameWatch(rt::Node& node)
       : frames_{node, Frames{}, LocalizationParams{}},
         filter_{node.create_subscription(topics::filter_status, [this](const auto& msg) {
-          if (msg.reason() != "no command")
-            reason_ = msg.reason();  // "no command" hides other reasons
+          if (msg.reason() != "no command") reason_ = msg.reason();  // it hides other reasons
         })} {}
 
   void print(const Domain& domain) const {

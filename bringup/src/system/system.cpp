@@ -201,8 +201,7 @@ rt::RunningComponent construct(const System& system, const SystemNode& node) {
     return rt::RunningComponent{node.component, node.options};
   } catch (const std::exception& error) {
     const std::string what = error.what();
-    if (what.find(": node /") != std::string::npos)
-      throw;  // parameter errors already name the node
+    if (what.find(": node /") != std::string::npos) throw;  // already names the node
     throw std::invalid_argument(system.path + ": " + node.options.name + ": " + what);
   }
 }
