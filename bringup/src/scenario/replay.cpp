@@ -37,7 +37,7 @@ std::optional<Stick> stick_of(const geometry_msgs::msg::Twist& msg, const Teleop
                axis(twist->w, teleop.gains.scale_angular), true, false};
 }
 
-// What a message of this type says of the stick; nothing if it is not of the type.
+// The stick position in a message of this type; empty if the bytes are not of the type.
 template <class M>
 std::optional<Stick> read_as(const std::vector<std::uint8_t>& bytes, const TeleopParams& teleop) {
   M msg;

@@ -131,7 +131,7 @@ Pose2 pose(const std::vector<double>& v, const std::string& where) {
   return {v[0], v[1], v[2]};
 }
 
-// Pictures and tables are files of that name.
+// The name becomes the file name of pictures and tables, so it must not contain a slash.
 std::string read_name(Section& section) {
   const auto name = section.required<std::string>("scenario");
   if (name.empty() || name.find('/') != std::string::npos)
