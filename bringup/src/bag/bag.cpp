@@ -48,8 +48,8 @@ void emit_span(YAML::Emitter& out, std::int64_t first, std::int64_t last, std::i
   out << YAML::Key << "message_count" << YAML::Value << messages;
 }
 
-// Refuses what metadata.yaml says of the recording that cannot be read here. There may be none: the
-// databases say all else.
+// Rejects recordings whose metadata.yaml names an unsupported format. The file may be missing: the
+// databases contain everything else.
 void check_metadata(const fs::path& folder) {
   const std::string file = folder / kMetadataFile;
   const auto refuse_unless = [&](const std::string& field, const std::string& value,
@@ -64,13 +64,13 @@ void check_metadata(const fs::path& folder) {
     storage = info["storage_identifier"].as<std::string>("");
     format = info["compression_format"].as<std::string>("");
   } catch (const std::exception&) {
-    return;  // as a recorder that was killed leaves it
+    return;  // a killed recorder leaves no metadata
   }
   refuse_unless("storage_identifier", storage, "sqlite3");
   refuse_unless("compression_format", format, "zstd");
 }
 
-// The .db3 of a folder. rosbag2 leaves the one that it decompressed beside the compressed one.
+// The folder's database files. rosbag2 leaves a decompressed .db3 next to the compressed original.
 std::vector<std::string> databases_in(const std::string& path) {
   if (!fs::is_directory(path)) return {path};
   std::vector<std::string> files;
@@ -87,7 +87,7 @@ std::vector<std::string> databases_in(const std::string& path) {
       how_to_convert(path));
 }
 
-// Eloquent and older had no column for QoS.
+// ROS 2 Eloquent and older have no QoS column.
 std::string topics_query(const Database& database) {
   const auto column = sql::prepare(
       database, "SELECT 1 FROM pragma_table_info('topics') WHERE name = 'offered_qos_profiles'");
@@ -110,7 +110,7 @@ BagWriter::BagWriter(const std::string& folder) : folder_{folder} {
   const std::string stem = path.has_filename() ? path.filename() : path.parent_path().filename();
   file_ = stem + "_0.db3";
   database_ = create_database(path / file_);
-  // With a log beside it the file can be read while it is written.
+  // A write-ahead log lets others read the file while it is written.
   sql::execute(database_,
                "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
                "CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);"
@@ -132,8 +132,8 @@ BagWriter::~BagWriter() {
   try {
     commit();
     insert_.reset();
-    sql::execute(database_, "COMMIT; PRAGMA journal_mode=DELETE");  // one file is all that stays
-  } catch (const std::exception&) {  // said before, or the disk is full: nothing more to do
+    sql::execute(database_, "COMMIT; PRAGMA journal_mode=DELETE");  // leaves a single file
+  } catch (const std::exception&) {  // reported before, or the disk is full: nothing left to do
   }
 }
 
@@ -191,7 +191,7 @@ void BagWriter::write_metadata() const {
   const fs::path path = fs::path{folder_} / kMetadataFile;
   const fs::path fresh = path.string() + ".new";
   std::ofstream{fresh} << out.c_str() << '\n';
-  fs::rename(fresh, path);  // never half of it
+  fs::rename(fresh, path);  // atomic: readers never see half a file
 }
 
 bool is_recording(const std::string& path) {
@@ -231,8 +231,8 @@ bool BagReader::next(BagMessage& message) {
       select_ = sql::prepare(
           file.database, "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id");
     while (sql::step(file.database, select_)) {
-      // A file that is damaged has messages of no topic, one that is still written of topics that
-      // came after it was opened.
+      // Unknown topic id: the file is damaged, or it is still being written and the topic was added
+      // after the file was opened.
       const auto topic = file.index.find(sqlite3_column_int64(select_.get(), 0));
       if (topic == file.index.end()) continue;
       message.topic = topic->second;
@@ -244,7 +244,7 @@ bool BagReader::next(BagMessage& message) {
   return false;
 }
 
-// The data of the message that select_ is at.
+// The data of the message in the current row of select_.
 std::vector<std::uint8_t> BagReader::plain_bytes(const File& file) const {
   const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(select_.get(), 2));
   const std::span bytes{data, static_cast<std::size_t>(sqlite3_column_bytes(select_.get(), 2))};
@@ -256,7 +256,7 @@ std::vector<std::uint8_t> BagReader::plain_bytes(const File& file) const {
   }
 }
 
-// Stamps rise, except by the few nanoseconds that files overlap.
+// Timestamps increase, except where consecutive files overlap by a few nanoseconds.
 std::int64_t BagReader::without_gap(std::int64_t stamp) {
   const std::int64_t gap = last_stamp_ ? stamp - *last_stamp_ : 0;
   if (gap > kLongestPause) skipped_ += gap;

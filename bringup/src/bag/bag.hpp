@@ -19,22 +19,22 @@ namespace tandem {
 /// A recorded topic.
 struct BagTopic {
   std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
-  rt::QoS qos{};           ///< what its publishers offered
+  rt::QoS qos{};           ///< offered by its publishers
 };
 
-/// One recorded message: when it came [ns since 1970] and its plain CDR, encapsulation included.
-/// Where the clock was set during the recording, by more than a day, the later ones count on from
-/// the earlier ones.
+/// One recorded message: its receive time [ns since 1970] and its uncompressed CDR, encapsulation
+/// header included. If the clock was set by more than a day during the recording, later timestamps
+/// continue from the earlier ones.
 struct BagMessage {
   std::size_t topic = 0;  ///< index into BagReader::topics()
   std::int64_t time = 0;
   std::vector<std::uint8_t> bytes;
 };
 
-/// Writes a recording. What was committed survives the death of the process.
+/// Writes a recording. Committed messages survive a crash of the process.
 class BagWriter {
  public:
-  /// Throws std::runtime_error if `folder` exists already or cannot be made.
+  /// Throws std::runtime_error if `folder` already exists or cannot be created.
   explicit BagWriter(const std::string& folder);
   /// Commits.
   ~BagWriter();
@@ -46,7 +46,7 @@ class BagWriter {
   int add_topic(const BagTopic& topic);
   /// Throws std::runtime_error if SQLite cannot write, for example because the disk is full.
   void write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes);
-  /// Puts on the disk what was written so far, and metadata.yaml with it.
+  /// Commits everything written so far and updates metadata.yaml.
   void commit();
   [[nodiscard]] std::int64_t messages() const { return messages_; }
 
@@ -65,22 +65,22 @@ class BagWriter {
   std::int64_t messages_ = 0, first_ = 0, last_ = 0;
 };
 
-/// Whether it is a folder or has the name of a recording's file.
+/// Whether the path is a folder or is named like a recording's file.
 [[nodiscard]] bool is_recording(const std::string& path);
 
-/// Reads a recording in order of time, also one that was split into several files or compressed by
-/// zstd, by message or by file; a compressed file needs room in the folder for temporary files.
+/// Reads a recording in order of time. It may be split into several files and compressed with zstd,
+/// per message or per file; a compressed file needs space in the folder for temporary files.
 class BagReader {
  public:
-  /// `path`: the folder, or one .db3 or .db3.zstd. Throws std::runtime_error if it is no recording,
-  /// or one of another storage, compression or serialization format.
+  /// `path`: the folder, or one .db3 or .db3.zstd. Throws std::runtime_error if it is not a
+  /// recording or uses another storage, compression or serialization format.
   explicit BagReader(const std::string& path);
 
   [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
-  /// False after the last one. A recording that goes on is read with the topics that it had when it
-  /// was opened. Throws std::runtime_error if the file is damaged.
+  /// False after the last message. If the recording is still being written, topics added after it
+  /// was opened are skipped. Throws std::runtime_error if the file is damaged.
   bool next(BagMessage& message);
-  /// By how much the clock was set during what was read [ns].
+  /// Total clock adjustment within the messages read so far [ns].
   [[nodiscard]] std::int64_t skipped() const { return skipped_; }
 
  private:
@@ -95,7 +95,7 @@ class BagReader {
   [[nodiscard]] std::int64_t without_gap(std::int64_t stamp);
 
   std::vector<BagTopic> topics_;
-  std::vector<File> files_;  // the last is the next to be read
+  std::vector<File> files_;  // the last one is read next
   BagStatement select_;
   std::optional<std::int64_t> last_stamp_;
   std::int64_t skipped_ = 0;

@@ -14,11 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBusy = 1000;  // [ms] to wait for another process that has the file
+constexpr int kBusy = 1000;  // [ms] to wait for another process's lock on the file
 
 std::string mend(int result, const std::string& file) {
   switch (result) {
-    case SQLITE_CORRUPT:  // it was cut off, or a sector of it is lost
+    case SQLITE_CORRUPT:  // truncated, or a sector is lost
       return "; save what is left of it: sqlite3 " + file + " .recover | sqlite3 saved.db3";
     case SQLITE_NOTADB:
     case SQLITE_ERROR:  // no such table
@@ -31,7 +31,7 @@ std::string mend(int result, const std::string& file) {
   }
 }
 
-// `file` may be an SQLite URI; errors call it by `name`.
+// `file` may be an SQLite URI; error messages use `name`.
 BagDatabase open(const std::string& file, int flags, const std::string& name) {
   sqlite3* raw = nullptr;
   const int result = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
@@ -48,7 +48,7 @@ std::string uri_of(const fs::path& file) {
   return uri;
 }
 
-// A folder that is removed at the end of its scope, with what is in it.
+// A temporary folder, removed with its contents at the end of the scope.
 class TemporaryFolder {
  public:
   TemporaryFolder() : path_{fs::temp_directory_path() / "tandem_bag_XXXXXX"} {
@@ -70,8 +70,8 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-// The decompressed file has no name any more once it is open. Nobody writes it, so SQLite needs
-// neither locks nor a log beside it.
+// The decompressed file is unlinked once it is open. Nothing writes to it, so SQLite needs neither
+// locks nor a write-ahead log.
 BagDatabase open_compressed(const std::string& file) {
   const TemporaryFolder folder;
   const fs::path plain = folder.path() / "plain.db3";
@@ -111,7 +111,7 @@ BagStatement prepare(const BagDatabase& database, const std::string& sql) {
   sqlite3_stmt* raw = nullptr;
   if (sqlite3_prepare_v2(database.handle.get(), sql.c_str(), -1, &raw, nullptr) != SQLITE_OK)
     fail(database);
-  // The statement keeps its database open.
+  // The statement shares ownership of its database.
   return {raw, [database](sqlite3_stmt* statement) { sqlite3_finalize(statement); }};
 }
 
@@ -120,7 +120,6 @@ void execute(const BagDatabase& database, const std::string& sql) {
     fail(database);
 }
 
-// False after the last row.
 bool step(const BagDatabase& database, const BagStatement& statement) {
   const int result = sqlite3_step(statement.get());
   if (result != SQLITE_ROW && result != SQLITE_DONE) fail(database);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The SQLite files of a recording: opening, statements and errors that say how to mend them. All of
-// these throw std::runtime_error naming the file.
+// Opens a recording's SQLite files and runs statements on them. All functions throw
+// std::runtime_error naming the file; the message explains how to repair it.
 #pragma once
 
 #include <memory>
@@ -12,10 +12,10 @@ struct sqlite3_stmt;
 
 namespace tandem {
 
-/// How the name of a file ends that rosbag2 compressed whole.
+/// File name suffix of a database that rosbag2 compressed as a whole.
 inline constexpr std::string_view kCompressedDatabase = ".db3.zstd";
 
-/// An open file, by the name under which errors mention it.
+/// An open database and the name that error messages use for it.
 struct BagDatabase {
   std::shared_ptr<sqlite3> handle = {};
   std::string name = {};
@@ -23,18 +23,18 @@ struct BagDatabase {
 
 using BagStatement = std::shared_ptr<sqlite3_stmt>;
 
-/// The command that makes a readable recording of this one, as the end of a sentence.
+/// The command that repairs this recording, phrased as the end of a sentence.
 [[nodiscard]] std::string how_to_convert(const std::string& path);
 
 [[nodiscard]] BagDatabase create_database(const std::string& file);
 
-/// To read. A compressed file is decompressed into the folder for temporary files, and gone from
-/// there with the last user of the database.
+/// Opens a file for reading. A compressed file is decompressed into the folder for temporary files;
+/// its space is freed when the last user closes the database.
 [[nodiscard]] BagDatabase open_database(const std::string& file);
 
 namespace sql {
 
-/// Throws what SQLite says of its last error there, and how to mend it.
+/// Throws SQLite's last error message together with how to repair the file.
 [[noreturn]] void fail(const BagDatabase& database);
 
 [[nodiscard]] BagStatement prepare(const BagDatabase& database, const std::string& sql);

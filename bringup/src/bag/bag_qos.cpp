@@ -10,27 +10,27 @@
 namespace tandem {
 namespace {
 
-// rmw's numbers for policies.
+// The numbers rmw assigns to policies.
 constexpr int kKeepLast = 1, kReliable = 1, kBestEffort = 2, kTransientLocal = 1, kVolatile = 2,
               kAutomatic = 1;
 constexpr int kDeepest = 10'000;
 
-// Every publisher's last messages stay valid. A recorder lists the publishers that it found when it
-// subscribed; there may be more.
+// Each publisher's latched messages stay valid. A recorder lists only the publishers present when
+// it subscribed; there may be more.
 constexpr std::string_view kStaticTransforms = "/tf_static";
 constexpr int kManyTransforms = 1000;
 
-// What any subscription matches: the recording does not say which of its topics were latched.
+// Matches any subscription: the recording does not state which of its topics were latched.
 constexpr rt::QoS kUnsaid{rt::Reliability::kReliable, rt::Durability::kTransientLocal,
                           rt::kDefault.depth};
 
 void emit_duration(YAML::Emitter& out, const char* name) {
-  out << YAML::Key << name << YAML::Value << YAML::BeginMap;  // none, as rmw writes it
+  out << YAML::Key << name << YAML::Value << YAML::BeginMap;  // rmw's notation for "unset"
   out << YAML::Key << "sec" << YAML::Value << 9223372036 << YAML::Key << "nsec" << YAML::Value
       << 854775807 << YAML::EndMap;
 }
 
-// Humble writes numbers, Jazzy words.
+// Humble writes numbers, Jazzy writes words.
 bool is(const YAML::Node& value, int number, const char* word) {
   return value &&
          (value.as<std::string>() == std::to_string(number) || value.as<std::string>() == word);
@@ -42,13 +42,13 @@ rt::QoS qos_of(const YAML::Node& profile) {
     qos.reliability = rt::Reliability::kBestEffort;
   if (is(profile["durability"], kTransientLocal, "transient_local"))
     qos.durability = rt::Durability::kTransientLocal;
-  // DDS does not tell others the depth: a recorder that does not know it writes 0.
+  // DDS discovery does not announce the depth: a recorder that does not know it writes 0.
   const int depth = profile["depth"].as<int>(0);
   if (depth > 0) qos.depth = std::min(depth, kDeepest);
   return qos;
 }
 
-// What serves the subscriptions of both: a late one gets the messages that each keeps.
+// A profile that serves the subscriptions of both: a late subscriber gets the history of each.
 rt::QoS together(const rt::QoS& a, const rt::QoS& b) {
   const bool latched = b.durability == rt::Durability::kTransientLocal;
   rt::QoS both = a;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The QoS profiles that a recording keeps with each topic, as rosbag2 writes and reads them.
+// Converts between QoS profiles and the YAML that rosbag2 stores with each recorded topic.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@ namespace tandem {
 /// The profile as YAML, for `offered_qos_profiles`.
 [[nodiscard]] std::string qos_yaml(const rt::QoS& qos);
 
-/// What to offer in place of all publishers whose profiles are listed: the most that one of them
-/// offers and, on a latched topic, as many messages as all of them keep. A recording that does not
-/// say is offered so that any subscription matches.
+/// The profile for one publisher that replaces all listed ones: the strongest offer of any of them
+/// and, on a latched topic, a depth equal to the sum of theirs. If the recording lists no profiles,
+/// the result matches any subscription.
 [[nodiscard]] rt::QoS recorded_qos(const std::string& topic, const std::string& yaml);
 
 }  // namespace tandem

@@ -18,15 +18,15 @@ constexpr std::array<std::uint8_t, 4> kMagic{0x28, 0xb5, 0x2f, 0xfd};
 
 using Stream = std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)>;
 
-// The bytes left to come of the frame, or a hint; 0 at its end.
+// Returns 0 at the end of a frame, otherwise a hint of how many input bytes remain.
 std::size_t step(const Stream& stream, ZSTD_outBuffer& out, ZSTD_inBuffer& in) {
   const std::size_t left = ZSTD_decompressStream(stream.get(), &out, &in);
   if (ZSTD_isError(left)) throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(left));
   return left;
 }
 
-// Hands all that `read` gives, decompressed, to `write`. `read` fills a buffer and returns how much
-// of it; 0 at the end.
+// Decompresses everything `read` supplies and passes it to `write`. `read` fills a buffer and
+// returns the number of bytes; 0 at the end.
 template <class Read, class Write>
 void decompress_all(const Read& read, const Write& write) {
   const Stream stream{ZSTD_createDStream(), ZSTD_freeDStream};
@@ -34,7 +34,7 @@ void decompress_all(const Read& read, const Write& write) {
   std::size_t left = 1;
   while (const std::size_t size = read(in)) {
     ZSTD_inBuffer input{in.data(), size, 0};
-    bool is_full = false;  // more may wait inside although all input is taken
+    bool is_full = false;  // zstd may hold more output although all input is consumed
     while (input.pos < input.size || (is_full && left != 0)) {
       ZSTD_outBuffer output{out.data(), out.size(), 0};
       left = step(stream, output, input);

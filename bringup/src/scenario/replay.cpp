@@ -20,7 +20,7 @@ bool is_called(const std::string& topic, const std::string& name) {
   return topic.ends_with("/" + name);
 }
 
-// The axis that makes this speed.
+// The axis value that commands this speed.
 double axis(double speed, double scale) {
   return scale == 0.0 ? 0.0 : std::clamp(speed / scale, -1.0, 1.0);
 }
@@ -37,7 +37,7 @@ std::optional<Stick> stick_of(const geometry_msgs::msg::Twist& msg, const Teleop
                axis(twist->w, teleop.gains.scale_angular), true, false};
 }
 
-// What a message of this type says of the stick; nothing if it is not of the type.
+// The stick position in a message of this type; empty if the bytes are not of the type.
 template <class M>
 std::optional<Stick> read_as(const std::vector<std::uint8_t>& bytes, const TeleopParams& teleop) {
   M msg;
@@ -58,7 +58,7 @@ std::optional<Stick> stick_in(const BagMessage& message, const std::string& type
   return std::nullopt;
 }
 
-// SQLite would say of anything else that it is no database.
+// SQLite would report any other file as "not a database".
 void require_recording(const std::string& path) {
   if (!is_recording(path))
     throw std::runtime_error(path +
@@ -66,7 +66,7 @@ void require_recording(const std::string& path) {
                              "wrote, or the .db3 in it");
 }
 
-// The stick of every topic that has one.
+// The joystick recording of every topic that contains one.
 Sticks sticks_in(const std::string& path, const TeleopParams& teleop) {
   require_recording(path);
   BagReader bag{path};
@@ -106,7 +106,7 @@ Recording recorded_stick(const std::string& path, const TeleopParams& teleop,
     std::copy_if(all.begin(), all.end(), std::back_inserter(called),
                  [&](const auto& full) { return is_called(full, name); });
     if (called.size() == 1) return sticks.at(called.front());
-    if (called.size() > 1)  // of two robots: one hand for each
+    if (called.size() > 1)  // for example one joystick for each of two robots
       throw std::runtime_error(path + ": somebody is at the stick on " + listed(called) +
                                "; choose by `recording_topic` or --recording-topic");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a recording with somebody at the stick. Out: the stick.
+// Extracts a driver's joystick input from a recording, so that a scenario can replay it.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace tandem {
 
-/// The stick of a recording (a folder of `tandem record` or of rosbag2, or its .db3): of the topic
-/// of that full name, else of the one called `joy`, or, if there is none, what it must have been
-/// for the one called `cmd_vel_user`. A released dead-man button is a stick at rest. Throws
-/// std::runtime_error, one line that names the file, if it is no recording, if nobody is at the
-/// stick, or if no name is given and several topics are called so.
+/// The joystick input in a recording (a folder of `tandem record` or of rosbag2, or its .db3). With
+/// `topic` empty, it is taken from the topic named `joy`, or else computed from the one named
+/// `cmd_vel_user`; otherwise `topic` is the full name. A released dead-man button counts as a stick
+/// at rest. Throws std::runtime_error, one line that names the file, if it is not a recording, if
+/// it contains no joystick input, or if `topic` is empty and several topics match.
 [[nodiscard]] Recording recorded_stick(const std::string& path, const TeleopParams& teleop,
                                        const std::string& topic = {});
 

@@ -19,7 +19,7 @@ namespace {
 
 using Values = std::map<std::string, rt::ParameterValue>;
 
-constexpr unsigned kLargestSeed = 2147483647;  // what a parameter may hold
+constexpr unsigned kLargestSeed = 2147483647;  // largest value of a parameter
 
 template <class T>
 std::string text(const T& value) {
@@ -65,7 +65,7 @@ std::string list(const std::vector<double>& values) {
   return fmt::format("[{}]", fmt::join(values, ", "));
 }
 
-// The planner's method behind a method of the scenario.
+// The planner method that a scenario method uses.
 std::string planner_method(const std::string& method) {
   const bool obeys = method == "blend" || method == "adaptive" || method == "hindsight";
   return obeys ? "intention" : method;
@@ -79,7 +79,7 @@ std::vector<double> flat(const std::vector<Pose2>& poses) {
 
 bool plans(const std::string& method) { return method != "manual" && method != "safety_filter"; }
 
-// What the method, the seed and the place mean for each component; the scenario's own values win.
+// Component parameters implied by method, seed and place; values in the scenario take precedence.
 std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& options) {
   const bool enforce = s.method != "manual" && options.enforce;
   const std::string policy = s.method == "goal"                              ? "autonomous"
@@ -130,13 +130,14 @@ std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& opt
   return all;
 }
 
-// No wall clock in lockstep: iterations are counted instead, about as many as fit into the 35 ms.
+// Lockstep has no wall-clock budget: iterations are limited instead, to about as many as fit into
+// 35 ms.
 void set_deterministic_budget(Values& planner, const std::string& path) {
   planner["time_budget"] = {"0.0", path};
   planner.emplace("iteration_budget", rt::ParameterValue{"30", path});
 }
 
-// Another recording has other topics, and another driver none.
+// The scenario's topic does not apply to another recording; another driver has no recording.
 void choose_recording(Scenario& scenario, const DriveOptions& options) {
   const bool another = !options.driver.empty() && options.recording.empty() &&
                        DriverName{options.driver}.driver != "replay";
@@ -147,7 +148,7 @@ void choose_recording(Scenario& scenario, const DriveOptions& options) {
   if (!options.recording_topic.empty()) scenario.recording_topic = options.recording_topic;
 }
 
-// Puts the recorded stick into the driver's parameters.
+// Writes the recorded joystick input into the driver's parameters.
 void hand_over_recording(const Scenario& scenario, System& system) {
   const auto teleop = parameters_of<TeleopNodeParams>(system, "teleop").teleop;
   for (SystemNode& node : system.nodes) {
@@ -167,7 +168,7 @@ Eigen::Vector2d edge_of(const Footprint& footprint, const std::string& edge) {
   return {0.0, edge == "left" ? e.left : -e.right};
 }
 
-// A pose for an edge of the robot becomes one for base_link; regions stay those of the edge.
+// Converts a goal pose of a robot edge to one of base_link; goal regions still refer to the edge.
 Scenario with_goal_of_edge(Scenario scenario, const DriveOptions& options) {
   const std::string edge = std::exchange(scenario.goal_edge, "");
   if (edge.empty()) return scenario;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a scenario file. Out: the drive it describes, as the system of components that runs it.
+// Loads scenario files and builds the system of components that runs the drive they describe.
 #pragma once
 
 #include <map>
@@ -17,7 +17,7 @@ class Node;
 
 namespace tandem {
 
-/// What must hold after a drive, by every method but those in `except`.
+/// Conditions that must hold after a drive with any method except those in `except`.
 struct Expectation {
   bool reached = true;
   int max_collisions = 0;
@@ -26,46 +26,46 @@ struct Expectation {
   std::vector<std::string> except;
 };
 
-/// A drive through a map: where, with which robot, whereto, by whom, and what must hold.
+/// A drive through a map: map, robot, goal, driver, and the conditions that must hold.
 struct Scenario {
   std::string name, path;
-  std::string map;                    ///< map file, or a family of worlds (seeded_world.hpp)
+  std::string map;                    ///< map file, or a map generator (seeded_world.hpp)
   std::string robot;                  ///< parameter file
   std::string fixtures;               ///< file of virtual fixtures; empty: none
   std::string map_source = "static";  ///< of extractor and filter; else an octomap_builder runs too
   Pose2 start;
   Goal goal;
-  std::string goal_edge;             ///< front, rear, left or right: it is to be at the pose
-  std::optional<RegionGoal> after;   ///< the goal counts once that edge, or base_link, was here
-  Eigen::Vector2d p_BA{0.0, 0.0};    ///< that point of the robot [m], which with_options finds
-  std::vector<Pose2> goals;          ///< if there are several poses: the seed says whose turn it is
-  std::string method;                ///< unless the command line names another
-  std::vector<std::string> methods;  ///< those the scenario makes sense for
+  std::string goal_edge;  ///< front, rear, left or right: the edge that must reach the pose
+  std::optional<RegionGoal> after;   ///< to be visited by that edge, or base_link, first
+  Eigen::Vector2d p_BA{0.0, 0.0};    ///< that edge's point on the robot [m], set by with_options()
+  std::vector<Pose2> goals;          ///< if there are several poses: the seed selects one
+  std::string method;                ///< default; the command line may name another
+  std::vector<std::string> methods;  ///< methods the scenario is meant for
   std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them
-  std::string recording;             ///< that driver `replay` plays; else empty
-  std::string recording_topic;       ///< its topic with the stick; empty: the only one
-  double duration = 120.0;           ///< [s] simulated, then it is over
+  std::string recording;             ///< played by the driver `replay`; otherwise empty
+  std::string recording_topic;       ///< its joystick topic; empty: see recorded_stick()
+  double duration = 120.0;           ///< [s] simulated time limit
   unsigned seed = 1;
   std::map<std::string, rt::ParameterValue> slice;  ///< of the map: z_min, z_max, floor
   std::map<std::string, std::map<std::string, rt::ParameterValue>> parameters;  ///< per component
-  std::vector<Walker> people;        ///< who walks about; then filter and planner watch them
-  std::vector<Crossings> crossings;  ///< and who does by seed
+  std::vector<Walker> people;        ///< walkers; filter and planner then use obstacle tracks
+  std::vector<Crossings> crossings;  ///< walkers generated from the seed
   Expectation expect;
 };
 
-/// Everybody who walks about in the scenario's drive.
+/// All walkers in the scenario's drive.
 [[nodiscard]] std::vector<Walker> people_in(const Scenario& scenario);
 
-/// What the command line may change.
+/// Command-line options that override the scenario.
 struct DriveOptions {
   std::string method{};  ///< empty: the scenario's
   unsigned seed = 0;     ///< 0: the scenario's
   std::string map{};     ///< empty: the scenario's
-  bool enforce = true;   ///< false: the filter only watches, to see what the planner does alone
+  bool enforce = true;   ///< false: the filter only monitors, to test the planner alone
   bool lockstep = false;
   double speed = 1.0;             ///< simulated per real time, over DDS
   std::string driver{};           ///< empty: the scenario's
-  bool obstacles = true;          ///< false: nothing stands anywhere; in lockstep
+  bool obstacles = true;          ///< false: no obstacles, no walkers; lockstep only
   std::string recording{};        ///< empty: the scenario's
   std::string recording_topic{};  ///< likewise
 };
@@ -73,38 +73,39 @@ struct DriveOptions {
 /// Names of all methods.
 [[nodiscard]] const std::vector<std::string>& all_methods();
 
-/// Who sits at the stick, as results name them: `none` where nobody does.
+/// The driver's name as in the results; `none` without a driver.
 [[nodiscard]] std::string driver_of(const Scenario& scenario);
 
 /// Parameters per component, as under `parameters:` of a scenario file. Throws
-/// std::invalid_argument naming the file, the line and a component that is none.
+/// std::invalid_argument naming the file, the line and the unknown component.
 [[nodiscard]] std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
     const YAML::Node& node, const std::string& path);
 
-/// Throws std::invalid_argument naming file, line and key for whatever is not of a scenario's form.
+/// Throws std::invalid_argument naming file, line and key if the file is not a valid scenario.
 [[nodiscard]] Scenario load_scenario(const std::string& path);
 
-/// Throws std::invalid_argument that names the file if the method or the driver is none, or lacks
-/// what it needs.
+/// Throws std::invalid_argument that names the file if the method or the driver is unknown or a
+/// setting it needs is missing.
 void check_scenario(const Scenario& scenario);
 
-/// Throws std::invalid_argument that names file, line and key if the robot's file gives, under
-/// `/**`, what is no parameter of any component, be it of this method or another.
+/// Throws std::invalid_argument that names file, line and key if the robot's file sets, under
+/// `/**`, a parameter that no component of any method has.
 void check_robot(const Scenario& scenario);
 
-/// The scenario with the options applied, in the world of its seed if it has many. Throws
-/// std::invalid_argument for an unknown method or driver, and what in_its_world throws.
+/// The scenario with the options applied, in the world of its seed if the map is a generator.
+/// Throws std::invalid_argument for an unknown method or driver, and whatever in_its_world()
+/// throws.
 [[nodiscard]] Scenario with_options(Scenario scenario, const DriveOptions& options);
 
 /// The components of a drive with all their parameters. In lockstep the solver has no wall-clock
 /// budget, so that the same seed gives the same drive.
 [[nodiscard]] System system_of(const Scenario& scenario, const DriveOptions& options);
 
-/// One line for each thing that should have held and did not.
+/// One line for each expected condition that did not hold.
 [[nodiscard]] std::vector<std::string> failures(const Scenario& scenario,
                                                 const DriveResult& result);
 
-/// A component's parameters as its node would read them.
+/// A component's parameters as its node reads them.
 template <class P>
 [[nodiscard]] P parameters_of(const System& system, const std::string& component) {
   P params;

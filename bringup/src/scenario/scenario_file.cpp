@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a scenario's YAML. Out: the scenario, or a complaint with file, line and key.
+// Parses a scenario's YAML; errors name file, line and key.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -65,7 +65,7 @@ std::vector<std::string> keys_of(const YAML::Node& map, const std::string& path)
   return keys;
 }
 
-// Reads one YAML map key by key and complains, with file and line, of what it does not know.
+// Reads one YAML map key by key; unknown keys are errors that name file and line.
 class Section {
  public:
   Section(const YAML::Node& node, std::string path)
@@ -94,7 +94,7 @@ class Section {
       if (std::find(known_.begin(), known_.end(), key) == known_.end())
         fail(key, "unknown key `" + key + "`; known here: " + joined(known_));
   }
-  // Complains of the value of a key that is given.
+  // Throws an error about the value of a key that is present.
   [[noreturn]] void fail(const std::string& key, const std::string& what) const {
     tandem::fail(path_, node_[key], what);
   }
@@ -109,7 +109,7 @@ class Section {
     try {
       const T value = node.as<T>();
       if (is_sound(value)) return value;
-    } catch (const YAML::Exception&) {  // said below
+    } catch (const YAML::Exception&) {  // reported below
     }
     tandem::fail(path_, node,
                  std::string("`") + key + "` = " + yaml_text(node) + " is not " + kind(T{}));
@@ -131,7 +131,7 @@ Pose2 pose(const std::vector<double>& v, const std::string& where) {
   return {v[0], v[1], v[2]};
 }
 
-// Pictures and tables are files of that name.
+// The name becomes the file name of pictures and tables, so it must not contain a slash.
 std::string read_name(Section& section) {
   const auto name = section.required<std::string>("scenario");
   if (name.empty() || name.find('/') != std::string::npos)
@@ -163,7 +163,7 @@ double read_positive(Section& section, const char* key, double value) {
   return value;
 }
 
-// All of it but the pose.
+// Reads all fields of a pose goal except the pose.
 PoseGoal read_tolerances(Section& section) {
   PoseGoal goal;
   goal.tolerance = read_positive(section, "tolerance", goal.tolerance);

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRadiusStep = 0.02;  // [m] between the radii that are tried for the widest way
+constexpr double kRadiusStep = 0.02;  // [m] between the radii tried for the widest path
 
 const char* const kClutter = "clutter";
 
@@ -31,7 +31,7 @@ struct World {
   MapDescription description;
 };
 
-// Counted round, worlds would be driven twice and called others.
+// No wrap-around: it would repeat worlds under other seeds.
 int number_of(const std::string& family, unsigned seed) {
   const auto numbers = barn_world_numbers(family);
   if (seed >= 1 && seed <= numbers.size()) return numbers[seed - 1];
@@ -46,8 +46,8 @@ World world_of(const std::string& family, unsigned seed) {
           load_barn_world(family, number)};
 }
 
-// Under its name at once, as other processes may be reading it. The content is in the name: two
-// families may be called alike, and whoever keeps worlds knows them by their files.
+// Renames atomically, because other processes may be reading the file. The name contains a checksum
+// of the content: generators may share a name, and worlds are identified by their files.
 fs::path save(const octomap::OcTree& tree, const std::string& world) {
   const auto sum = static_cast<std::uint32_t>(checksum(bt_file_bytes(tree)));
   const std::string name = fmt::format("{}_{:08x}", world, sum);
@@ -73,7 +73,7 @@ std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
   return text + "]";
 }
 
-// Unless the scenario gives a route.
+// Gives the driver the widest path, unless the scenario sets a route.
 void tell_the_way(Scenario& scenario, const StaticMap& map) {
   auto& driver = scenario.parameters["driver"];
   if (!driver.contains("route"))

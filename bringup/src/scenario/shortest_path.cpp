@@ -13,8 +13,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kThinner = 0.02;   // [m] between radii that are tried
-constexpr double kPathStep = 0.01;  // [m] along the way
+constexpr double kThinner = 0.02;   // [m] between the radii tried
+constexpr double kPathStep = 0.01;  // [m] along the path
 
 using Points = std::vector<Eigen::Vector2d>;
 
@@ -29,7 +29,7 @@ double inner_radius(const ConvexPolygon& part) {
   return radius;
 }
 
-// … inside one of the parts: the origin never comes nearer to an obstacle.
+// The largest such radius over all parts: the origin never gets closer to an obstacle than this.
 double inner_radius(const Footprint& footprint) {
   double radius = 0.0;
   for (const auto& part : footprint.parts) radius = std::max(radius, inner_radius(part));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every component and what it can be told, for those who must know them all.
+// Lists every component with its parameters, for code that handles all components.
 #pragma once
 
 #include "tandem/arbitration/arbitration_node.hpp"
@@ -19,7 +19,7 @@
 
 namespace tandem {
 
-/// Calls `visit(name, params)` for each component, its parameters at their defaults.
+/// Calls `visit(name, params)` for each component, with its default parameters.
 template <class Visit>
 void for_each_component(Visit&& visit) {
   visit("arbitration", ArbitrationNodeParams{});

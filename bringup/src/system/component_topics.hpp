@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which topics and services each component uses, for `tandem describe` and for permissions.
+// Lists the topics and services of each component, for `tandem describe` and for permissions.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace tandem {
 
-/// Relative names, as in topics.hpp, for all values of the parameters; "*" stands for all.
+/// Relative names, as in topics.hpp, used with any parameter values; "*" means all names.
 struct ComponentTopics {
   std::vector<const char*> subscribes{}, publishes{};  ///< topics
   std::vector<const char*> serves{}, calls{};          ///< services
-  const char* other_input = "";                        ///< what is no topic, for people
+  const char* other_input = "";  ///< inputs other than topics, as text for the user
   const char* other_output = "";
 };
 
-/// Throws std::invalid_argument for what is none of our components.
+/// Throws std::invalid_argument if the component is not one of ours.
 [[nodiscard]] const ComponentTopics& topics_of(const std::string& component);
 
-/// What each node uses besides: its log, its parameters, its clock.
+/// Names that every node uses in addition: log, parameters and clock.
 [[nodiscard]] const ComponentTopics& topics_of_any_node();
 
 }  // namespace tandem

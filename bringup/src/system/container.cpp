@@ -41,7 +41,7 @@ std::string list(const std::vector<T>& values) {
   return out.c_str();
 }
 
-// Quoted, so that "1" stays text.
+// Quoted so that "1" remains a string.
 std::string quoted(const std::string& text) {
   YAML::Emitter out;
   out << YAML::DoubleQuoted << text;
@@ -77,8 +77,8 @@ std::string yaml_of(const Parameter& parameter) {
   }
 }
 
-// rclcpp's containers know these two. Nothing here goes within the process, and a component is told
-// what its request says alone, as is rclcpp's default.
+// rclcpp's containers accept these two arguments. There is no intra-process transport here, and a
+// component gets only the arguments in its request, which is rclcpp's default.
 void check_extra(const Parameter& extra) {
   if (extra.name() == "use_intra_process_comms") return;
   if (extra.name() == "forward_global_arguments") {

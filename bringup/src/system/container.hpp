@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: composition_interfaces' requests. Out: components, loaded into this process and unloaded.
+// Loads components into this process and unloads them on composition_interfaces requests.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,17 +11,16 @@
 
 namespace tandem {
 
-/// The component that a ROS 2 user means by a package and a plugin: ("tandem_local_planner",
+/// The component for a ROS 2 package and plugin name: ("tandem_local_planner",
 /// "tandem::LocalPlanner") and ("tandem", "tandem::LocalPlanner") are local_planner. Throws
-/// std::invalid_argument for a package that is not ours or that holds no such plugin.
+/// std::invalid_argument if the package is not ours or does not contain the plugin.
 [[nodiscard]] std::string component_of(const std::string& package, const std::string& plugin);
 
-/// What a request asks for. Throws std::invalid_argument for a remap rule or a value that cannot
-/// be.
+/// Parses a load request. Throws std::invalid_argument for an invalid remap rule or value.
 [[nodiscard]] rt::NodeOptions options_of(
     const composition_interfaces::srv::LoadNode_Request& request);
 
-/// Loads and unloads components by request, as rclcpp_components' container does. Services:
+/// Loads and unloads components on request, like rclcpp_components' container. Services:
 /// ~/_container/load_node, unload_node, list_nodes.
 class Container {
  public:
@@ -41,7 +40,7 @@ class Container {
   rt::Service load_, unload_, list_;
 };
 
-/// `tandem container`: a container until SIGINT or SIGTERM.
+/// `tandem container`: runs a container until SIGINT or SIGTERM.
 void add_container_command(CLI::App& app);
 
 }  // namespace tandem

@@ -23,7 +23,7 @@ std::string remedy_of(const Status& status) {
   return remedy.empty() ? "see the log of that node" : remedy;
 }
 
-// Whether the word of an unwell node says no more than another one's does, or than what was found.
+// Whether a status only repeats another node's status or a finding.
 bool is_echo(const Status& status, const Diagnoses& diagnoses, const std::vector<Finding>& found) {
   if (first_cause(diagnoses, status).name() != status.name()) return true;
   for (const auto& [name, other] : diagnoses)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: /diagnostics. Out: what nodes say is wrong with themselves.
+// Collects the problems that nodes report on /diagnostics.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace tandem {
 
-/// All that is not OK, errors first. A node that repeats another's word ("safety filter: no map
-/// yet" beside "no map yet"), or waits for what an unwell node gives, is left out: the first cause
-/// is what can be mended. So is what `found` has already. The value `remedy` of a status, if it has
-/// one, says how.
+/// All statuses that are not OK, errors first. Statuses that repeat another one ("safety filter: no
+/// map yet" next to "no map yet") or only wait for the output of a failing node are left out: only
+/// the first cause can be fixed. Statuses already in `found` are left out too. A finding's remedy
+/// is the status's value `remedy`, if it has one.
 [[nodiscard]] std::vector<Finding> examine(const Diagnoses& diagnoses,
                                            const std::vector<Finding>& found = {});
 

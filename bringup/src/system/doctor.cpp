@@ -36,7 +36,7 @@ std::string who(const DomainEndpoint& endpoint) {
                                : endpoint.node;
 }
 
-// Every publisher with every subscription of its topic.
+// Pairs every publisher with every subscription on its topic.
 template <class Function>
 void for_each_pair(const Domain& domain, Function function) {
   for (const auto& writer : domain.endpoints)
@@ -44,7 +44,8 @@ void for_each_pair(const Domain& domain, Function function) {
       if (writer.writes && !reader.writes && writer.topic == reader.topic) function(writer, reader);
 }
 
-// A node that reads a topic twice, with two types or two profiles, hears by the one that fits.
+// A node with two subscriptions on a topic, of different types or profiles, receives through the
+// matching one.
 bool heard_otherwise(const Domain& domain, const DomainEndpoint& writer,
                      const DomainEndpoint& reader) {
   return std::any_of(domain.endpoints.begin(), domain.endpoints.end(), [&](const auto& other) {
@@ -53,7 +54,8 @@ bool heard_otherwise(const Domain& domain, const DomainEndpoint& writer,
   });
 }
 
-// The parameter where there is one: rclcpp's nodes have it too, if they allow it.
+// Suggests the QoS override parameter if there is one; rclcpp's nodes have it too if they allow
+// overrides.
 std::string mend(const DomainEndpoint& endpoint, const rt::Misfit& misfit) {
   const std::string value = rt::override_for(misfit, !endpoint.writes);
   if (value.empty())
@@ -122,7 +124,7 @@ void examine_nodes(const Domain& domain, std::vector<Finding>& found) {
          "find out who sends them: no release of ROS 2 does"});
 }
 
-// A base obeys whoever spoke last.
+// A base executes the latest command, from any publisher.
 void examine_commands(const Domain& domain, std::vector<Finding>& found) {
   std::map<std::string, std::vector<std::string>> writers;
   for (const auto& endpoint : domain.endpoints)
@@ -149,7 +151,7 @@ void examine_company(const Domain& domain, std::vector<Finding>& found) {
                      "name the other"});
 }
 
-// System time against steady time, and /clock, while they are watched.
+// Detects jumps of the system clock against the steady clock, and of /clock backwards.
 class ClockWatch {
  public:
   explicit ClockWatch(rt::Node& node)
@@ -180,7 +182,7 @@ class ClockWatch {
   rt::Subscription clock_;
 };
 
-// The frames of /tf while they are watched, and what a filter says of a robot that lacks some.
+// Records the frames on /tf, and the reason in the filter's status if frames are missing.
 class FrameWatch {
  public:
   explicit FrameWatch(rt::Node& node)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: what is on the domain. Out: what is wrong with it, and what to do.
+// Finds problems among the participants of a DDS domain and suggests remedies.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,11 +14,11 @@ struct Finding {
   std::string what, remedy;
 };
 
-/// What will not work between these participants, worst first.
+/// Problems between these participants, worst first.
 [[nodiscard]] std::vector<Finding> examine(const rt::Domain& domain);
 
-/// Segments of Fast DDS in `folder` that no process of `processes` ("/proc") has mapped: what a
-/// killed program left. Processes that may not be read count as users of all.
+/// Fast DDS shared-memory segments in `folder` that no process in `processes` ("/proc") has mapped:
+/// leftovers of killed programs. An unreadable process counts as a user of every segment.
 [[nodiscard]] std::vector<std::string> stale_segments(const std::string& folder,
                                                       const std::string& processes);
 

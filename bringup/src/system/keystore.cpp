@@ -35,7 +35,7 @@ struct Identity {
   Certificate certificate;
 };
 
-// What OpenSSL gave, or its complaint.
+// Returns OpenSSL's result or throws its error.
 template <class T>
 T require(T value, const std::string& what) {
   if (value) return value;
@@ -50,7 +50,7 @@ T require(T value, const std::string& what) {
 
 constexpr mode_t kSecret = 0600, kPublic = 0644;
 
-// Whole or not at all: a process that starts meanwhile finds the old file or the new one.
+// Atomic: a process starting meanwhile reads either the old file or the new one.
 void write_file(const fs::path& file, const std::string& text, mode_t mode) {
   const fs::path fresh = file.string() + ".new";
   fs::remove(fresh);
@@ -99,7 +99,7 @@ void write_identity(const Identity& identity, const fs::path& certificate, const
 }
 
 void set_random_serial(X509& certificate) {
-  constexpr int kBits = 159;  // positive in the 20 octets that a serial number may have
+  constexpr int kBits = 159;  // positive in at most 20 octets, the limit for serial numbers
   const Number number{BN_new()};
   require(BN_rand(number.get(), kBits, BN_RAND_TOP_ANY, BN_RAND_BOTTOM_ANY), "no random number");
   BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(&certificate));
@@ -118,7 +118,7 @@ void set_constraints(X509& certificate, const char* constraints) {
   X509_add_ext(&certificate, extension.get(), -1);
 }
 
-// Without an authority it signs itself, and may be one.
+// Without an authority the certificate is self-signed and may act as an authority.
 Identity make_identity(const std::string& common_name, const Validity& validity,
                        const Identity* authority) {
   Identity made{Key{require(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"), "no key")},
@@ -138,7 +138,7 @@ Identity make_identity(const std::string& common_name, const Validity& validity,
   return made;
 }
 
-// S/MIME: the document in clear, its signature behind it.
+// S/MIME: the document in clear text, followed by its signature.
 std::string signed_document(const std::string& document, const Identity& authority) {
   constexpr int kFlags = PKCS7_DETACHED | PKCS7_TEXT;
   const auto input = [&] {
@@ -190,7 +190,7 @@ void make_authorities(const fs::path& keystore) {
   }
 }
 
-// Whether the authority signed the certificate, and for now.
+// Whether the authority signed the certificate and it is valid now.
 bool is_good(X509& certificate, const Identity& authority) {
   return X509_verify(&certificate, authority.key.get()) == 1 &&
          rt::openssl::age_of(certificate) == 0;
@@ -202,7 +202,7 @@ std::time_t seconds_of(const ASN1_TIME* time) {
   return timegm(&parts);
 }
 
-// The identity that the folder holds or gets; its permissions hold for as long.
+// Keeps or creates the folder's identity. Returns its validity period, which its permissions share.
 Validity provide_identity(const fs::path& folder, const std::string& enclave,
                           const Identity& authority, const Validity& validity) {
   const fs::path certificate = folder / "cert.pem", key = folder / "key.pem";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: every component's parameters. Out: their names, and the one that somebody may have meant.
+// Lists all parameter names and suggests the closest one for a misspelled name.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace tandem {
 /// The names of all parameters of all components.
 inline const std::set<std::string>& parameter_names() {
   static const auto names = [] {
-    std::set<std::string> all{"use_sim_time"};  // the runtime's own
+    std::set<std::string> all{"use_sim_time"};  // declared by the runtime
     const auto add = [&](const char* name, const auto&...) { all.insert(name); };
     for_each_component([&](const char*, auto params) { params.visit(add); });
     return all;
@@ -24,7 +24,7 @@ inline const std::set<std::string>& parameter_names() {
   return names;
 }
 
-/// Whether a component is one of ours: others may give a retired name a meaning of their own.
+/// Whether a component is one of ours. Other components may use a retired parameter name.
 inline bool is_our_component(const std::string& component) {
   bool is_ours = false;
   for_each_component(
@@ -32,8 +32,8 @@ inline bool is_our_component(const std::string& component) {
   return is_ours;
 }
 
-/// How many letters must be put in, taken out or replaced to make one word of the other
-/// (Levenshtein 1966), by the rows of the usual table.
+/// Edit distance (Levenshtein 1966): insertions, deletions and replacements of one letter,
+/// computed row by row.
 inline std::size_t letters_apart(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -47,7 +47,7 @@ inline std::size_t letters_apart(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// The name that is nearest to a word; empty if none is near enough to be meant.
+/// The parameter name closest to a word; empty if none is close enough.
 inline std::string nearest_parameter(const std::string& word) {
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;

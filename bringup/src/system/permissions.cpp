@@ -35,7 +35,7 @@ void add(Permissions& permissions, const rt::NodeOptions& options, const Compone
 // "2026-11-26T20:00:00", in UTC.
 std::string iso_time(std::time_t time) { return fmt::format("{:%FT%T}", fmt::gmtime(time)); }
 
-// "publish" or "subscribe" with its topics; nothing if there are none.
+// The element "publish" or "subscribe" with its topics; empty if there are none.
 std::string criteria(const char* kind, const std::set<std::string>& topics) {
   if (topics.empty()) return {};
   std::string text = fmt::format("        <{}>\n          <topics>\n", kind);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an enclave may do: from the topics of its nodes to DDS Security's permissions document.
+// Generates DDS Security's permissions document of an enclave from the topics of its nodes.
 #pragma once
 
 #include <ctime>
@@ -15,7 +15,7 @@ namespace tandem {
 struct Permissions {
   std::set<std::string> publish, subscribe;
 
-  /// Adds those of others.
+  /// Adds the topics of `others`.
   void add(const Permissions& others);
 };
 
@@ -25,16 +25,16 @@ void allow_subscribe(Permissions& permissions, const std::string& topic);
 void allow_serve(Permissions& permissions, const std::string& service);
 void allow_call(Permissions& permissions, const std::string& service);
 
-/// Everything on every topic and service, as `ros2 security create_enclave` gives at first.
+/// Access to every topic and service, the default of `ros2 security create_enclave`.
 [[nodiscard]] Permissions all_permissions();
-/// What every process needs: the graph of nodes, and the names that each of `nodes` uses besides
-/// its own topics (log, clock, parameters).
+/// Access that every process needs: the node graph, and for each of `nodes` its log, clock and
+/// parameters.
 [[nodiscard]] Permissions permissions_of_any(const std::vector<rt::NodeOptions>& nodes);
-/// What the node of a system uses, under its name and remappings. Throws std::invalid_argument for
-/// a component that is not ours: its topics are not known.
+/// The names a system's node uses, after renaming and remapping. Throws std::invalid_argument if
+/// the component is not ours, because its topics are unknown.
 [[nodiscard]] Permissions permissions_of(const SystemNode& node);
 
-/// The seconds since 1970 between which a certificate or a document holds.
+/// Validity period of a certificate or document [s since 1970].
 struct Validity {
   std::time_t from, until;
 };
@@ -43,8 +43,8 @@ struct Validity {
 [[nodiscard]] std::string permissions_document(const std::string& enclave,
                                                const Permissions& permissions,
                                                const Validity& validity, int domain);
-/// The governance document of `domain`, unsigned: nobody unauthenticated; discovery, liveliness and
-/// data are encrypted, messages signed; each topic needs a permission.
+/// The governance document of `domain`, unsigned: unauthenticated participants are refused;
+/// discovery, liveliness and data are encrypted, messages signed; each topic needs a permission.
 [[nodiscard]] std::string governance_document(int domain);
 
 }  // namespace tandem

@@ -18,9 +18,9 @@ namespace tandem {
 namespace {
 
 constexpr double kPatience = 2.0;      // [s] between SIGTERM and SIGKILL
-constexpr double kLook = 0.05;         // [s] between looks at who died
-constexpr double kHealthyStart = 5.0;  // [s] what ends by itself before that has a wrong setting
-constexpr double kStarted = -1.0;      // start time of what no longer waits for one
+constexpr double kLook = 0.05;         // [s] between checks for ended children
+constexpr double kHealthyStart = 5.0;  // [s] exiting earlier indicates a configuration error
+constexpr double kStarted = -1.0;      // [s] start time that marks a pending process as started
 
 rt::Logger& log() {
   static rt::Logger logger{"tandem"};
@@ -34,11 +34,11 @@ std::string how(int status) {
   return fmt::format("ended with status {}", WEXITSTATUS(status));
 }
 
-// In the child, where other threads' locks may be held: only system calls.
+// Runs in the forked child, where other threads' locks may be held: only system calls are safe.
 [[noreturn]] void become(char* const* argv, pid_t parent) {
   setpgid(0, 0);  // Ctrl-C reaches this process only, which then ends its children in order
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(EXIT_FAILURE);  // it died before the line above
+  if (getppid() != parent) _exit(EXIT_FAILURE);  // the parent died before prctl()
   execv("/proc/self/exe", argv);
   _exit(127);
 }
@@ -79,7 +79,7 @@ void Processes::reap(bool expected) {
   });
 }
 
-// A wrong parameter or a missing file does not mend itself.
+// A wrong parameter or a missing file needs the user; respawning does not help.
 bool Processes::failed_at_once(const Child& child, int status) {
   const bool is_first = child.delay == 0.0;
   return is_first && WIFEXITED(status) && rt::steady_seconds() - child.start < kHealthyStart;
@@ -93,7 +93,7 @@ void Processes::plan_respawn(const Child& child, const std::string& how) {
   pending_.push_back({child.plan, now + delay, delay});
 }
 
-// One that cannot be made now (too many processes, no memory) is tried again later.
+// A process that cannot be created now (process limit, no memory) is retried later.
 void Processes::start_pending() {
   const double now = rt::steady_seconds();
   for (auto& pending : pending_) {

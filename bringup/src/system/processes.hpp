@@ -12,17 +12,17 @@ namespace tandem {
 /// A process that runs this program.
 struct ProcessPlan {
   std::string name;                    ///< as the log calls it
-  std::vector<std::string> arguments;  ///< behind the program's name
-  /// Whether it starts again after it ended by itself, unless that was an error at its first start.
+  std::vector<std::string> arguments;  ///< after the program's name
+  /// Whether it restarts after ending by itself, except after exiting early on its first start.
   bool respawn = false;
-  std::vector<std::string> respawn_arguments;  ///< behind `arguments` whenever it starts again
+  std::vector<std::string> respawn_arguments;  ///< appended to `arguments` at every restart
 };
 
-/// How long to wait before a process starts again [s]: `last`, the wait before its start (0: its
-/// first), doubled and within [0.5, 30]; 0.5 again after it lived for `life` ≥ 60 s.
+/// Delay before a process restarts [s]: twice `last`, the delay before its previous start (0 for
+/// the first start), clamped to [0.5, 30]; 0.5 again if it ran for `life` ≥ 60 [s].
 [[nodiscard]] double respawn_delay(double last, double life);
 
-/// Child processes that run this program. None outlives this process, however it ends.
+/// Child processes that run this program. No child outlives this process, however it ends.
 class Processes {
  public:
   Processes() = default;
@@ -30,7 +30,7 @@ class Processes {
   Processes(const Processes&) = delete;
   Processes& operator=(const Processes&) = delete;
 
-  /// Throws std::runtime_error if the process cannot be made.
+  /// Throws std::runtime_error if the process cannot be created.
   void start(const ProcessPlan& plan);
 
   /// Watches the children until a shutdown (SIGINT, SIGTERM) or until none is left; each death is
@@ -58,8 +58,8 @@ class Processes {
   void start_pending();
 
   std::vector<Child> children_;
-  std::vector<Pending> pending_;  // that start again
-  bool died_ = false;             // one of them, unasked
+  std::vector<Pending> pending_;  // waiting to restart
+  bool died_ = false;             // a child ended by itself
 };
 
 }  // namespace tandem

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Reads one system file; every complaint names file and line.
+// Reads one system file; every error names file and line.
 class SystemReader {
  public:
   explicit SystemReader(const std::string& path) : path_{path} {}
@@ -57,7 +57,7 @@ class SystemReader {
     }
   }
 
-  // The second of two alike would be dropped, or win, without a word.
+  // Otherwise one of two duplicates would be ignored silently.
   void require_each_once(const YAML::Node& map) const {
     if (!map.IsMap()) fail(map, "expected a map");
     std::set<std::string> seen;
@@ -143,7 +143,7 @@ bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
 
 int run_here(const System& system, const std::vector<std::string>& only) {
   RunningSystem running{system, only};
-  if (only.empty())  // a process of its own cannot know what the others use
+  if (only.empty())  // a separate process does not know the other processes' parameters
     for (const auto& key : rt::unused_wildcard_keys())
       rt::Logger{"tandem"}.warn("{} is no parameter of any component of {}", key, system.path);
   rt::wait_for_shutdown();
@@ -152,8 +152,8 @@ int run_here(const System& system, const std::vector<std::string>& only) {
   return 0;
 }
 
-// A plain `-p` is for every node that has the parameter. Of processes of their own none knows what
-// the others use; a user's component may have parameters that are not known here.
+// A `-p` without a node name applies to every node that has the parameter. Separate processes do
+// not know each other's parameters, and a user's component may have unknown ones, so only warn.
 void warn_of_unknown(const rt::RosArguments& arguments) {
   const auto all = arguments.parameters.find("");
   if (all == arguments.parameters.end()) return;
@@ -184,7 +184,7 @@ void warn_of_strangers(const System& system, const rt::RosArguments& arguments) 
                               system.path, name);
 }
 
-// Once, before each of the processes finds it.
+// Checked once here, before every process reports the same error.
 void refuse_retired_names(const System& system, const std::vector<std::string>& only,
                           const rt::RosArguments& arguments) {
   for (const auto& node : system.nodes) {
@@ -195,25 +195,25 @@ void refuse_retired_names(const System& system, const std::vector<std::string>& 
   }
 }
 
-// Constructs a component; whatever it complains of names the system file and the component.
+// Constructs a component; its errors name the system file and the component.
 rt::RunningComponent construct(const System& system, const SystemNode& node) {
   try {
     return rt::RunningComponent{node.component, node.options};
   } catch (const std::exception& error) {
     const std::string what = error.what();
-    if (what.find(": node /") != std::string::npos) throw;  // as a parameter's complaint does
+    if (what.find(": node /") != std::string::npos) throw;  // already names the node
     throw std::invalid_argument(system.path + ": " + node.options.name + ": " + what);
   }
 }
 
-// What arbitration is told when it starts again: it has forgotten whether the emergency stop was
-// pressed, so it must take it for pressed.
+// A restarted arbitration does not know whether the emergency stop was pressed, so it must assume
+// that it was.
 std::vector<std::string> respawn_arguments(const SystemNode& node) {
   if (node.component != "arbitration") return {};
   return {"--ros-args", "-p", node.options.name + ":start_stopped:=true"};
 }
 
-// What a process of its own is told of its enclave.
+// Arguments that give a separate process its enclave.
 std::vector<std::string> enclave_arguments(const rt::NodeOptions& options) {
   if (rt::enclave() != "/") return {"--ros-args", "--enclave", rt::enclave()};
   if (!rt::read_security_request().enabled) return {};
@@ -266,7 +266,7 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
   const auto arguments = rt::parse_ros_arguments(ros_args);
   if (!arguments.rest.empty())
     throw std::invalid_argument("unknown argument '" + arguments.rest.front() + "'");
-  if (only.empty()) warn_of_strangers(system, arguments);  // not once more by each process
+  if (only.empty()) warn_of_strangers(system, arguments);  // each process would repeat the warnings
   rt::install_signal_handlers();
   if (separate_processes) {
     warn_of_unknown(arguments);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a system file. Out: its components, running in this process or one process each.
+// Runs the components of a system file, in this process or in one process each.
 #pragma once
 
 #include <map>
@@ -10,11 +10,11 @@
 
 namespace tandem {
 
-/// One component of a system, as the system file says.
+/// One component of a system, as declared in the system file.
 struct SystemNode {
   std::string component;
   rt::NodeOptions options;
-  bool respawn = false;  ///< as a process of its own it starts again after it ended by itself
+  bool respawn = false;  ///< restart it after it ends by itself; needs separate processes
 };
 
 /// Which components run, under which names, with which parameters and remappings.
@@ -23,17 +23,17 @@ struct System {
   std::vector<SystemNode> nodes;
 };
 
-/// Throws std::invalid_argument naming file and line for whatever is not of a system file's form.
+/// Throws std::invalid_argument naming file and line if the file is not a valid system file.
 [[nodiscard]] System load_system(const std::string& path);
 
-/// Throws std::invalid_argument for a name of `only` that no node of the system has.
+/// Throws std::invalid_argument if `only` contains a name that no node of the system has.
 void require_names(const System& system, const std::vector<std::string>& only);
 
 /// The components of a system, each on its own thread. Destruction stops them.
 class RunningSystem {
  public:
   /// Runs the nodes named in `only` (all if empty). Throws std::invalid_argument for a name that
-  /// the system does not have, and what a component's constructor throws; then nothing runs.
+  /// the system does not have, and whatever a component's constructor throws; then nothing runs.
   explicit RunningSystem(const System& system, const std::vector<std::string>& only = {});
 
   void stop();  ///< returns at once
