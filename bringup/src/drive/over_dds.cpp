@@ -13,7 +13,7 @@ namespace tandem {
 namespace {
 
 constexpr double kStartLimit = 20.0;  // [s] of steady time for the drive to begin
-constexpr double kSilence = 5.0;  // [s] of steady time without ground truth until the drive fails
+constexpr double kSilence = 5.0;      // [s] of steady time without ground truth: drive failed
 
 // cmd_vel_user may carry Twist or TwistStamped; the nodes accept both.
 constexpr rt::Topic<geometry_msgs::msg::TwistStamped> kUserStamped{topics::cmd_vel_user.name,

@@ -37,13 +37,13 @@ struct Study {
 ///   study: NAME
 ///   about: TEXT                            # optional
 ///   scenarios: [FILE or {file: FILE, name: N, map: M, duration: D}, …]   # relative to this file
-///   robots: [FILE, …]                      # replace the scenarios' robots; each with every
-///   scenario methods: [METHOD or {name: N, method: M, enforce: false, parameters: {COMPONENT:
-///   {…}}}, …] drivers: [DRIVER or {name: N, driver: D, and parameters of the component driver}, …]
+///   robots: [FILE, …]                      # each scenario with each of these robots
+///   methods: [METHOD or {name: N, method: M, enforce: false, parameters: {COMPONENT: {…}}}, …]
+///   drivers: [DRIVER or {name: N, driver: D, and parameters of the component driver}, …]
 ///            # driver `replay` also takes `recording: FOLDER` and `recording_topic: T` (optional)
 ///   seeds: 20 or 1-20 or [3, 5, 8]
 ///   overrides: {COMPONENT: {…}}
-///   parts: [{any of the six above}, …]     # keys missing in a part are taken from above
+///   parts: [{any of scenarios … overrides}, …]   # missing keys are taken from above
 ///
 /// `methods: all`, the default, stands for the methods that the scenario lists. Without `drivers`,
 /// the scenario's driver is used. With another robot than its own, a scenario's results are named
