@@ -14,7 +14,7 @@
 namespace tandem {
 namespace {
 
-// A visitor of parameter structs that prints each field as a row.
+// Prints each field of a parameter struct as a row.
 struct Printer {
   static void row(const char* name, const std::string& value, const std::string& bounds,
                   const char* meaning) {
@@ -56,7 +56,7 @@ std::string list(std::vector<const char*> names, const char* other) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-// "a, b -> c; services d".
+// Formats inputs and outputs as "a, b -> c; services d".
 std::string summary(const ComponentTopics& topics) {
   std::string text = list(topics.subscribes, topics.other_input) + " -> " +
                      list(topics.publishes, topics.other_output);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem describe`: what a component listens to, says, and can be told.
+// `tandem describe`: prints the topics, services and parameters of a component.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `tandem`.
+// Entry point of the program `tandem` with all its commands.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -22,7 +22,7 @@
 
 namespace {
 
-// The word that stands where a command should; empty if none does.
+// The word in the position of a required command; empty if there is none.
 std::string unknown_command(const CLI::App& app) {
   const CLI::App* at = &app;
   while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
@@ -30,7 +30,7 @@ std::string unknown_command(const CLI::App& app) {
   return at->get_require_subcommand_min() == 0 || words.empty() ? "" : words.front();
 }
 
-// What the system says of a thread or process too many does not say what to do.
+// The system's message about the limit of threads and processes does not name the remedy.
 std::string explained(const std::exception& error) {
   const std::string what = error.what();
   const auto no_more = std::make_error_code(std::errc::resource_unavailable_try_again).message();
@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   for (const char* command : {"run", "container", "teleop", "scenario", "record", "play", "doctor"})
     tandem::add_enclave_option(*app.get_subcommand(command));
   try {
-    for (int i = 1; i < argc; ++i)  // else it would count as not given
+    for (int i = 1; i < argc; ++i)  // CLI11 would treat an empty argument as not given
       if (*argv[i] == '\0')
         throw std::invalid_argument("argument " + std::to_string(i) +
                                     " is empty; is a variable of the shell unset?");
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "tandem: no command '%s'; --help lists them\n", unknown.c_str());
     return 1;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;  // 0: --help
+    return app.exit(error) == 0 ? 0 : 1;  // exit() returns 0 for --help
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tandem: %s\n", explained(error).c_str());
     return 1;

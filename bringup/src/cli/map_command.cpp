@@ -37,7 +37,8 @@ struct MapOptions {
   double wall_height = kWallHeight;
 };
 
-// An option for every field of a parameter struct, named as in YAML with dashes.
+// Adds an option for each field of a parameter struct, named as in YAML with dashes for
+// underscores.
 struct OptionAdder {
   CLI::App& command;
 
@@ -51,7 +52,7 @@ struct OptionAdder {
   }
 };
 
-// The number behind `#` in `worlds.json#17`: a BARN world.
+// Splits `worlds.json#17`, world 17 of a BARN file, into file and number.
 struct WorldName {
   fs::path file;
   std::optional<int> number;
@@ -76,7 +77,7 @@ fs::path output_beside(const MapOptions& options, const char* extension) {
   return beside.replace_extension(extension);
 }
 
-// A file of any kind, or a world of a BARN file.
+// Loads a map file of any supported kind, or a world of a BARN file.
 std::unique_ptr<octomap::OcTree> load_any(const std::string& input,
                                           double wall_height = kWallHeight) {
   const WorldName world(input);
@@ -90,9 +91,9 @@ void save(const octomap::OcTree& tree, const fs::path& output) {
               static_cast<std::uintmax_t>(fs::file_size(output)));
 }
 
-// Under whatever name: another spelling, a link.
+// Compares files rather than paths, because the output may be a link to the input.
 void keep_input(const std::string& input, const fs::path& output) {
-  std::error_code error;  // there is no such output yet
+  std::error_code error;  // ignored: the output need not exist yet
   if (fs::equivalent(WorldName(input).file, output, error))
     throw std::runtime_error(input + ": would be overwritten; name another file with -o");
 }
@@ -142,7 +143,7 @@ std::vector<Obstacle> all_shapes(const Grid& grid, bool unknown_is_obstacle) {
   params.range = 50.0;
   Extractor extractor(map, params);
   std::vector<Obstacle> shapes;
-  for (double y = 0.0; y <= size.y(); y += params.range)  // squares that the range covers
+  for (double y = 0.0; y <= size.y(); y += params.range)  // so that the ranges cover the map
     for (double x = 0.0; x <= size.x(); x += params.range)
       for (const Obstacle& shape : extractor.near(grid.origin + Eigen::Vector2d{x, y}))
         shapes.push_back(shape);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the command line after `tandem map`. Out: maps built, described and drawn.
+// `tandem map`: builds, describes and draws maps.
 #pragma once
 
 #include <CLI/App.hpp>

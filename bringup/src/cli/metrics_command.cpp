@@ -36,7 +36,7 @@ bool is_same(const Grid& a, const Grid& b) {
          a.cells == b.cells;
 }
 
-// Reads a recording as the monitor of a drive reads the bus.
+// Passes the messages of a recording to a DriveObserver, as drive_over_dds does with live messages.
 class Replay {
  public:
   Replay(const MetricsRequest& request, const MapServerParams& map, DriveObserver& drive)
@@ -75,7 +75,7 @@ class Replay {
     return nullptr;
   }
 
-  // A name may be recorded with several types; those that are read have readers of their own.
+  // A topic name may be recorded with several types, so each type has a separate reader.
   template <class M, class Fn>
   void on(const rt::Topic<M>& topic, Fn fn) {
     for (std::size_t i = 0; i < bag_.topics().size(); ++i) {
@@ -88,7 +88,8 @@ class Replay {
     }
   }
 
-  // Clearance and the shortest way would be those of another world, and nothing else would tell.
+  // Warns if the recorded map differs from the scenario's. Clearance and shortest path would be
+  // wrong, and nothing else in the results would show it.
   void compare(const octomap_msgs::msg::Octomap& msg) const {
     const auto recorded =
         decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), true).tree;
@@ -138,7 +139,7 @@ class Replay {
         is_static ? tree_.set_static(link) : tree_.set(link);
       }
   }
-  // Without a localiser map and odom are one.
+  // Without a localizer, the frames map and odom coincide.
   [[nodiscard]] std::optional<Pose2> in_map(const std::string& frame) const {
     const auto name = frame.empty() ? bare_frame(frames_.odom) : bare_frame(frame);
     if (const auto X_MF = tree_.pose(frames_.map, name)) return in_plane(*X_MF);
@@ -148,15 +149,15 @@ class Replay {
   std::string recording_;
   BagReader bag_;
   std::string name_space_;
-  MapServerParams map_;  // what the robot was told stands there, if the drive is the scenario's
+  MapServerParams map_;  // the scenario's map, compared with the recorded one
   DriveObserver& drive_;
   bool has_truth_ = false, compared_ = false;
-  std::map<std::size_t, std::function<void(const Bytes&)>> readers_;  // by topic
+  std::map<std::size_t, std::function<void(const Bytes&)>> readers_;  // by index of the topic
   Frames frames_;
   FrameTree tree_;
 };
 
-// No topic carries the seed, and a guess at it would measure another drive.
+// No topic carries the seed, and a wrong guess would measure against another world or goal.
 void require_seed(const Scenario& scenario, const MetricsRequest& request) {
   const bool many_worlds = is_family(request.map.empty() ? scenario.map : request.map);
   if (request.seed != 0 || (!many_worlds && scenario.goals.empty())) return;
@@ -172,7 +173,7 @@ DriveOptions options_of(const MetricsRequest& request) {
   options.seed = request.seed;
   options.map = request.map;
   options.driver = request.driver;
-  // Whoever replayed held the stick that is in this recording too.
+  // The recording of a replayed drive also contains the stick that was replayed.
   if (!request.driver.empty() && DriverName{request.driver}.driver == "replay")
     options.recording = request.recording;
   return options;

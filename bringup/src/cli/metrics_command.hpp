@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem metrics`: the measures of a recorded drive.
+// `tandem metrics`: computes the measures of a recorded drive.
 #pragma once
 
 #include <CLI/CLI.hpp>

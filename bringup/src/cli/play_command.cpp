@@ -20,7 +20,7 @@ namespace tandem {
 namespace {
 
 constexpr double kDay = 86'400e9;  // [ns]
-constexpr double kStep = 0.05;     // [s] at most between two looks at whether to stop
+constexpr double kStep = 0.05;     // [s] longest wait between two checks for a stop
 
 struct PlayRequest {
   std::string path;
@@ -44,7 +44,7 @@ class Player {
       publishers_.push_back(wants(topic.name) ? publisher_of(topic) : std::nullopt);
   }
 
-  // How many messages it sent.
+  // Plays the recording; returns the number of messages sent.
   long play() {
     wait(request_.wait, [this] { return heard(); });
     do {
@@ -58,7 +58,7 @@ class Player {
     return wanted_.empty() || std::find(wanted_.begin(), wanted_.end(), topic) != wanted_.end();
   }
 
-  // One topic that cannot be sent, for its name is none of ROS 2's, costs no other.
+  // A topic that cannot be published, for example because its name is invalid, is skipped.
   std::optional<rt::GenericPublisher> publisher_of(const BagTopic& topic) {
     try {
       return node_.create_generic_publisher(topic.name, topic.type, topic.qos);
@@ -68,7 +68,7 @@ class Player {
     }
   }
 
-  // Whether every topic has a subscription.
+  // Whether every played topic has a matched subscription.
   [[nodiscard]] bool heard() const {
     return std::all_of(publishers_.begin(), publishers_.end(), [](const auto& publisher) {
       return !publisher || publisher->matched() > 0;
@@ -111,8 +111,8 @@ class Player {
   const PlayRequest& request_;
   std::vector<std::string> wanted_;
   std::vector<BagTopic> topics_;
-  std::vector<std::optional<rt::GenericPublisher>> publishers_;  // of the topics that are played
-  std::int64_t skipped_ = 0;                                     // [ns]
+  std::vector<std::optional<rt::GenericPublisher>> publishers_;  // by topic; empty if not played
+  std::int64_t skipped_ = 0;                                     // [ns] in gaps, warned of so far
   long sent_ = 0;
 };
 

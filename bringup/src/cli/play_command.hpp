@@ -5,7 +5,7 @@
 
 namespace tandem {
 
-/// `tandem play`: a recording back onto the domain.
+/// Adds `tandem play`, which publishes the messages of a recording on the domain.
 void add_play_command(CLI::App& app);
 
 }  // namespace tandem

@@ -13,7 +13,7 @@ namespace tandem {
 namespace {
 
 constexpr std::size_t kBar = 24;    // characters
-constexpr double kLogEvery = 10.0;  // [s] between lines that are no terminal's
+constexpr double kLogEvery = 10.0;  // [s] between lines if not on a terminal
 
 std::string duration(double seconds) {
   const auto s = static_cast<long>(seconds + 0.5);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: one step done after the other. Out: how far it is and how long it still takes, on standard
-// error.
+// Shows on standard error how many steps of a task are done and how long the rest will take.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +7,15 @@
 
 namespace tandem {
 
-/// On a terminal one line that is written over; else a line now and then, fit for a log.
+/// On a terminal, overwrites one line; otherwise prints a line every 10 s, as suits a log.
 class ProgressBar {
  public:
-  /// `unit`: of what there are so many in `all`; `before` of them were done before.
+  /// `all`: number of steps; `before`: those finished in earlier runs; `unit`: plural noun for the
+  /// steps.
   ProgressBar(std::size_t all, std::size_t before, std::string unit);
 
   void step(const std::string& note);
-  /// Before other text, where both go to one terminal.
+  /// Clears the line, so that other text can be printed to the same terminal.
   void clear() const;
 
  private:

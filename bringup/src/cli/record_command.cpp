@@ -19,11 +19,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kLook = 0.1;    // [s] between looks at which topics there are
-constexpr double kCommit = 1.0;  // [s] that a crash can cost
-constexpr int kDepth = 1000;     // messages of one topic that wait for the disk
+constexpr double kLook = 0.1;    // [s] between searches for new topics
+constexpr double kCommit = 1.0;  // [s] between commits; a crash loses at most this much
+constexpr int kDepth = 1000;     // messages of one topic that can wait to be written
 
-// As rosbag2 names it.
+// rosbag2's default name.
 std::string default_folder() {
   char name[64];
   const std::time_t now = std::time(nullptr);
@@ -33,7 +33,7 @@ std::string default_folder() {
   return name;
 }
 
-// A name with a part that starts with '_' is hidden.
+// ROS 2 hides topics with a name part that starts with '_'.
 bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
 
 class Recorder {
@@ -65,7 +65,7 @@ class Recorder {
   }
 
   struct Recorded {
-    int id = 0;  // in the recording
+    int id = 0;  // of the topic in the recording
     rt::Subscription subscription;
   };
   using Key = std::pair<std::string, std::string>;  // name and type
@@ -79,7 +79,7 @@ class Recorder {
     }
   }
 
-  // One topic that cannot be heard, for its name is none of ROS 2's, costs no other.
+  // A topic that cannot be subscribed to, for example because its name is invalid, is skipped.
   bool subscribe(const Key& key, const rt::QoS& qos) {
     const auto& [name, type] = key;
     Recorded& recorded = recorded_[key];

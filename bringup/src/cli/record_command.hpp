@@ -5,7 +5,7 @@
 
 namespace tandem {
 
-/// `tandem record`: the topics of the domain into a recording, until SIGINT or SIGTERM.
+/// Adds `tandem record`, which records the topics of the domain until SIGINT or SIGTERM.
 void add_record_command(CLI::App& app);
 
 }  // namespace tandem

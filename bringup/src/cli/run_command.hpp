@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem run` and `tandem list`: systems and the components they can be made of.
+// `tandem run` runs a system; `tandem list` prints the components that a system can use.
 #pragma once
 
 #include <CLI/CLI.hpp>

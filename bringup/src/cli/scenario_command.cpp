@@ -31,7 +31,8 @@ struct ScenarioRequest {
   unsigned jobs = 1;
 };
 
-// Every drive, checked before the first begins.
+// Lists all drives. Checks each scenario with each method, so that errors appear before the first
+// drive.
 std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
   const auto [first, last] = request.seeds.empty() ? SeedRange{request.seed, request.seed}
                                                    : seed_range("--seeds", request.seeds);
@@ -54,7 +55,7 @@ std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
   return jobs;
 }
 
-// What is written after the last drive had better be writable before the first.
+// Reports an unwritable output before the first drive rather than after the last.
 void check_outputs(const ScenarioRequest& request) {
   const fs::path json = request.json;
   const fs::path folder = json.has_parent_path() ? json.parent_path() : fs::path{"."};
@@ -69,7 +70,7 @@ void check_outputs(const ScenarioRequest& request) {
                                 "; name a folder that exists or can be made");
 }
 
-// On a terminal one line that is written over; else a line now and then, fit for a log.
+// On a terminal, overwrites one line; otherwise prints a line every 5 s of simulated time.
 class Display {
  public:
   explicit Display(bool quiet) : quiet_{quiet}, terminal_{isatty(STDERR_FILENO) == 1} {}
@@ -97,7 +98,7 @@ DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
   const auto show = [&](const Progress& progress) { display.show(progress); };
   DriveOptions options = job.options;
   const Scenario scenario = with_options(job.scenario, options);
-  options.map.clear();  // the scenario names it now
+  options.map.clear();  // already applied to the scenario by with_options
   DriveLog log = options.lockstep ? drive_in_lockstep(scenario, options, show)
                                   : drive_over_dds(scenario, options, show);
   display.end();
@@ -110,7 +111,7 @@ DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
 }
 
 std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const ScenarioRequest& request) {
-  if (request.lockstep && all.size() > 1) {  // how far each is would be a jumble of lines
+  if (request.lockstep && all.size() > 1) {  // progress lines of parallel drives would interleave
     ScenarioRequest each = request;
     each.quiet = true;
     ProgressBar bar{all.size(), 0, "drives"};
@@ -127,7 +128,7 @@ std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Scena
   std::vector<DriveResult> results;
   for (const DriveJob& job : all) {
     DriveResult result = drive(job, request);
-    if (!request.lockstep && rt::shutting_down())  // half a drive is none
+    if (!request.lockstep && rt::shutting_down())  // an interrupted drive gives no result
       throw std::runtime_error(
           fmt::format("interrupted after {} of {} drives", results.size(), all.size()));
     results.push_back(std::move(result));
@@ -186,7 +187,7 @@ void add_scenario_command(CLI::App& app, int& status) {
       ->check(CLI::ExistingFile);
   command->add_option("--json", request->json, "write all results to this file");
   command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")
-      ->take_last();  // after the one that bringup/demo names
+      ->take_last();  // overrides the folder that bringup/demo passes first
   command->add_flag("--dds", request->dds, "the real nodes over DDS (default)");
   command->add_flag("--lockstep", request->lockstep,
                     "the same cores without DDS, deterministic and faster than real time");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem scenario`: drives scenario files, reports, and says whether what must hold did hold.
+// `tandem scenario`: runs scenario files, prints the results and checks the scenarios'
+// expectations.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -72,7 +72,7 @@ Permissions composed_permissions(const std::vector<SystemNode>& nodes) {
   return all;
 }
 
-// Of a program with one node that is called as the enclave.
+// Permissions of a program with one node, whose name is that of the enclave.
 Permissions listed_permissions(const CreateRequest& request, const std::string& enclave) {
   const auto slash = enclave.rfind('/');
   Permissions all = permissions_of_any(
@@ -102,7 +102,7 @@ Enclaves enclaves_of(const CreateRequest& request) {
   return all;
 }
 
-// Permissions for another domain than the keystore's would let nobody in.
+// Enclaves with permissions for a domain that the governance file does not name cannot join.
 void warn_of_domain(const std::filesystem::path& keystore, int domain) {
   std::ifstream file{keystore / "enclaves" / "governance.xml"};
   const std::string text{std::istreambuf_iterator<char>{file}, {}};
@@ -121,7 +121,7 @@ void print_drivers(const Enclaves& enclaves) {
   std::printf("/cmd_vel may be published by:%s\n", drivers.empty() ? " none" : drivers.c_str());
 }
 
-// All of it, over what somebody has chosen, would be a surprise.
+// Without a choice, an enclave gets all permissions; this must not overwrite a choice made earlier.
 void require_choice(const CreateRequest& request) {
   if (!request.system.empty() || request.names_topics()) return;
   for (const auto& enclave : request.enclaves)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem security`: who may join a domain, and what each may do there.
+// `tandem security`: creates keystores and enclaves, which define who may join a domain and which
+// topics and services they may use.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +9,7 @@ namespace tandem {
 
 void add_security_command(CLI::App& app);
 
-/// `--enclave NAME` for a command that makes nodes.
+/// Adds `--enclave NAME` to a command that creates nodes.
 void add_enclave_option(CLI::App& command);
 
 }  // namespace tandem

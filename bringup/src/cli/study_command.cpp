@@ -44,8 +44,8 @@ Shard read_shard(const std::string& text) {
   return shard;
 }
 
-// The drives that are still to be made, of this shard; in no order, so that those to come take
-// about as long as those made, and the time left is one.
+// The unfinished drives of this shard, shuffled: the remaining drives then take about as long as
+// the finished ones, so the displayed time left is realistic.
 std::vector<std::size_t> missing(const Study& study, const StudyFolder& folder, Shard shard) {
   std::vector<std::size_t> missing;
   for (std::size_t i = shard.index - 1; i < study.drives.size(); i += shard.count)
@@ -70,7 +70,7 @@ void make_drives(const Study& study, StudyFolder& folder, const StudyRequest& re
         "%s: %zu finished drives, %zu of them by another build of tandem, which may differ "
         "from those made now; for a study by one build name another folder\n",
         folder.path().c_str(), folder.finished().size(), others);
-  Lockstep lockstep;  // each process has its own from here on
+  Lockstep lockstep;  // each worker process gets its own copy by fork
   ProgressBar bar{all, all - todo.size(), "drives"};
   long collisions = 0;
   work_side_by_side(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem study`: many drives in lockstep, and what they say together.
+// `tandem study`: runs many drives in lockstep and summarizes their measures.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -25,17 +25,17 @@
 namespace tandem {
 namespace {
 
-constexpr double kBeat = 0.04;     // [s] between two joy
-constexpr double kShow = 0.2;      // [s]
-constexpr double kFresh = 0.5;     // [s] what is older is not shown
-constexpr int kReleases = 3;       // joy that say "let go", for one may be lost
-constexpr double kPatience = 1.0;  // [s] with teleop's answer
-constexpr double kPress = 2.0;     // [s] a key that is held for longer is no new press
+constexpr double kBeat = 0.04;     // [s] between two joy messages
+constexpr double kShow = 0.2;      // [s] between updates of the status line
+constexpr double kFresh = 0.5;     // [s] older status counts as missing
+constexpr int kReleases = 3;       // joy messages sent after a release, because one may be lost
+constexpr double kPatience = 1.0;  // [s] timeout for teleop's answer
+constexpr double kPress = 2.0;     // [s] a key held for longer is not a new press
 
 const std::vector<std::string> kLayout{"axis_linear",  "axis_angular",  "deadman_button",
                                        "scale_linear", "scale_angular", "axis_range"};
 
-// Characters as they are typed, unseen, without waiting for them; Ctrl-C stays what it is.
+// Reads characters without echo, line buffering or blocking. Ctrl-C still raises SIGINT.
 class RawTerminal {
  public:
   RawTerminal() {
@@ -55,7 +55,7 @@ class RawTerminal {
     const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
     return known ? size.ws_col : 80;
   }
-  /// What was typed since the last call.
+  // The characters typed since the last call.
   [[nodiscard]] static std::string read_keys() {
     char keys[256];
     const auto size = read(STDIN_FILENO, keys, sizeof keys);
@@ -66,7 +66,7 @@ class RawTerminal {
   termios before_{};
 };
 
-// Whatever topics say, on one line of the terminal: no control characters, and not too long.
+// Makes text from topics safe for one terminal line: keeps only printable ASCII and cuts the rest.
 std::string one_line(std::string text, std::size_t width) {
   for (char& c : text)
     if (c < ' ' || c > '~') c = '?';
@@ -112,8 +112,9 @@ class KeyboardTeleop {
     if (stick) releases_ = kReleases;
     if (!stick && releases_-- <= 0) return;
     if (!layout_) return;
-    // A key brings dead-man and axis at once; teleop wants the stick at rest when the former comes,
-    // and the sample that says so may be lost.
+    // A key sets dead-man and axes at once, but teleop requires the stick at rest when the dead-man
+    // is pressed. The first sample of a press therefore has zero axes. It may be lost, so zeros are
+    // also sent while arbitration reports that it has not seen the stick at rest.
     if (!sent_held_) pressed_ = now;
     const bool unheard = now - pressed_ <= kPress && now - mode_.t <= kFresh && refused_;
     const bool goes_on = std::exchange(sent_held_, stick.has_value()) && !unheard;
@@ -127,8 +128,8 @@ class KeyboardTeleop {
     joy_.publish(msg);
   }
 
-  // Which axes and button teleop reads. One that does not tell (of another make, or not there yet)
-  // is spoken to as ours is by default, and asked again.
+  // Asks teleop which axes and button it reads. If it does not answer (not started yet, or another
+  // implementation), uses the defaults and asks again.
   void ask_layout() {
     rcl_interfaces::srv::GetParameters::Request request;
     request.names(kLayout);
@@ -183,9 +184,9 @@ class KeyboardTeleop {
   rt::Node& node_;
   TerminalKeys keys_;
   int releases_ = 0;
-  bool sent_held_ = false;  // the last joy said so
-  double pressed_ = 0.0;    // [s] when it was not yet
-  bool refused_ = false;    // arbitration says that the stick was not seen at rest
+  bool sent_held_ = false;  // the dead-man was pressed in the last joy message
+  double pressed_ = 0.0;    // [s] start of the current press
+  bool refused_ = false;    // arbitration reports that it has not seen the stick at rest
   std::optional<TeleopParams> layout_;
   Stamped<Twist2> speed_;
   Stamped<std::string> mode_, filter_;

@@ -5,7 +5,7 @@
 
 namespace tandem {
 
-/// `tandem teleop`: drives with the keys of a terminal.
+/// Adds `tandem teleop`, which drives a robot with the keys of a terminal.
 void add_teleop_command(CLI::App& app);
 
 }  // namespace tandem

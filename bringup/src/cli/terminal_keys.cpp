@@ -16,7 +16,8 @@ const std::map<char, TerminalKeys::Stick> kScales{{'q', {1.1, 1.1}}, {'z', {0.9,
                                                   {'w', {1.1, 1}},   {'x', {0.9, 1}},
                                                   {'e', {1, 1.1}},   {'c', {1, 0.9}}};
 
-// ESC [ A … D (or ESC O …) are the arrows: as i , l j.
+// Replaces the arrow keys, ESC [ A … D or ESC O A … D, by i , l j and drops other ESC
+// characters.
 std::string without_escapes(std::string_view characters) {
   constexpr std::string_view kArrows = "i,lj";
   std::string keys;

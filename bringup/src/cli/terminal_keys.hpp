@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the characters that a terminal delivers. Out: a stick that is held as long as a key is.
+// Converts the characters of a terminal to a stick that is held as long as a key is held.
 #pragma once
 
 #include <optional>
@@ -8,17 +8,19 @@
 
 namespace tandem {
 
-/// teleop_twist_keyboard's keys, and the arrows. A terminal never tells that a key was let go: it
-/// repeats one that is held, after a delay. A key counts as held for kFirst, then for kRepeat.
+/// The keys of teleop_twist_keyboard and the arrows. A terminal does not report the release of a
+/// key; it repeats a held key after a delay. A key therefore counts as held for kFirst after the
+/// first character and for kRepeat after each further one.
 ///
-/// More characters than a keyboard repeats are what a stalled connection (ssh) has kept back. From
-/// then on no key counts until none has come for kRepeat: it may have been held all the time.
+/// Characters that arrive faster than a keyboard repeats were held back by a stalled connection
+/// (ssh). Movement keys are then ignored until none has arrived for kRepeat, because a key may have
+/// been held throughout the stall and driving must resume with a new press.
 class TerminalKeys {
  public:
-  static constexpr double kFirst = 0.6;     // [s] X11 waits 0.66 s, most consoles 0.25 s
+  static constexpr double kFirst = 0.6;     // [s] repeats begin after: X11 0.66 s, consoles 0.25 s
   static constexpr double kRepeat = 0.15;   // [s]
-  static constexpr double kFastest = 50.0;  // [1/s] that a keyboard repeats
-  static constexpr double kAtOnce = 8.0;    // keys that may come together all the same
+  static constexpr double kFastest = 50.0;  // [1/s] fastest repeat of a keyboard
+  static constexpr double kAtOnce = 8.0;    // keys that may arrive together without a stall
 
   enum class Order { kNone, kEmergencyStop, kRelease };
   struct Stick {
@@ -27,9 +29,9 @@ class TerminalKeys {
     bool operator==(const Stick&) const = default;
   };
 
-  /// Takes what was typed at `now` [s]; what the last order in it is.
+  /// Processes the characters typed until `now` [s]; returns the last order among them.
   [[nodiscard]] Order type(std::string_view characters, double now);
-  /// The stick while a key is held.
+  /// The stick; empty while no key is held.
   [[nodiscard]] std::optional<Stick> held(double now) const;
 
   [[nodiscard]] double linear_scale() const { return linear_; }
@@ -40,9 +42,9 @@ class TerminalKeys {
   void watch_backlog(const std::string& keys, double now);
 
   char key_ = 0;
-  double until_ = 0.0;     // [s]
-  double read_ = -1e9;     // [s] when keys were last taken
-  double ignored_ = -1e9;  // [s] until then moves do not count
+  double until_ = 0.0;     // [s] key_ counts as held until then
+  double read_ = -1e9;     // [s] time of the last call of type()
+  double ignored_ = -1e9;  // [s] movement keys are ignored until then
   double linear_ = 0.8, angular_ = 0.8;
 };
 

@@ -28,7 +28,7 @@ struct TuneRequest {
   unsigned jobs = 2;
 };
 
-// Means over drives of what the table shows.
+// The columns of the table: means over drives; collisions and not_reached are totals.
 struct Summary {
   double cost = 0.0, time = 0.0, obedience = 0.0, changed = 0.0, stuck = 0.0;
   int collisions = 0, not_reached = 0;
@@ -56,10 +56,11 @@ class Study {
   }
 
   [[nodiscard]] const std::vector<DriveJob>& drives() const { return drives_; }
-  // One of each scenario and method.
+  // One system per scenario and method.
   [[nodiscard]] const std::vector<System>& systems() const { return systems_; }
 
-  // The drives with these values; the first call's times are the reference of all later ones.
+  // Runs the drives with these values. The mean times of the first call are the reference of all
+  // calls.
   Summary run(const std::vector<Knob>& knobs, const std::vector<double>& values) {
     auto drives = drives_;
     for (DriveJob& drive : drives)
@@ -134,7 +135,7 @@ void print_verdict(const std::vector<Summary>& others, const Tuned& tuned) {
     if (s.cost == tuned.other_cost) return print_row("tuned", s);
 }
 
-// In ROS 2's form, to be given to any node.
+// The values as a ROS 2 parameter file, which any node accepts.
 std::string parameter_file(const std::vector<Knob>& knobs, const std::vector<double>& values) {
   std::map<std::string, std::string> sections;
   for (std::size_t i = 0; i < knobs.size(); ++i)
@@ -147,7 +148,8 @@ std::string parameter_file(const std::vector<Knob>& knobs, const std::vector<dou
   return text;
 }
 
-// Now, not after an hour; and what the file holds stays until there is something better.
+// Called before the search, so that an unwritable file is reported at once. Leaves the file as it
+// is until better values are found.
 void check_writable(const std::string& out) {
   if (out.empty()) return;
   const fs::path folder = fs::path{out}.has_parent_path() ? fs::path{out}.parent_path() : ".";
@@ -173,7 +175,7 @@ void check_apart(const SeedRange& seeds, const SeedRange& check) {
                     seeds.first, seeds.last, check.first, check.last));
 }
 
-// Both costs print what they find.
+// Runs the search. Both cost functions print rows of the table.
 Tuned search(const TuneRequest& request, const std::vector<Knob>& knobs, Study& study, Study& check,
              std::vector<Summary>& others) {
   int n = 0;
@@ -196,9 +198,10 @@ Tuned search(const TuneRequest& request, const std::vector<Knob>& knobs, Study& 
     others.push_back(check.run(knobs, values));
     print("  other persons", others.back());
     const double found = others.back().cost;
-    const bool is_better = others.size() > 1 && found < lowest_other;  // the first is of now
+    const bool is_better = others.size() > 1 && found < lowest_other;  // the first is the baseline
     lowest_other = std::min(lowest_other, found);
-    if (is_better) (void)is_written(request.out, parameter_file(knobs, values));  // may be stopped
+    // Written at once, so that an interrupted search keeps its best values.
+    if (is_better) (void)is_written(request.out, parameter_file(knobs, values));
     return found;
   };
   return tune(knobs, request.evaluations, cost, other_cost);
@@ -215,7 +218,7 @@ void run(const TuneRequest& request) {
   std::printf("%zu drives per evaluation, %zu with other persons where it lowers the cost\n",
               study.drives().size(), check.drives().size());
   print_head();
-  std::vector<Summary> others;  // the first: of the values that it has now
+  std::vector<Summary> others;  // the first is the baseline: the current values
   const Tuned tuned = search(request, knobs, study, check, others);
   print_verdict(others, tuned);
   const std::string text = parameter_file(knobs, tuned.values);

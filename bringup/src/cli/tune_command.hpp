@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the command line after `tandem tune`. Out: better values for parameters, and what they gain.
+// `tandem tune`: searches better parameter values with simulated drives and shows what they gain.
 #pragma once
 
 #include <CLI/App.hpp>

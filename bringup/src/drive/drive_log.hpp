@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a drive leaves behind: its measures, and its track for the picture.
+// The record of a drive: its measures, and its track for the picture.
 #pragma once
 
 #include <cstdint>
@@ -13,34 +13,35 @@
 
 namespace tandem {
 
-/// The way of an obstacle that moves.
+/// Path of a moving obstacle.
 struct Walk {
-  double radius = 0.0;  ///< [m]
-  std::vector<Eigen::Vector2d> p_MO = {};
+  double radius = 0.0;                     ///< [m]
+  std::vector<Eigen::Vector2d> p_MO = {};  ///< [m]
 };
 
 struct DriveLog {
   DriveResult result;
-  std::vector<DriveSample> track;       ///< every 0.05 s
-  std::vector<Obstacle> obstacles;      ///< every shape that stood and that the planner saw, once
-  std::map<std::uint32_t, Walk> walks;  ///< of those that moved, by id
+  std::vector<DriveSample> track;       ///< one sample every 0.05 s
+  std::vector<Obstacle> obstacles;      ///< static shapes that the planner received, each once
+  std::map<std::uint32_t, Walk> walks;  ///< paths of moving obstacles, by id
 };
 
-/// Called now and then during a drive, to show that it lives.
+/// State of a running drive, passed to the progress callback at intervals.
 struct Progress {
   double t = 0.0;  ///< simulated [s]
   Twist2 twist;
   double clearance = 0.0;  ///< [m]
-  double plan_ms = 0.0;    ///< last solve [ms]
+  double plan_ms = 0.0;    ///< time of the last solve [ms]
   int collisions = 0;
 };
 
-/// Draws map, obstacles as fitted, the ways of people, leader and robot, and the footprint: a PNG.
-/// Throws std::runtime_error if the file cannot be written.
+/// Writes a PNG with the map, the fitted obstacles, the paths of people, leader and robot, and the
+/// footprint. Throws std::runtime_error if the file cannot be written.
 void draw_drive(const Scenario& scenario, const System& system, const DriveLog& log,
                 const std::string& png);
 
-/// Keeps what the planner sees for the picture. Who has moved once does not count as standing.
+/// Adds the obstacles that the planner received to the log. An obstacle that has moved once is
+/// recorded as moving from then on.
 void remember(DriveLog& log, const std::vector<Obstacle>& seen);
 
 }  // namespace tandem

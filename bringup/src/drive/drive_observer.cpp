@@ -65,7 +65,7 @@ void DriveObserver::on_plan(const tandem_msgs::msg::PlannerStatus& msg) {
   const long plans = plans_.growth(msg.cycles(), just_begun);
   const long fallbacks = fallbacks_.growth(msg.fallbacks(), just_begun);
   const long overruns = overruns_.growth(msg.overruns(), just_begun);
-  if (plans == 0) return;  // said why it stands
+  if (plans == 0) return;  // the status only reports why the robot stands
   if (scenario_.method == "goal") driving_ = true;
   if (!driving_) return;
   DriveCounts& counts = log_.result.counts;
@@ -75,7 +75,8 @@ void DriveObserver::on_plan(const tandem_msgs::msg::PlannerStatus& msg) {
   counts.plan_ms.push_back(1e3 * msg.solve_time());
 }
 
-// A filter that only watches passes what it would change: its total tells, which grows by each.
+// A filter that does not enforce passes the commands that it would change, so only its total of
+// interventions shows them.
 void DriveObserver::on_filter(const tandem_msgs::msg::FilterStatus& msg) {
   const bool changed = interventions_.growth(msg.interventions()) > 0;
   if (!driving_ || msg.reason() == name(FilterReason::kNoCommand)) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the messages of a drive, live or recorded. Out: its log.
+// Computes the log of a drive from its messages, live or recorded.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,15 @@
 
 namespace tandem {
 
-/// Measures a drive by what the nodes say. The drive begins when someone drives, not while the
-/// nodes still find each other, and its time is that of the stamps. What the nodes counted before
-/// it is none of its own: they may have run for long, and so may a recording that began late.
+/// Measures a drive from the messages of the nodes. The drive begins with the first user command
+/// or, with the method `goal`, the first plan, so discovery does not count. Time is that of the
+/// message timestamps. Counters are taken relative to the start of the drive, because the nodes may
+/// have been running long before it.
 class DriveObserver {
  public:
   DriveObserver(const Scenario& scenario, const System& system);
 
-  /// Where the robot is, in M, at a time [s]: a sample of the drive.
+  /// Adds a sample: pose in M and twist of the robot at time t [s].
   void on_robot(const Odometry& robot, double t);
   void on_collision(const tandem_msgs::msg::Collision& msg);
   void on_user(const geometry_msgs::msg::Twist& msg);
@@ -30,9 +31,9 @@ class DriveObserver {
   void on_filter(const tandem_msgs::msg::FilterStatus& msg);
   void on_obstacles(const tandem_msgs::msg::ObstacleArray& msg);
 
-  /// Someone has driven.
+  /// Whether the drive has begun.
   [[nodiscard]] bool driving() const { return driving_; }
-  /// The goal was reached, or the time is over.
+  /// Whether the goal was reached or the scenario's time is up.
   [[nodiscard]] bool over() const;
   [[nodiscard]] Progress progress() const;
   /// The log so far.

@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kFootprintEvery = 0.9;  // [m] of the way
+constexpr double kFootprintEvery = 0.9;  // [m] along the path
 constexpr double kWalkEvery = 0.1;       // [m]
 
 Pen faint(Color color) {

@@ -18,7 +18,7 @@ namespace {
 
 std::shared_ptr<const StaticMap> empty_world() { return std::make_shared<const StaticMap>(Grid{}); }
 
-// What really stands there; the components add what they were told to keep away from.
+// The true obstacles. Virtual fixtures are added by the components, not here.
 std::shared_ptr<const StaticMap> world_of(const DiffDriveSimNodeParams& sim,
                                           const DriveOptions& options) {
   if (!options.obstacles) return empty_world();
@@ -26,7 +26,7 @@ std::shared_ptr<const StaticMap> world_of(const DiffDriveSimNodeParams& sim,
                                            sim.unknown_is_obstacle);
 }
 
-// What is known of it at the start.
+// The part of the world that is known at the start.
 std::shared_ptr<const StaticMap> map_of(const DiffDriveSimNodeParams& sim,
                                         const MapInputParams& params, const DriveOptions& options) {
   if (!options.obstacles) return empty_world();
@@ -35,7 +35,7 @@ std::shared_ptr<const StaticMap> map_of(const DiffDriveSimNodeParams& sim,
   return static_map(*load_map(sim.map), params, fixtures_of(params));
 }
 
-// Names and values of all parameters.
+// Names and values of all parameters, as part of a world's key.
 template <class P>
 std::string text_of(P params) {
   std::string text;
@@ -121,7 +121,7 @@ World& Worlds::at(const std::string& key, Make make) {
   const auto known = std::find_if(worlds_.begin(), worlds_.end(),
                                   [&](const auto& world) { return world->key == key; });
   if (known != worlds_.end()) {
-    std::rotate(known, known + 1, worlds_.end());  // the latest stands last
+    std::rotate(known, known + 1, worlds_.end());  // the most recently used world is last
     return *worlds_.back();
   }
   if (worlds_.size() >= kMost) worlds_.erase(worlds_.begin());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a drive's parameters. Out: what stands in its world, and what the robot knows and sees of it.
+// Builds the world of a drive from its parameters: the true map, what the robot knows of it, and
+// its simulated sensing.
 #pragma once
 
 #include <memory>
@@ -15,18 +16,20 @@
 
 namespace tandem {
 
-/// Whether the robot goes by what it sees, at least in part.
+/// Whether the robot uses a map built from its own scans, alone or with the static map.
 [[nodiscard]] inline bool is_seen_live(const MapInputParams& params) {
   return params.map_source != "static";
 }
 
-/// What stays of the map for a robot with live sensing.
+/// The static part of the map of a robot with live sensing: the loaded map unless the source is
+/// "local", and the forbidden zones.
 [[nodiscard]] Grid base_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params);
 
-/// The ground that it knows, for unseen_ground_over.
+/// The ground that is known from the static map, for unseen_ground_over; empty unless the map
+/// source is "both".
 [[nodiscard]] Grid known_ground_of(const DiffDriveSimNodeParams& sim, const MapInputParams& params);
 
-/// A scan of the simulator's scanner.
+/// A scan of the simulated scanner.
 struct SimulatedScan {
   RangeScan form;  ///< without its ranges
   std::vector<float> ranges;
@@ -39,17 +42,19 @@ struct SimulatedScan {
 };
 [[nodiscard]] SimulatedScan scan_of(const DiffDriveSim& sim, const DiffDriveSimNodeParams& params);
 
-/// Map and shapes of a robot that looks about; what it sees is known to the others one scan later,
-/// which is later than over DDS.
+/// Local map of a robot with live sensing. The other components receive each scan one scan period
+/// late, which is later than over DDS.
 class LiveSensing {
  public:
   explicit LiveSensing(const OctomapBuilderNodeParams& builder);
 
-  /// Odometry that is of time `stamp` arrives at time t. X_WB: its own pose.
+  /// Adds odometry with timestamp `stamp` received at time t [s]. X_WB is the pose in the odometry
+  /// frame.
   void on_odometry(const RobotState& robot, const Pose2& X_WB, double stamp, double t);
-  /// Takes in a scan; the result is what the robot has seen before it.
+  /// Adds a scan at time t [s]. Returns the map as of the previous scan; empty if that scan was not
+  /// used.
   std::optional<Grid> look(const RangeScan& scan, const SliceParams& params, double t);
-  /// Why the robot must stand, as the octomap_builder says it; empty if the scanner sees.
+  /// Why the robot must stand, as octomap_builder reports it; empty if the scans are usable.
   [[nodiscard]] std::string trouble(double t) { return watch_.reason(t); }
 
  private:
@@ -64,19 +69,20 @@ class LiveSensing {
   std::optional<Grid> seen_;
 };
 
-/// What is the same for all drives in a world.
+/// The objects that all drives in one world share.
 struct World {
-  std::string key;  ///< all that it was made of
+  std::string key;  ///< every input that the world depends on
   std::shared_ptr<const StaticMap> truth, filter_map;
   Extractor extractor;
-  std::optional<double> shortest_path;
+  std::optional<double> shortest_path;  ///< [m]
 };
 
-/// The last few worlds.
+/// Caches the most recently used worlds.
 class Worlds {
  public:
-  /// The world of the drive; one that the robot has yet to see is a new one each time. Stays until
-  /// a few others have been asked for. Throws what slice and load_map throw.
+  /// The world of a drive. With live sensing it is built anew each time, because the robot must not
+  /// start with shapes from an earlier drive. The reference is valid until kMost other worlds, or
+  /// with live sensing the same one, have been requested. Throws what slice and load_map throw.
   [[nodiscard]] World& of(const Scenario& scenario, const System& system,
                           const DriveOptions& options);
 

@@ -33,7 +33,7 @@ double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Of this process so far.
+// CPU time of this process so far, user and system [s].
 double cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -54,7 +54,7 @@ Teleop teleop_of(const System& system) {
   return Teleop{params.teleop, params.robot};
 }
 
-// A beat of a fixed period on simulated time, counted in ticks so that nothing drifts.
+// Fires with a fixed period of simulated time, counted in ticks so that it does not drift.
 class TickTimer {
  public:
   TickTimer(double period, double tick) : ticks_{std::max(1L, std::lround(period / tick))} {}
@@ -64,7 +64,7 @@ class TickTimer {
   long ticks_;
 };
 
-// The components' cores, wired as the nodes are wired by topics.
+// Connects the components' cores as topics connect the nodes.
 class Loop {
  public:
   Loop(const Scenario& scenario, const System& system, const DriveOptions& options, Worlds& worlds)
@@ -111,7 +111,8 @@ class Loop {
     live_.emplace(parameters_of<OctomapBuilderNodeParams>(system, "octomap_builder"));
   }
 
-  // Throws std::invalid_argument if the drive would begin in an obstacle, or there is none at all.
+  // Throws std::invalid_argument if the start is in an obstacle or the map's slice has no occupied
+  // cell, which hints at wrong slice heights.
   void check_start() const {
     const auto& slice = sim_params_.slice;
     const auto& cells = map_->grid().cells;
@@ -310,13 +311,13 @@ class Loop {
   std::optional<SharedDwa> dwa_;
   std::optional<Hindsight> hindsight_;
   double planning_period_ = planner_params_.live.nmpc.control_period;
-  std::shared_ptr<const StaticMap> known_;  // the map that the filter goes by
+  std::shared_ptr<const StaticMap> known_;  // the map that the filter uses
   Arbiter arbiter_;
   SafetyFilter filter_;
 
   double t_ = 0.0;
-  Twist2 user_, asked_, sent_;  // by the person; of the planner; to the base
-  bool refused_ = false;        // by the filter
+  Twist2 user_, asked_, sent_;  // from the person; input of the planner; to the base
+  bool refused_ = false;        // the filter refused the last command
   std::optional<Pose2> leader_;
   std::vector<Obstacle> obstacles_;
   Metrics metrics_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a scenario. Out: its drive, by the same cores as over DDS, with no DDS and no clock.
+// Runs a scenario with the cores of the nodes in one loop, without DDS and on simulated time.
 #pragma once
 
 #include <functional>
@@ -9,15 +9,15 @@
 
 namespace tandem {
 
-/// Constructs everything that a drive needs, in lockstep or over DDS, and throws
-/// std::invalid_argument, one line that names the file, if anything is wrong: a parameter, the map,
-/// a start in an obstacle.
+/// Constructs everything that a drive needs, in lockstep or over DDS. Throws std::invalid_argument
+/// with one line naming the file if a parameter or the map is invalid or the start is in an
+/// obstacle.
 void check_drive(const Scenario& scenario, const DriveOptions& options);
 
-/// Runs the components' cores in one loop on simulated time. Deterministic: the same scenario,
-/// options and machine give the same drive, bit for bit (but for the measured times). Keeps the
-/// last few worlds with the shapes that were fitted in them, so that many drives in one world cost
-/// less; that changes no drive.
+/// Runs the components' cores in one loop on simulated time. Deterministic: on one machine, the
+/// same scenario and options give the same drive bit for bit, except for the measured times. Caches
+/// the last few worlds and the shapes fitted in them, which speeds up repeated drives in one world
+/// without changing their results.
 class Lockstep {
  public:
   Lockstep();
@@ -36,7 +36,7 @@ class Lockstep {
   std::unique_ptr<class Worlds> worlds_;
 };
 
-/// One such drive.
+/// Runs a single drive in lockstep; see Lockstep.
 [[nodiscard]] DriveLog drive_in_lockstep(const Scenario& scenario, const DriveOptions& options,
                                          const std::function<void(const Progress&)>& progress = {});
 

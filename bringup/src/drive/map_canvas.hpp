@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: shapes in the map frame. Out: pixels, by cairo. Only map_picture.cpp includes this.
+// Draws shapes given in the map frame with cairo. Included by map_picture.cpp only.
 #pragma once
 
 #include <cairo.h>
@@ -44,7 +44,7 @@ Area grid_area(const Grid& grid) {
   return {grid.origin, grid.origin + size};
 }
 
-// 1, 2 or 5 times a power of ten, at most `length`.
+// Largest 1, 2 or 5 times a power of ten that does not exceed `length`.
 double round_length(double length) {
   const double power = std::pow(10.0, std::floor(std::log10(length)));
   for (const double digit : {5.0, 2.0})
@@ -101,7 +101,7 @@ struct MapPicture::Canvas {
     cairo_clip(cairo.get());
   }
 
-  // Each cell becomes one pixel of an image that is then scaled without smoothing.
+  // Draws each cell as one pixel of an image, which is then scaled without smoothing.
   void draw_grid(const Grid& grid) {
     const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> image{
         cairo_image_surface_create(CAIRO_FORMAT_RGB24, grid.width, grid.height),
@@ -130,7 +130,7 @@ struct MapPicture::Canvas {
     cairo_restore(cairo.get());
   }
 
-  // Fills and strokes the current path with the pen, within the map, and notes its label.
+  // Fills and strokes the current path, clipped to the map, and adds the label to the legend.
   void finish(const Pen& pen) {
     cairo_path_t* const path = cairo_copy_path(cairo.get());
     cairo_new_path(cairo.get());
@@ -185,7 +185,7 @@ struct MapPicture::Canvas {
     return extents.x_advance;
   }
 
-  // Bar with its length at the lower left; returns where it ends.
+  // Draws the bar and its length at the lower left. Returns the x pixel where the text ends.
   double draw_scale_bar() {
     const double length = round_length(std::max(0.2 * (area.high.x() - area.low.x()), 1e-3));
     const double x = kMargin, y = height - 0.5 * kFooter, end = x + scale * length;
@@ -201,7 +201,7 @@ struct MapPicture::Canvas {
     return end + 8.0 + text_width(text);
   }
 
-  // One sample and word per pen in the footer, as far as there is room.
+  // Draws a sample and the label of each pen in the footer; omits those that do not fit.
   void draw_legend(double x) {
     const double y = height - 0.5 * kFooter;
     for (const Pen& pen : legend) {

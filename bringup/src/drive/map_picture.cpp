@@ -10,7 +10,7 @@
 #include "bringup/drive/map_canvas.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
-// Fontconfig keeps its cache until the process ends; that is not our leak.
+// Fontconfig keeps its cache until the process ends, which LeakSanitizer would report.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
 #endif
 
@@ -62,7 +62,7 @@ void MapPicture::draw_footprint(const Footprint& footprint, const Pose2& X_MB, c
     for (const auto& p_BV : part) points.push_back(transform(X_MB, p_BV));
     canvas_->add_polyline(points, true);
   }
-  canvas_->finish(pen);  // all parts at once: what overlaps is not filled twice
+  canvas_->finish(pen);  // all parts at once, so that overlaps are not filled twice
 }
 
 void MapPicture::draw_circle(const Eigen::Vector2d& p_MC, double radius, const Pen& pen) {

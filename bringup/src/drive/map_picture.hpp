@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a map and what happened in it. Out: a PNG.
+// Draws a map with obstacles, paths and footprints as a PNG.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ namespace colors {
 inline constexpr Color kShape{0.91, 0.45, 0.05};    ///< fitted obstacles: orange
 inline constexpr Color kRobot{0.10, 0.37, 0.75};    ///< the robot and its path: blue
 inline constexpr Color kLeader{0.55, 0.20, 0.62};   ///< the person's leader: purple
-inline constexpr Color kWalker{0.40, 0.42, 0.45};   ///< people and their ways: grey
+inline constexpr Color kWalker{0.40, 0.42, 0.45};   ///< people and their paths: grey
 inline constexpr Color kPlan{0.05, 0.60, 0.50};     ///< planned poses: teal
 inline constexpr Color kGoal{0.20, 0.62, 0.25};     ///< goal region: green
 inline constexpr Color kContact{0.84, 0.12, 0.15};  ///< collisions: red
@@ -45,12 +45,12 @@ struct Area {
   Eigen::Vector2d low, high;
 };
 
-/// Picture of a map seen from above, x to the right and y up. Draw in the order in which things
-/// lie on each other, then write. All positions in M [m].
+/// Picture of a map seen from above, x to the right and y up. Later drawings cover earlier ones.
+/// All positions in M [m].
 class MapPicture {
  public:
-  /// The grid, or the part of it inside `area`, as large as fits into `max_pixels` either way.
-  /// Throws std::invalid_argument if there is nothing to draw.
+  /// Shows the grid, or the part of it inside `area`, scaled to fit `max_pixels` in both
+  /// directions. Throws std::invalid_argument if the grid or the area is empty.
   explicit MapPicture(const Grid& grid, std::optional<Area> area = std::nullopt,
                       int max_pixels = 1400);
   ~MapPicture();
@@ -63,12 +63,12 @@ class MapPicture {
   void draw_footprint(const Footprint& footprint, const Pose2& X_MB, const Pen& pen);
   void draw_circle(const Eigen::Vector2d& p_MC, double radius, const Pen& pen);
   void draw_rectangle(const Area& area, const Pen& pen);
-  /// A dot of `pen.width` pixels, filled.
+  /// Draws a filled dot with a diameter of `pen.width` pixels.
   void draw_point(const Eigen::Vector2d& p_MQ, const Pen& pen);
-  /// Text with a white halo, its lower left corner at the point.
+  /// Draws text with a white halo; its lower left corner is at the point.
   void draw_text(const Eigen::Vector2d& p_MQ, const std::string& text, const Color& color);
 
-  /// Line above the map.
+  /// Sets the line above the map.
   void set_title(const std::string& title);
 
   /// Pixel of a point, from the upper left corner of the picture.
@@ -79,7 +79,7 @@ class MapPicture {
   void write_png(const std::filesystem::path& file);
 
  private:
-  struct Canvas;  // keeps cairo out of every other translation unit
+  struct Canvas;  // hides cairo from other translation units
   std::unique_ptr<Canvas> canvas_;
 };
 

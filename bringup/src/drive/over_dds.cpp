@@ -12,14 +12,14 @@
 namespace tandem {
 namespace {
 
-constexpr double kStartLimit = 20.0;  // [s] of steady time until the robot is heard
-constexpr double kSilence = 5.0;      // [s] of steady time without the robot: broken
+constexpr double kStartLimit = 20.0;  // [s] of steady time for the drive to begin
+constexpr double kSilence = 5.0;      // [s] of steady time without ground truth: drive failed
 
-// A person's device may send either type under the name; the nodes hear both.
+// cmd_vel_user may carry Twist or TwistStamped; the nodes accept both.
 constexpr rt::Topic<geometry_msgs::msg::TwistStamped> kUserStamped{topics::cmd_vel_user.name,
                                                                    topics::cmd_vel_user.qos};
 
-// Listens to what everyone says and measures; says nothing itself.
+// Measures the drive from the topics of the nodes; publishes nothing.
 class Monitor {
  public:
   Monitor(rt::Node& node, const Scenario& scenario, const System& system,

@@ -22,7 +22,7 @@ namespace {
 constexpr unsigned kMostSeeds = 100000;
 constexpr std::size_t kMostWorkers = 256;
 
-// What the processes share: which piece comes next, and who is at which.
+// Memory shared with the workers: the next job, and the job of each worker.
 struct Board {
   std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> at[kMostWorkers]{};
@@ -53,7 +53,7 @@ void send(int pipe, const std::string& line) {
   }
 }
 
-// One line of JSON for each piece: [index, result], or [index, null, what went wrong].
+// Writes one line of JSON per job: [index, result], or [index, null, error].
 [[noreturn]] void serve(std::size_t count, const SharedBoard& board, std::size_t worker,
                         const std::function<nlohmann::json(std::size_t)>& work, int pipe) {
   for (std::size_t i = board->next++; i < count; i = board->next++) {
@@ -84,7 +84,7 @@ class Workers {
     for (std::size_t w = 0; w < std::min<std::size_t>({workers, count, kMostWorkers}); ++w)
       start(count, w, work);
   }
-  ~Workers() {  // those that are left: somebody threw
+  ~Workers() {  // workers are left only after an exception
     for (const Worker& worker : workers_) kill(worker.pid, SIGKILL);
     for (const Worker& worker : workers_) waitpid(worker.pid, nullptr, 0), close(worker.pipe);
   }
@@ -97,7 +97,7 @@ class Workers {
     while (!workers_.empty()) {
       std::vector<pollfd> waiting;
       for (const Worker& worker : workers_) waiting.push_back({worker.pipe, POLLIN, 0});
-      if (poll(waiting.data(), waiting.size(), -1) < 0) continue;  // a signal
+      if (poll(waiting.data(), waiting.size(), -1) < 0) continue;  // interrupted by a signal
       for (std::size_t w = workers_.size(); w-- > 0;) {
         if (waiting[w].revents == 0 || read_from(workers_[w], done)) continue;
         bury(workers_[w], numbers[w]);
@@ -107,7 +107,7 @@ class Workers {
     }
   }
 
-  // How many pieces failed, and why the first did.
+  // The number of failed jobs, and the error of the first.
   [[nodiscard]] std::size_t failed() const { return failed_; }
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
 
@@ -130,7 +130,7 @@ class Workers {
     workers_.push_back({child, ends[0]});
   }
 
-  // False at the end of what the worker has to say.
+  // Returns false at the end of the worker's output.
   bool read_from(Worker& worker, const Done& done) {
     char bytes[65536];
     const ssize_t n = read(worker.pipe, bytes, sizeof bytes);

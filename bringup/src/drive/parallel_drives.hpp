@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: drives to make. Out: their results, by several processes side by side.
+// Runs drives in parallel worker processes.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace tandem {
 
-/// One drive to make.
+/// One drive to run.
 struct DriveJob {
   Scenario scenario;
   DriveOptions options;
@@ -21,19 +21,21 @@ struct SeedRange {
   unsigned first, last;
 };
 
-/// Reads "A-B". Throws std::invalid_argument naming the option unless 1 <= A <= B.
+/// Parses "A-B". Throws std::invalid_argument naming the option unless 1 <= A <= B and the range
+/// has at most 100000 seeds.
 [[nodiscard]] SeedRange seed_range(const std::string& option, const std::string& text);
 
-/// Does `work(0)` … `work(count − 1)` in `workers` processes, because one process has one Ipopt:
-/// each takes the next piece when it is done with one. `done` is called here with each result as it
-/// comes. A piece that throws, or whose process dies, leaves the others be; after the last one
-/// std::runtime_error says how many failed, and of the first which and why. The processes die with
-/// this one.
+/// Runs `work(0)` … `work(count − 1)` in `workers` processes rather than threads, because Ipopt's
+/// MUMPS is not thread safe. Each process takes the next job when it has finished one. `done` is
+/// called in the calling process with each result as it arrives. A job that throws, or whose
+/// process dies, does not affect the others; after the last job a std::runtime_error reports how
+/// many failed and the first error. The workers are killed when this process ends.
 void work_side_by_side(std::size_t count, unsigned workers,
                        const std::function<nlohmann::json(std::size_t)>& work,
                        const std::function<void(std::size_t, const nlohmann::json&)>& done);
 
-/// Makes each drive so, and says when one is finished; the results are in the order of the jobs.
+/// Runs the jobs with work_side_by_side and calls `finished` after each. The results are in the
+/// order of the jobs.
 [[nodiscard]] std::vector<DriveResult> run_side_by_side(
     const std::vector<DriveJob>& jobs, unsigned workers,
     const std::function<DriveResult(const DriveJob&)>& drive,

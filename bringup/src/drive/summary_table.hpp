@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: results of drives. Out: what a person reads: a progress line and a table.
+// Formats the progress and the results of drives for a terminal.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace tandem {
 
-/// One line for a moment of a drive.
+/// One line on the current state of a drive.
 [[nodiscard]] std::string progress_line(const Progress& progress);
 
-/// A row per drive, and below it whatever should have held and did not.
+/// A row per drive, followed by the expectations that failed.
 [[nodiscard]] std::string summary_table(const std::vector<DriveResult>& results);
 
 }  // namespace tandem

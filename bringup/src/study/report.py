@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a study: DIR/report.html, which holds everything, and its pictures as DIR/*.png.
+"""Draws the report of a study: DIR/report.html with all pictures embedded, and DIR/*.png.
 
-Usage: report.py DIR    (what `tandem study` left there: drives.jsonl, drives.json, summary.json,
-                         builds.json, study.json, worlds.json)
+Usage: report.py DIR    (reads the files that `tandem study` wrote there: drives.jsonl, drives.json,
+                         summary.json, builds.json, study.json, worlds.json)
 """
 import base64
 import html
@@ -13,14 +13,14 @@ import pathlib
 import statistics
 import sys
 
-sys.dont_write_bytecode = True  # the folder of the sources may not be ours to write to
+sys.dont_write_bytecode = True  # the source folder may not be writable
 from report_pictures import (STYLES, THESIS_COLLISIONS, THESIS_TIMES,  # noqa: E402
                              collisions_picture, distributions_picture, median, times_picture,
                              world_pictures)
 
 
 class Study:
-    """What the folder holds."""
+    """The results in a study's folder."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -38,7 +38,7 @@ class Study:
         return json.loads((self.folder / name).read_text())
 
     def tracks(self):
-        """Drive, track and contacts of each line; the order is that of finishing."""
+        """Yields drive, track and contacts of each line, in the order of finishing."""
         with open(self.folder / "drives.jsonl", encoding="utf-8") as lines:
             for line in lines:
                 entry = json.loads(line)
@@ -56,7 +56,7 @@ def number(value, digits=2, unit=""):
 
 
 def interval(estimate, digits=2, scale=1.0):
-    """value [low, high]"""
+    """HTML text `value [low, high]` of an estimate."""
     if estimate is None:
         return "–"
     value, low, high = (scale * estimate[k] for k in ("value", "low", "high"))

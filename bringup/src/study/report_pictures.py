@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures of a study's report. Each is saved as a PNG in the study's folder."""
+"""Draws the pictures of a study's report as PNG files in the study's folder."""
 import math
 import pathlib
 import statistics
@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.patches import Circle, Polygon, Rectangle  # noqa: E402
 from matplotlib.collections import PatchCollection  # noqa: E402
 
-# Devalla 2020, table C.2: seven people; the fourth did not drive the third time.
+# Devalla 2020, table C.2: seven people; the fourth did not drive "shared, trained".
 THESIS_COLLISIONS = {"direct": [3, 10, 2, 4, 3, 3, 4], "shared": [0] * 7}
 THESIS_TIMES = {
     "direct": [16.17, 19.52, 16.33, 20.84, 17.27, 19.98, 17.13],
@@ -19,8 +19,8 @@ THESIS_TIMES = {
     "shared, trained": [17.72, 19.39, 17.63, 16.24, 19.03, 18.61],
 }
 
-# Colours that the colour-blind tell apart (Okabe, Ito), and with each a marker, a hatch and a line
-# for those who print in grey.
+# Colours that colour-blind readers can distinguish (Okabe, Ito), each with a marker, a hatch and a
+# line style for prints in grey.
 STYLES = [
     ("#000000", "o", "", "-"),
     ("#E69F00", "s", "////", "--"),
@@ -60,7 +60,7 @@ def save(figure, study, name):
 
 
 def strip(axes, row, values, style, label):
-    """All values of one row as markers, side by side where they are equal; a bar at the median."""
+    """Draws one row of values as markers, stacked where they are equal, and a bar at the median."""
     color, marker, _, _ = style
     seen = {}
     spread = max(values, default=0) - min(values, default=0) or 1.0
@@ -78,7 +78,7 @@ def strip(axes, row, values, style, label):
 
 
 def beside_thesis(study, file, title, xlabel, thesis, ours, summary):
-    """Rows of the thesis above rows of ours, all values shown."""
+    """Draws all values of the thesis, and below them those of the study."""
     rows = [(f"thesis: {name}", values, STYLES[0]) for name, values in thesis.items()]
     rows += [(method, values, study.style(method)) for method, values in ours.items()]
     figure, axes = plt.subplots(figsize=(7.5, 0.42 * len(rows) + 1.0))
@@ -179,7 +179,7 @@ def draw_scene(axes, scene, world):
 
 
 def outline_parts(scene):
-    """The outline's convex parts; older folders hold the vertices of a single one."""
+    """The outline's convex parts. Folders of older versions hold the vertices of a single part."""
     outline = scene["outline"]
     return outline if isinstance(outline[0][0], list) else [outline]
 
@@ -191,7 +191,7 @@ def limits(scene, world, tracks):
 
 
 def world_picture(study, scenario, world_name, drives):
-    """All paths through one world, a panel for each method."""
+    """Draws all paths through one world, with a panel per method."""
     scene = study.worlds[scenario]
     world = scene["worlds"][world_name]
     methods = [m for m in study.methods if m in drives]

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kTrackStep = 0.1;  // [m] between the points of a track that is kept
+constexpr double kTrackStep = 0.1;  // [m] between the points of a stored track
 
 nlohmann::json thinned(const std::vector<DriveSample>& track) {
   nlohmann::json points = nlohmann::json::array();
@@ -32,7 +32,7 @@ nlohmann::json thinned(const std::vector<DriveSample>& track) {
   return points;
 }
 
-// Where the person touched something.
+// The robot's positions when a collision was counted.
 nlohmann::json contacts(const std::vector<DriveSample>& track) {
   nlohmann::json points = nlohmann::json::array();
   for (std::size_t i = 1; i < track.size(); ++i)
@@ -41,7 +41,7 @@ nlohmann::json contacts(const std::vector<DriveSample>& track) {
   return points;
 }
 
-// How long the person takes by hand where nothing stands [s].
+// Time that the person takes by hand without obstacles [s].
 std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
                                 Lockstep& lockstep) {
   if (!place_of(scenario.goal) || scenario.method == "goal") return std::nullopt;
@@ -51,7 +51,7 @@ std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
   return result.reached ? std::optional{result.time_to_goal_s} : std::nullopt;
 }
 
-// The metric of the BARN challenge, of one drive: see DriveResult.
+// Score of one drive in the BARN challenge; see DriveResult.
 std::optional<double> barn_score(const Scenario& scenario, const DriveResult& result) {
   constexpr double kSpeed = 2.0;  // [m/s]
   if (fs::path(scenario.map).extension() != ".json") return std::nullopt;
@@ -72,14 +72,14 @@ std::string name_of(const Study& study, const StudyDrive& drive) {
 void check_study(const Study& study) {
   Lockstep lockstep;
   std::size_t checked = study.cells.size();
-  std::map<std::string, unsigned> largest;  // seed of each map
+  std::map<std::string, unsigned> largest;  // largest seed of each map
   for (const StudyDrive& drive : study.drives) {
     unsigned& seed = largest[study.cells[drive.cell].scenario.map];
     seed = std::max(seed, drive.seed);
   }
   for (const auto& [map, seed] : largest) check_seed(map, seed);
   for (const StudyDrive& drive : study.drives) {
-    if (drive.cell == checked) continue;  // its first seed was
+    if (drive.cell == checked) continue;  // already checked with its first seed
     checked = drive.cell;
     check_robot(study.cells[checked].scenario);
     DriveOptions options = study.cells[checked].options;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a study file. Out: all its drives: scenarios × methods × drivers × seeds.
+// Reads a study file and runs its drives: scenarios × methods × drivers × seeds.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,12 +11,12 @@
 
 namespace tandem {
 
-/// One scenario by one method and one driver, for many seeds.
+/// One scenario with one method and one driver, for many seeds.
 struct StudyCell {
-  Scenario scenario;     ///< with everything that the study changes in it
-  DriveOptions options;  ///< but for the seed
-  std::string method;    ///< as results name it; the scenario's method may go by another name
-  std::string driver;    ///< likewise
+  Scenario scenario;     ///< with the changes that the study makes to it
+  DriveOptions options;  ///< all but the seed
+  std::string method;    ///< name in the results; may differ from the scenario's method
+  std::string driver;    ///< name in the results
 };
 
 struct StudyDrive {
@@ -28,37 +28,38 @@ struct Study {
   std::string name, path;
   std::vector<StudyCell> cells;
   std::vector<StudyDrive> drives;
-  /// Whatever decides the results: two studies are the same if these are equal.
+  /// Everything that determines the results: two studies are the same if these are equal.
   nlohmann::json description;
 };
 
 /// Reads a study file:
 ///
 ///   study: NAME
+///   about: TEXT                            # optional
 ///   scenarios: [FILE or {file: FILE, name: N, map: M, duration: D}, …]   # relative to this file
-///   robots: [FILE, …]                      # instead of the scenarios' own, each with each
+///   robots: [FILE, …]                      # each scenario with each of these robots
 ///   methods: [METHOD or {name: N, method: M, enforce: false, parameters: {COMPONENT: {…}}}, …]
 ///   drivers: [DRIVER or {name: N, driver: D, and parameters of the component driver}, …]
-///            # of driver `replay` also `recording: FOLDER` and, if need be, `recording_topic: T`
+///            # driver `replay` also takes `recording: FOLDER` and `recording_topic: T` (optional)
 ///   seeds: 20 or 1-20 or [3, 5, 8]
 ///   overrides: {COMPONENT: {…}}
-///   parts: [{any of the six above}, …]     # what a part does not say is said above
+///   parts: [{any of scenarios … overrides}, …]   # missing keys are taken from above
 ///
-/// `methods: all`, which is the default, means those the scenario lists; without `drivers` the
-/// scenario's drives. With another robot than its own, a scenario's results are called
-/// SCENARIO_ROBOT. Throws std::invalid_argument or std::runtime_error, one line that names file,
-/// line and key, for whatever is not of this form, and if a drive is listed twice.
+/// `methods: all`, the default, stands for the methods that the scenario lists. Without `drivers`,
+/// the scenario's driver is used. With another robot than its own, a scenario's results are named
+/// SCENARIO_ROBOT. Throws std::invalid_argument or std::runtime_error, with one line naming file,
+/// line and key, if the file does not have this form or lists a drive twice.
 [[nodiscard]] Study load_study(const std::string& path);
 
-/// What the drive is called: scenario, method, driver, seed.
+/// Name of a drive: scenario/method/driver/seed.
 [[nodiscard]] std::string name_of(const Study& study, const StudyDrive& drive);
 
-/// Constructs one drive of each cell; throws what check_seed, check_robot and
-/// check_drive throw.
+/// Constructs one drive of each cell. Throws what check_seed, check_robot and check_drive throw.
 void check_study(const Study& study);
 
-/// Makes one drive: {"drive": its measures, "track": [[x, y], …] thinned}. Where the goal is a
-/// place, the same person drives by hand and without obstacles first, for the time ratio.
+/// Runs one drive: {"drive": its measures, "track": [[x, y], …] thinned, "contacts": [[x, y], …]},
+/// in M [m]. If the goal is a place and the method is not `goal`, the same person also drives by
+/// hand without obstacles, for the time ratio.
 [[nodiscard]] nlohmann::json make_drive(const Study& study, const StudyDrive& drive,
                                         Lockstep& lockstep);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: a study file. Out: its drives, and what tells it from another study.
+// Reads a study file: its drives, and the description that distinguishes it from other studies.
 #include "bringup/study/study.hpp"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ std::string beside(const std::string& file, const std::string& relative) {
   return (fs::path(file).parent_path() / path).lexically_normal().string();
 }
 
-// With modifiers or without.
+// Whether the driver is `replay`, with or without modifiers.
 bool is_replay(const std::string& driver) {
   return driver == "replay" || driver.starts_with("replay+");
 }
@@ -81,14 +81,14 @@ class StudyReader {
     return node.Scalar();
   }
 
-  // A word that files can be called by.
+  // A word that can be part of a file name.
   std::string name(const YAML::Node& node, const char* key) const {
     if (word(node, key).find('/') != std::string::npos)
       yaml_.fail(node, fmt::format("`{}` = {}: a name may not hold a `/`", key, node.Scalar()));
     return node.Scalar();
   }
 
-  // What the part says, else what the study says.
+  // The part's value of a key, or the study's if the part has none.
   YAML::Node said(const YAML::Node& part, const char* key) const {
     const YAML::Node own = part[key];
     return own ? own : root_[key];
@@ -122,7 +122,8 @@ class StudyReader {
     return scenarios;
   }
 
-  // Each scenario with each robot; with another one than its own it is called by both.
+  // Combines each scenario with each robot. A robot other than the scenario's own is added to the
+  // name.
   std::vector<Scenario> with_robots(const std::vector<Scenario>& scenarios,
                                     const YAML::Node& list) const {
     if (!list) return scenarios;
@@ -286,7 +287,8 @@ class StudyReader {
     }
   }
 
-  // Contents, and places as seen from here: the same study may lie elsewhere on another machine.
+  // Uses checksums and paths relative to the study file, because the same study may be in another
+  // folder on another machine.
   void describe() {
     auto& description = study_.description;
     description["study"] = study_.name;
@@ -303,13 +305,13 @@ class StudyReader {
     for (const auto& file : files_) description[seen_from_here(file)] = checksum_of(file);
   }
 
-  // A base name would be that of many.
+  // A relative path, because base names are not unique.
   [[nodiscard]] std::string seen_from_here(const std::string& file) const {
     const fs::path here = fs::absolute(path_).lexically_normal().parent_path();
     return fs::absolute(file).lexically_normal().lexically_relative(here).generic_string();
   }
 
-  // Those of a recording's folder that hold messages, or the file itself.
+  // The files of a recording's folder that hold messages, or the file itself.
   static std::vector<std::string> files_of(const std::string& recording) {
     if (recording.empty()) return {};
     if (!fs::is_directory(recording)) return {recording};

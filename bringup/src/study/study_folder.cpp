@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
   throw std::runtime_error(file + ": " + what);
 }
 
-// The first thing in which two descriptions differ; of another study its name, before its files.
+// The first key in which two descriptions differ. The name is compared first, because the files of
+// another study differ too.
 std::string difference(const nlohmann::json& kept, const nlohmann::json& asked) {
   if (kept.value("study", nlohmann::json{}) != asked.value("study", nlohmann::json{}))
     return "study";
@@ -43,7 +44,8 @@ void write_all(int file, const std::string& text, const std::string& name) {
   }
 }
 
-// Closing another descriptor of the file would give the lock away.
+// Reads through the locked descriptor: closing any other descriptor of the file would release the
+// lock.
 std::string text_of(int file) {
   std::string all;
   char part[65536];
@@ -63,7 +65,7 @@ StudyFolder::StudyFolder(const std::string& folder, const nlohmann::json& study)
   file_ = open(name.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail(name, std::strerror(errno));
   try {
-    struct flock whole {};  // a lock that children do not inherit
+    struct flock whole {};  // child processes do not inherit this lock
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
     if (fcntl(file_, F_SETLK, &whole) != 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: finished drives of a study. Out: a folder that keeps them, whatever happens.
+// Stores the finished drives of a study in a folder so that a crash loses none of them.
 #pragma once
 
 #include <map>
@@ -11,32 +11,33 @@
 
 namespace tandem {
 
-/// What the drives of a study leave behind:
+/// The folder of a study:
 ///
-///   study.json    what the study is, and its drives' names in order
-///   drives.jsonl  a line for each finished drive, in the order in which they finished, with the
-///                 build of tandem that made it: drives of two builds may differ
+///   study.json    name and description of the study, and its drives' names in order
+///   drives.jsonl  a line for each finished drive, in the order of finishing, with the build of
+///                 tandem that ran it, because drives of two builds may differ
 ///
-/// A line is on the disk before append() returns; a last line that was torn by a crash is dropped
-/// by the next one who opens the folder. One process at a time.
+/// A line is on the disk before append() returns. An incomplete last line, left by a crash, is
+/// dropped when the folder is opened again. Only one process at a time may open a folder.
 class StudyFolder {
  public:
-  /// Opens a folder, made if need be, for a study. Throws std::invalid_argument if it holds
-  /// another study, std::runtime_error if it cannot be written or another process has it open.
+  /// Opens the folder of a study and creates it if necessary. Throws std::invalid_argument if it
+  /// holds another study, std::runtime_error if it cannot be written, is damaged, or is open in
+  /// another process.
   StudyFolder(const std::string& folder, const nlohmann::json& study);
   ~StudyFolder();
   StudyFolder(const StudyFolder&) = delete;
   StudyFolder& operator=(const StudyFolder&) = delete;
 
   [[nodiscard]] const std::string& path() const { return folder_; }
-  /// Lines of finished drives by name.
+  /// Lines of the finished drives, by name of the drive.
   [[nodiscard]] const std::map<std::string, nlohmann::json>& finished() const { return finished_; }
   /// Finished drives in the study's order.
   [[nodiscard]] std::vector<DriveResult> results() const;
-  /// How many drives each build made; of "" those that do not say.
+  /// Number of finished drives per build; "" counts lines that name no build.
   [[nodiscard]] std::map<std::string, std::size_t> builds() const;
-  /// Keeps a finished drive, as one of this build unless the line says another. Throws
-  /// std::runtime_error if the disk takes no more.
+  /// Stores a finished drive, with this build unless the line names another. Throws
+  /// std::runtime_error if the file cannot be written, for example on a full disk.
   void append(const std::string& name, nlohmann::json line);
 
  private:
@@ -49,16 +50,17 @@ class StudyFolder {
   int file_ = -1;
 };
 
-/// Tells one build of this program from another: a checksum of the executable.
+/// Identifies the build of this program by a checksum of the executable.
 [[nodiscard]] const std::string& this_build();
 
-/// What study.json says of a study.
+/// The contents of study.json for a study.
 [[nodiscard]] nlohmann::json contents_of(const Study& study);
 
-/// The study.json of a folder. Throws std::runtime_error naming it if it is none.
+/// Reads the study.json of a folder. Throws std::runtime_error naming the file if it is missing or
+/// damaged.
 [[nodiscard]] nlohmann::json read_study(const std::string& folder);
 
-/// Writes a file of a folder at once or not at all. Throws std::runtime_error naming it.
+/// Writes a file atomically. Throws std::runtime_error naming it.
 void write_file(const std::string& file, const std::string& text);
 
 }  // namespace tandem

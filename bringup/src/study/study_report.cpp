@@ -12,7 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first Python that has matplotlib: Debian's package belongs to /usr/bin/python3.
+// The first interpreter with matplotlib. Debian's package installs it for /usr/bin/python3, which
+// need not be the first python3 in PATH.
 std::optional<std::string> python() {
   for (const std::string program : {"python3", "/usr/bin/python3"})
     if (std::system((program + " -c 'import matplotlib' >/dev/null 2>&1").c_str()) == 0)

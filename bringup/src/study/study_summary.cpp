@@ -10,10 +10,10 @@
 namespace tandem {
 namespace {
 
-constexpr double kTail = 0.025;   // on either side of the interval
-constexpr double kNormal = 1.96;  // the normal distribution's quantile of 1 − kTail
+constexpr double kTail = 0.025;   // probability beyond each end of the interval
+constexpr double kNormal = 1.96;  // quantile 1 − kTail of the normal distribution
 
-// P(at least `least` of n draws succeed), each with probability p.
+// Probability that at least `least` of n draws succeed, each with probability p.
 double at_least(std::size_t least, std::size_t n, double p) {
   if (p >= 1.0) return 1.0;
   double sum = 0.0;
@@ -31,7 +31,7 @@ nlohmann::json json_of(const std::optional<Estimate>& estimate) {
   return {{"value", estimate->value}, {"low", estimate->low}, {"high", estimate->high}};
 }
 
-// Measures whose medians are given, by their names in the JSON of a drive.
+// Keys of the measures in the JSON of a drive whose medians are summarized.
 const char* const kMeasures[] = {"time_to_goal_s",
                                  "time_ratio",
                                  "path_ratio",
@@ -99,7 +99,7 @@ nlohmann::json plan_times(const std::vector<DriveResult>& drives) {
           {"max", longest}};
 }
 
-// The challenge's score: the mean over its worlds; null elsewhere.
+// Mean BARN score of the drives that have one; null if none has.
 nlohmann::json barn_score(const std::vector<DriveResult>& drives) {
   const auto scored = count(drives, [](const auto& d) { return d.barn_score.has_value(); });
   if (scored == 0) return nullptr;
@@ -164,7 +164,7 @@ std::string cell(const nlohmann::json& value) {
   return csv_quoted(all);
 }
 
-// Names and values of all fields, those of nested objects as outer.inner.
+// Appends names and values of all fields; nested names are written as outer.inner.
 void flatten(const nlohmann::json& json, const std::string& prefix,
              std::vector<std::pair<std::string, std::string>>& out) {
   for (const auto& [key, value] : json.items()) {

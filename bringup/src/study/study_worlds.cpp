@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kMostWorlds = 4;  // of a scenario that has many
+constexpr std::size_t kMostWorlds = 4;  // per scenario
 
 double rounded(double metres) { return std::round(metres * 1000.0) / 1000.0; }
 

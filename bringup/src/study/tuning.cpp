@@ -16,10 +16,10 @@
 namespace tandem {
 namespace {
 
-constexpr double kWide = 5.0;        // bounds of a knob that names none: start / 5 .. 5 start
-constexpr double kFirstStep = 0.25;  // of the unit interval
+constexpr double kWide = 5.0;        // default bounds: start / kWide to kWide · start
+constexpr double kFirstStep = 0.25;  // initial step, as a share of the unit interval
 
-// A visitor of parameters that picks one number out.
+// Finds one number among the fields of a parameter struct.
 struct NumberFinder {
   std::string wanted;
   std::optional<Knob>& found;
@@ -58,7 +58,7 @@ std::optional<Knob> find_number(const System& system, const std::string& compone
                               "' is none of local_planner, obstacle_extractor, teleop");
 }
 
-// Whether it matters to a drive: the shapes of the extractor are for the planner alone.
+// Whether the component affects a drive. Only the planner uses the extractor's shapes.
 bool uses(const System& system, const std::string& component) {
   const std::string user = component == "obstacle_extractor" ? "local_planner" : component;
   return std::any_of(system.nodes.begin(), system.nodes.end(),
@@ -67,7 +67,7 @@ bool uses(const System& system, const std::string& component) {
 
 std::string component_of(const std::string& text) { return text.substr(0, text.find('.')); }
 
-// Place of a value in its knob's range, 0 to 1, and back.
+// Maps a value to [0, 1] within its bounds; from_unit is the inverse.
 double to_unit(const Knob& knob, double value) {
   if (knob.low > 0.0) return std::log(value / knob.low) / std::log(knob.high / knob.low);
   return (value - knob.low) / (knob.high - knob.low);
@@ -179,7 +179,7 @@ Tuned tune(const std::vector<Knob>& knobs, int evaluations, const Cost& cost,
   double last = 0.0;
   try {
     search.optimize(u, last);
-  } catch (const nlopt::roundoff_limited&) {  // as near as it gets; the best is kept
+  } catch (const nlopt::roundoff_limited&) {  // no further progress is possible; the best is kept
   }
   return best;
 }

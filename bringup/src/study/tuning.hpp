@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: parameters that may vary and costs of their values. Out: the best values found.
+// Searches the parameter values with the lowest cost.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace tandem {
 
-/// A parameter that may vary. Searched on a logarithmic scale where `low` > 0.
+/// A search variable: a parameter with bounds. Searched on a logarithmic scale if `low` > 0.
 struct Knob {
   std::string component, name;
   double low = 0.0, high = 1.0;
@@ -19,35 +19,36 @@ struct Knob {
   bool is_integer = false;  ///< values are rounded
 };
 
-/// Reads `component.parameter` or `component.parameter:low:high`; without bounds a fifth to five
-/// times the value that the system has now, within the parameter's range. Throws
-/// std::invalid_argument for an unknown component, one that the system does not use, a parameter
-/// that is no number, empty bounds, or bounds that leave out the value that the system has now.
+/// Parses `component.parameter` or `component.parameter:low:high`. The default bounds are a fifth
+/// of and five times the system's current value, within the parameter's range. Throws
+/// std::invalid_argument if the component is unknown or not used by the system, the parameter is
+/// not a number, the bounds are empty, outside the parameter's range or exclude the current value,
+/// or there are none and the current value is not positive.
 [[nodiscard]] Knob read_knob(const std::string& text, const System& system);
 
-/// One each, of the first of the systems (at least one) that uses the component. Throws what
-/// read_knob throws, and std::invalid_argument if two texts mean one parameter.
+/// Parses each text with the first of the systems that uses the component; `systems` must not be
+/// empty. Throws what read_knob throws, and std::invalid_argument if two texts name one parameter.
 [[nodiscard]] std::vector<Knob> read_knobs(const std::vector<std::string>& texts,
                                            const std::vector<System>& systems);
 
-/// What a drive is worth; lower is better, a drive as long as the reference costs 1 and more:
+/// Cost of a drive; lower is better. A drive as long as the reference time [s] costs at least 1:
 ///
 ///   time / reference + obedience_rms + 2 (share of commands that the filter changed)
 ///     + stuck_s / 10 s + 10 (collisions) + 10 (not reached)                               (1)
 [[nodiscard]] double drive_cost(const DriveResult& drive, double reference_time);
 
 struct Tuned {
-  std::vector<double> values;  ///< one per knob
-  double cost = 0.0;           ///< of the search
-  double other_cost = 0.0;     ///< of what the search does not see
+  std::vector<double> values;  ///< one per search variable
+  double cost = 0.0;           ///< the cost that the search minimizes
+  double other_cost = 0.0;     ///< held-out cost
 };
 
 using Cost = std::function<double(const std::vector<double>&)>;
 
-/// Subplex search (Rowan 1990, by NLopt) from the knobs' starts with at most `evaluations` calls of
-/// `cost`. Each value that lowers it is rated by `other_cost` too, and what costs least there is
-/// returned (early stopping: Prechelt, Early Stopping – But When?, 1998); so it is never worse than
-/// the starts by either. Deterministic.
+/// Subplex search (Rowan 1990, by NLopt) from the start values with at most `evaluations` calls of
+/// `cost`. Values that lower `cost` are also rated by the held-out `other_cost`, and those with the
+/// lowest held-out cost are returned (early stopping: Prechelt, Early Stopping – But When?, 1998).
+/// The result is therefore never worse than the start by either cost. Deterministic.
 [[nodiscard]] Tuned tune(const std::vector<Knob>& knobs, int evaluations, const Cost& cost,
                          const Cost& other_cost);
 
