@@ -51,7 +51,7 @@ class Caller {
   /// Returns false for bytes that do not decode; the call then keeps waiting for a valid response.
   using OnResponse = std::function<bool(const Bytes&)>;
 
-  /// Types by their DDS names.
+  /// Types are given by their DDS names.
   Caller(NodeCore& node, const std::string& service, const std::string& request_type,
          const std::string& response_type);
   /// An empty request means that encoding failed; the call then fails.
@@ -64,7 +64,7 @@ class Caller {
   struct Call {
     Bytes request;
     OnResponse on_response;
-    double deadline;  // [s] steady
+    double deadline;  // [s], steady clock
     std::function<void()> on_timeout;
   };
 
@@ -76,8 +76,8 @@ class Caller {
 
   NodeCore& node_;
   std::string service_;
-  std::deque<Call> waiting_;            // for the server
-  std::map<std::int64_t, Call> asked_;  // by sequence number
+  std::deque<Call> waiting_;            // not sent yet
+  std::map<std::int64_t, Call> asked_;  // sent; key: sequence number
   std::shared_ptr<Writer> writer_;
   std::shared_ptr<Reader> reader_;
   std::shared_ptr<Poller> poller_;
