@@ -57,8 +57,8 @@ MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInp
   if (params_.map_source != "local")
     with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
-  worker_ =
-      std::thread{[this] { run(); }};  // last, so that an exception above leaves no thread running
+  // Last, so that an exception above leaves no thread running.
+  worker_ = std::thread{[this] { run(); }};
 }
 
 MapInput::~MapInput() {

@@ -17,8 +17,8 @@ constexpr std::size_t kEncapsulation = 4;
 
 // Type ids as in type_description_interfaces/msg/FieldType.
 constexpr int kNested = 1, kText = 17, kBoundedText = 21;
-constexpr int kPerShape =
-    48;  // ids for each of: single value, array, bounded sequence, unbounded sequence
+// Ids per shape: single value, array, bounded sequence, unbounded sequence.
+constexpr int kPerShape = 48;
 
 std::size_t primitive_size(int id) {
   constexpr std::size_t kSizes[] = {0, 0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 16, 1, 2, 1, 1};
@@ -126,8 +126,7 @@ std::optional<std::size_t> CdrStructure::largest() const {
 }
 
 const CdrStructure* CdrStructure::of(std::string_view type) {
-  static std::recursive_mutex
-      mutex;  // recursive: constructing a structure looks up the nested ones
+  static std::recursive_mutex mutex;  // the constructor looks up nested structures
   static std::map<std::string, std::unique_ptr<CdrStructure>, std::less<>> all;
   const std::lock_guard lock{mutex};
   if (const auto known = all.find(type); known != all.end()) return known->second.get();

@@ -68,10 +68,10 @@ std::string type_hash_in(const std::string& user_data) {
 }
 
 bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
-  constexpr int kOfProcess =
-      8;  // GUID prefix bytes for vendor, host and process; the last 4 are the participant
-  constexpr int kOfSubject =
-      6;  // hash of the certificate's subject name, first bit set; then another hash
+  // The GUID prefix begins with vendor, host and process. Under DDS Security it begins with a hash
+  // of the certificate's subject name, whose first bit is set.
+  constexpr int kOfProcess = 8;  // [bytes]
+  constexpr int kOfSubject = 6;  // [bytes]
   const bool secured = (a.guidPrefix.value[0] & 0x80) != 0;
   return std::equal(a.guidPrefix.value, a.guidPrefix.value + (secured ? kOfSubject : kOfProcess),
                     b.guidPrefix.value);

@@ -22,8 +22,7 @@ constexpr double kHeartbeat = 0.1;        // [s] until a reader notices a lost s
 // of 0.07 s is too long for a program that publishes once and exits.
 constexpr double kFirstRequest = 0.005;
 // Types whose largest sample [bytes] does not exceed this use a preallocated pool, because only
-// then does Fast DDS reject larger samples. For other types each sample's memory is freed after
-// use.
+// then does Fast DDS reject larger samples. Other types free each sample's memory after use.
 constexpr std::size_t kMostPreallocated = std::size_t{1} << 20;
 constexpr std::size_t kMostKept = std::size_t{1} << 20;  // buffer kept for the next sample [bytes]
 

@@ -12,8 +12,7 @@ namespace srv = rcl_interfaces::srv;
 using rcl_interfaces::msg::ParameterEvent;
 
 constexpr QoS kParameters{.depth = 1000};
-constexpr std::size_t kMaxNames =
-    1000;  // per request, so that the response is not too large to send
+constexpr std::size_t kMaxNames = 1000;  // per request; limits the response's size
 
 rcl_interfaces::msg::SetLoggerLevelsResult set_level(
     Logger& log, const rcl_interfaces::msg::LoggerLevel& wanted) {

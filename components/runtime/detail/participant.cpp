@@ -24,10 +24,9 @@ namespace tandem::runtime {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr uint32_t kParticipantsPerHost =
-    32;                                 // participant ids tried by unicast discovery, as in ROS 2
-constexpr int kParticipantThreads = 8;  // needed by Fast DDS 2.9, with some margin
-constexpr uint32_t kSocketBuffer = 4U << 20;  // [bytes]; the kernel lowers it to its own limit
+constexpr uint32_t kParticipantsPerHost = 32;  // ids tried by unicast discovery, as in ROS 2
+constexpr int kParticipantThreads = 8;         // needed by Fast DDS 2.9, with some margin
+constexpr uint32_t kSocketBuffer = 4U << 20;   // [bytes]; the kernel lowers it to its own limit
 
 // Resolves a host name to its first IPv4 address; an address resolves to itself.
 std::string resolved(const std::string& host) {

@@ -12,9 +12,8 @@ namespace {
 using namespace rtps_message;
 
 constexpr std::uint8_t kVersion = 2;
-constexpr std::size_t kMostBits = 256;  // maximum bits of a number set
-constexpr std::size_t kLeastFragment =
-    8;  // [bytes]; Fast DDS stores list links in missing fragments
+constexpr std::size_t kMostBits = 256;         // maximum bits of a number set
+constexpr std::size_t kLeastFragment = 8;      // [bytes]; room for Fast DDS's list links
 constexpr std::size_t kStatisticsSize = 56;    // [bytes], as Fast DDS writes it
 constexpr std::size_t kLivelinessSize = 24;    // [bytes]: encapsulation, GUID prefix, kind, length
 constexpr std::size_t kMostMinorParts = 1024;  // maximum strings of a partition, and properties
@@ -184,8 +183,7 @@ bool authenticates(std::uint32_t writer, std::uint32_t reader) {
   return writer == kStatelessWriter || reader == kStatelessReader;
 }
 
-// Authentication or key exchange. The latter is protected, but Fast DDS also reads unprotected
-// ones.
+// Authentication or key exchange. Fast DDS also reads unprotected messages of the latter.
 bool is_of_security(std::uint32_t writer, std::uint32_t reader) {
   return authenticates(writer, reader) || writer == kVolatileSecureWriter ||
          reader == kVolatileSecureReader;

@@ -23,16 +23,15 @@ enum class Drop {
   kSequence,      ///< sequence numbers far ahead of the reader
   kSecurity,      ///< a DDS Security message that is fragmented or inconsistent with its lengths
   kUnsecured,     ///< unprotected although governance protects all datagrams
-  kGoodbye,       ///< an unprotected participant goodbye there, which anyone can forge
+  kGoodbye,       ///< an unprotected goodbye of a participant, likewise; anyone can forge it
 };
 inline constexpr std::size_t kDropKinds = 14;
 /// The name of a kind for reports, such as "inline QoS".
 [[nodiscard]] const char* name(Drop drop);
 
 struct GuardLimits {
-  std::uint32_t sample_size = std::uint32_t{64} << 20;  ///< maximum fragmented sample [bytes]
-  std::uint32_t discovery_size = std::uint32_t{1}
-                                 << 20;  ///< maximum fragmented discovery data [bytes]
+  std::uint32_t sample_size = std::uint32_t{64} << 20;    ///< maximum fragmented sample [bytes]
+  std::uint32_t discovery_size = std::uint32_t{1} << 20;  ///< the same for discovery data [bytes]
   /// Whether the domain's governance protects every datagram. If so, an unprotected datagram may
   /// only announce or authenticate a participant, because Fast DDS 2.9.1 accepts forged goodbyes
   /// (CVE-2023-50257), heartbeats, gaps, and data of topics protected by submessage only.

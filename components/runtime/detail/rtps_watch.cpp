@@ -17,7 +17,7 @@ constexpr std::size_t kMostWriters = 4096;  // maximum number of tracked writers
 constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr int kEndpointsOfAll = 24;          // per participant, exempt from the rate limit
 constexpr std::int64_t kFarthestNext = 256;  // maximum step of an endpoint's number
-constexpr double kBytesPerToken = 2048.0;    // size of an endpoint announcement [bytes]
+constexpr double kBytesPerToken = 2048.0;    // announcement size per extra token [bytes]
 constexpr double kLookPeriod = 5.0;          // [s] between checks for expired leases
 constexpr std::uint16_t kLeaseDuration = 0x02, kSentinel = 0x01;
 

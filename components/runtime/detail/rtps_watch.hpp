@@ -38,10 +38,9 @@ class TokenBucket {
 /// farther ahead, and a GAP may name 2⁶³ of them.
 class ReaderProgress {
  public:
-  static constexpr std::int64_t kWindow =
-      2048;                                   ///< accepted numbers ahead of the first missing one
-  static constexpr std::int64_t kWide = 256;  ///< maximum width of a GAP that passes unchanged
-  static constexpr std::int64_t kLeap = 32;   ///< maximum number of samples lost at once
+  static constexpr std::int64_t kWindow = 2048;  ///< numbers accepted ahead of the first missing
+  static constexpr std::int64_t kWide = 256;     ///< maximum width of a GAP that passes unchanged
+  static constexpr std::int64_t kLeap = 32;      ///< maximum number of samples lost at once
   static constexpr std::int64_t kCounts = 4096;  ///< maximum increase of a HEARTBEAT's count
 
   /// Records the acknowledgements in a datagram sent by this process.
