@@ -45,7 +45,7 @@ class FramesInput {
 
   [[nodiscard]] const Frames& names() const { return names_; }
   [[nodiscard]] const FrameTree& tree() const { return tree_; }
-  /// Number of messages so far. While it is unchanged, lookups change only by frames growing too
+  /// Number of messages so far. While it is unchanged, lookups change only as frames become too
   /// old.
   [[nodiscard]] std::uint64_t heard() const { return heard_; }
 

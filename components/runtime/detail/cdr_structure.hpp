@@ -24,7 +24,7 @@ class CdrStructure {
   /// that decoding cannot over-allocate. `bytes` begin with the encapsulation header.
   [[nodiscard]] bool fits(std::span<const std::uint8_t> bytes) const;
 
-  /// [bytes] of the largest message, encapsulation included; nothing if it has no bound.
+  /// Maximum serialized size including encapsulation [bytes]; nullopt if unbounded.
   [[nodiscard]] std::optional<std::size_t> largest() const;
 
   struct Field {

@@ -36,8 +36,8 @@ class SharedTopic {
   fdds::Topic* dds_;
 };
 
-/// The process's DomainParticipant; exists as long as any node does. Uses UDPv4 behind the
-/// process's WireGuard, unless an XML profiles file names other transports.
+/// The process's DomainParticipant; exists as long as any node does. Uses UDPv4 unless an XML
+/// profiles file names other transports; all UDP transports are behind the process's WireGuard.
 class Participant {
  public:
   /// The participant of this process, created on first use. Throws std::runtime_error if the

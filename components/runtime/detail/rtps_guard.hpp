@@ -11,7 +11,7 @@ namespace tandem::runtime {
 /// Why a datagram is dropped.
 enum class Drop {
   kNone,          ///< accepted
-  kHeader,        ///< no RTPS 2 header
+  kHeader,        ///< missing RTPS 2 header
   kSubmessage,    ///< a submessage that is truncated, too short for its kind or has invalid flags
   kInlineQos,     ///< inline QoS, or the data before it, extends past the submessage
   kFragment,      ///< inconsistent fragment numbers or sizes
