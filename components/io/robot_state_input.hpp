@@ -42,7 +42,7 @@ class RobotStateInput {
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
-  /// X_MB and twist; nullopt while odometry or map → odom is missing or too old.
+  /// The newest state; nullopt while odometry or map → odom is missing or too old.
   [[nodiscard]] std::optional<RobotState> state();
 
   /// X_WB of the newest odometry, from Localization.
