@@ -40,8 +40,8 @@ struct Odometry {
 
 [[nodiscard]] std_msgs::msg::Header header(const Stamp& stamp, const std::string& frame);
 
-/// Forward speed and yaw rate; the other four components are not read (REP-103, field custom).
-/// Nothing if one of the two is not finite.
+/// Forward speed and yaw rate (axes as in REP-103); the other four components are ignored. nullopt
+/// if one of the two is not finite.
 [[nodiscard]] std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg);
 [[nodiscard]] geometry_msgs::msg::Twist to_msg(const Twist2& twist);
 
@@ -52,21 +52,22 @@ struct Odometry {
 /// Why from_msg rejects a pose: "is not finite", or that its quaternion is zero.
 [[nodiscard]] const char* fault_of(const geometry_msgs::msg::Quaternion& orientation);
 
-/// Heading from the quaternion's yaw. Nothing if a number is not finite or the quaternion is zero.
+/// The planar pose, heading from the quaternion's yaw. nullopt if a number is not finite or the
+/// quaternion is zero.
 [[nodiscard]] std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg);
 [[nodiscard]] geometry_msgs::msg::Pose to_msg(const Pose2& X);
 [[nodiscard]] geometry_msgs::msg::PoseStamped to_msg(const Pose2& X,
                                                      const std_msgs::msg::Header& header);
 
 [[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg);
-/// Ground truth. It is not transformed: nothing if its frame is neither `map` nor empty.
+/// Ground truth. It is not transformed: nullopt if its frame is neither `map` nor empty.
 [[nodiscard]] std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg,
                                                  const std::string& map);
 [[nodiscard]] nav_msgs::msg::Odometry to_msg(const Odometry& odometry,
                                              const std_msgs::msg::Header& header,
                                              const std::string& child);
 
-/// The transform parent → child of the message, if it is there and finite.
+/// The transform parent → child in the message; nullopt if it is missing or not finite.
 [[nodiscard]] std::optional<Pose2> find_transform(const tf2_msgs::msg::TFMessage& msg,
                                                   const std::string& parent,
                                                   const std::string& child);
@@ -74,7 +75,7 @@ struct Odometry {
                                                                 const std_msgs::msg::Header& header,
                                                                 const std::string& child);
 
-/// The whole transform. Nothing if a number is not finite or the quaternion is zero.
+/// The 3D transform. nullopt if a number is not finite or the quaternion is zero.
 [[nodiscard]] std::optional<Eigen::Isometry3d> from_msg(const geometry_msgs::msg::Transform& msg);
 [[nodiscard]] geometry_msgs::msg::TransformStamped to_transform(const Eigen::Isometry3d& X,
                                                                 const std_msgs::msg::Header& header,
@@ -96,8 +97,8 @@ struct Obstacles {
 
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
                                           const std_msgs::msg::Header& header);
-/// The unchecked plane of the message; error_of() reports faults. An origin that is not finite or
-/// has a zero quaternion becomes one that is not finite.
+/// The message's plane, unchecked; error_of() reports faults. An origin with a zero quaternion
+/// becomes one that is not finite.
 [[nodiscard]] OccupancyPlane from_msg(const nav_msgs::msg::OccupancyGrid& msg);
 /// 100 occupied, 0 free, −1 unknown, as RViz and Nav2 read it.
 [[nodiscard]] nav_msgs::msg::OccupancyGrid to_msg(const Grid& grid,
@@ -112,7 +113,7 @@ struct Obstacles {
 /// An arrow for the leader and a line for its leash.
 [[nodiscard]] visualization_msgs::msg::MarkerArray leader_markers(
     const Pose2& X_ML, const Pose2& X_MB, const std_msgs::msg::Header& header);
-/// An arrow at each goal, whose opacity is its likelihood, and the likelihood in percent.
+/// An arrow at each goal with its likelihood as opacity, and the likelihood in percent as text.
 [[nodiscard]] visualization_msgs::msg::MarkerArray goal_markers(
     std::span<const Pose2> X_MG, std::span<const double> belief,
     const std_msgs::msg::Header& header);

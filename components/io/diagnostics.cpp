@@ -103,7 +103,8 @@ Causes::Causes(rt::Node& node)
     : node_{node},
       subscription_{node.create_subscription(topics::diagnostics, [this](const auto& msg) {
         add(diagnoses_, msg);
-        diagnoses_.erase(node_.fully_qualified_name().substr(1));  // else it would name itself
+        // Otherwise the node could name itself as the cause.
+        diagnoses_.erase(node_.fully_qualified_name().substr(1));
         for (const auto& status : msg.status())
           if (diagnoses_.contains(status.name())) heard_[status.name()] = node_.steady_now();
       })} {}

@@ -74,7 +74,7 @@ class Causes {
   static constexpr double kGone = 3.0 * Diagnostics::kPeriod;
 
   struct Cause {
-    std::string reason;  ///< "node: what it said"
+    std::string reason;  ///< "node: message"
     std::string remedy;
   };
 
@@ -90,7 +90,7 @@ class Causes {
 
   rt::Node& node_;
   Diagnoses diagnoses_;
-  std::map<std::string, double> heard_;  // steady [s], by the part's name
+  std::map<std::string, double> heard_;  // last arrival [s], steady clock; key: part's name
   rt::Subscription subscription_;
 };
 

@@ -20,8 +20,8 @@ namespace tandem {
 struct Placing {
   std::optional<Eigen::Isometry3d> X_AB = {};
   bool is_static = true;     ///< X_AB does not change
-  bool moves = false;        ///< it has changed lately
-  std::string refusal = {};  ///< empty if X_AB is there
+  bool moves = false;        ///< X_AB has changed recently
+  std::string refusal = {};  ///< why there is no X_AB; empty if there is
 };
 
 /// The frame tree shared by all inputs of a node, so that they accept the same frames and reject
@@ -33,9 +33,9 @@ struct Placing {
 class FramesInput {
  public:
   using Changed = std::function<void()>;
-  static constexpr double kMostTilt = 0.1;   ///< [rad] of a frame whose numbers lie in the plane
-  static constexpr double kMoves = 0.02;     ///< [m/s] of a link, a turn as of a point 1 m off
-  static constexpr double kMostDrift = 0.1;  ///< [m] a frame may move between its link and a stamp
+  static constexpr double kMostTilt = 0.1;   ///< maximum tilt of a planar frame [rad]
+  static constexpr double kMoves = 0.02;     ///< [m/s] above which a link moves; turns count at 1 m
+  static constexpr double kMostDrift = 0.1;  ///< maximum motion from link to timestamp [m]
 
   /// `changed` is called after each message of either topic.
   FramesInput(rt::Node& node, const Frames& names, const LocalizationParams& params,
@@ -45,14 +45,14 @@ class FramesInput {
 
   [[nodiscard]] const Frames& names() const { return names_; }
   [[nodiscard]] const FrameTree& tree() const { return tree_; }
-  /// Number of messages so far. While it is unchanged, lookups change only by frames growing too
+  /// Number of messages so far. While it is unchanged, lookups change only as frames become too
   /// old.
   [[nodiscard]] std::uint64_t heard() const { return heard_; }
 
-  /// X_AB of frame B in frame A, at the stamp or, if that is zero, as they are now.
+  /// X_AB of frame B in frame A at `stamp`, or the newest one if `stamp` is zero.
   [[nodiscard]] Placing place(std::string_view a, std::string_view b,
                               const Stamp& stamp = {}) const;
-  /// X_MF of a message's frame in the map. An empty name is the map's.
+  /// X_MF of a message's frame F in the map. An empty name means the map frame.
   [[nodiscard]] Placing in_map(std::string_view frame, const Stamp& stamp = {}) const;
   /// The same in the plane, for a message of `topic`. Logs the reason if there is no result.
   [[nodiscard]] std::optional<Pose2> in_map(const std_msgs::msg::Header& header,
@@ -61,18 +61,19 @@ class FramesInput {
   /// does not know `map_is_odom` and treats map and odom as two frames.
   [[nodiscard]] std::optional<Pose2> in_map_by_tf(const std_msgs::msg::Header& header,
                                                   const char* topic) const;
-  /// Whether it is the map's own frame, or odom with `map_is_odom`. An empty name is the map's.
+  /// Whether `frame` is the map frame, or odom with `map_is_odom`. An empty name means the map
+  /// frame.
   [[nodiscard]] bool is_map(std::string_view frame) const;
-  /// Whether the robot moves in that frame: map, odom, or another one above base on /tf.
+  /// Whether the robot moves in that frame: map, odom, or another ancestor of base on /tf.
   [[nodiscard]] bool is_world(std::string_view frame) const;
-  /// Why map → odom is not known, with the frames that are there; empty if it is.
+  /// Why map → odom is unknown, with the frames that exist; empty if it is known.
   [[nodiscard]] std::string why_not_localised() const;
 
-  /// The sender's GUID, hexadecimal, as rt::DomainEndpoint::id.
+  /// The sender's GUID in hexadecimal, in the form of rt::DomainEndpoint::id.
   [[nodiscard]] static std::string id_of(const FrameSender& sender);
   /// The publisher as "/ns/name"; its GUID until discovery assigns it to a node.
   [[nodiscard]] std::string name_of(const FrameSender& sender) const;
-  /// Each child that was given two parents in the last kRecently [s], in words; may be empty.
+  /// Describes each child with two parents in the last kRecently [s]; may be empty.
   [[nodiscard]] std::string two_parents() const;
 
  private:
@@ -99,8 +100,8 @@ class FramesInput {
   FrameTree tree_;
   std::uint64_t heard_ = 0;
   double last_time_ = 0.0;                // node's clock [s]
-  std::unique_ptr<rt::DomainView> view_;  // once publishers have to be named
-  rt::Timer report_;                      // likewise
+  std::unique_ptr<rt::DomainView> view_;  // created when publishers must be named
+  rt::Timer report_;                      // created with view_
   rt::Subscription tf_, tf_static_;
 };
 

@@ -16,7 +16,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kStill = 1e-6;  // [m] a frame that moves by less has not moved
+constexpr double kStill = 1e-6;  // [m]; smaller motions of a frame are ignored
 
 }  // namespace
 
@@ -57,8 +57,8 @@ MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInp
   if (params_.map_source != "local")
     with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
-  worker_ =
-      std::thread{[this] { run(); }};  // last, so that an exception above leaves no thread running
+  // Last, so that an exception above leaves no thread running.
+  worker_ = std::thread{[this] { run(); }};
 }
 
 MapInput::~MapInput() {
@@ -133,7 +133,7 @@ std::optional<MapInput::Place> MapInput::place_of(const std::string& frame,
                .follows = !frames_.is_map(frame)};
 }
 
-// How far a point near the robot moves when the frame moves [m].
+// Displacement of points near the robot when the frame moves [m].
 double MapInput::shift(const Place& from, const Place& to) const {
   const Eigen::Vector2d p_MQ = p_MB_.value_or(from.X_MF.position());
   const Eigen::Vector2d p_FQ = transform(inverse(from.X_MF), p_MQ);
@@ -240,7 +240,7 @@ void MapInput::run() {
   }
 }
 
-// What `take` makes of a message; null, and the reason logged, if it throws.
+// Returns take(), or an empty result if it throws; logs the reason.
 template <class Take>
 auto MapInput::unless_refused(const char* topic, const Take& take) -> decltype(take()) {
   try {
@@ -252,7 +252,7 @@ auto MapInput::unless_refused(const char* topic, const Take& take) -> decltype(t
   }
 }
 
-// The static map alone, if that is all that is asked for.
+// Updates the base map; returns it if `map_source` is static, otherwise null.
 std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
   if (!job.map && (!unmoved_base_ || base_place_->frame != job.place.frame)) return nullptr;
   Grid unmoved =

@@ -49,21 +49,22 @@ struct MapInputParams {
   }
 };
 
-/// The virtual fixtures of the parameters. Throws as load_virtual_fixtures.
+/// Loads the virtual fixtures of the parameters. Throws std::runtime_error, as
+/// load_virtual_fixtures.
 [[nodiscard]] VirtualFixtures fixtures_of(const MapInputParams& params);
 
-/// The static world of a map: what stands in the slice, and what the fixtures forbid. Throws
-/// std::invalid_argument or std::runtime_error, as slice and with_forbidden.
+/// The static map from an octree: obstacles in the slice and regions forbidden by the fixtures.
+/// Throws std::invalid_argument or std::runtime_error, as slice and with_forbidden.
 [[nodiscard]] std::shared_ptr<const StaticMap> static_map(const octomap::OcTree& tree,
                                                           const MapInputParams& params,
                                                           const VirtualFixtures& fixtures);
 
-/// The static map for a robot at p_MB that sees `local` now: over `base`, what stays.
+/// Merges `local`, the current view of a robot at p_MB, with the permanent map `base`.
 [[nodiscard]] std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& local,
                                                               const Eigen::Vector2d& p_MB,
                                                               const MapInputParams& params);
 
-/// The same for ground that neither map knows, as obstacles; beyond its grid all is.
+/// Ground unknown to both maps, as obstacles; everything outside the grid counts as unknown.
 [[nodiscard]] std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known,
                                                                   const Grid& local,
                                                                   const Eigen::Vector2d& p_MB,
@@ -74,25 +75,25 @@ enum class UnseenGround { kIgnored, kHeeded };
 
 /// Subscribes to the maps selected by `map_source` and `static_map`. Decoding a whole building
 /// takes 50 to 90 ms, so a worker thread does it while the node uses the old map. Only the newest
-/// message of each topic is queued. Invalid messages are logged and leave the old map in force. So
-/// do maps that arrive while two nodes publish the topic, or from another publisher than the map in
-/// force. When one publisher is left, its map is requested again.
+/// message of each topic is queued. Invalid maps are logged and leave the old map in force. So do
+/// maps received while two nodes publish the topic, or from a publisher other than that of the map
+/// in force. When one publisher is left, its map is requested again.
 ///
 /// A map in another frame is transformed into the map frame by `/tf` without losing obstacles, and
-/// again whenever its frame has moved; a slice costs far less than decoding.
-/// Obstacles of a frame that may move are grown by kSpread, and hold for so long as it has moved by
-/// less: the next placing begins at half of it. Where it has moved farther, as after a jump, there
-/// is no map until it is placed anew. A map whose frame is not known waits for `/tf`, and the old
-/// one stays in force.
+/// again whenever its frame has moved; a slice costs far less than decoding. Obstacles in a frame
+/// that may move are grown by kSpread, which keeps the map valid while the frame moves by less. The
+/// map is transformed again once it has moved by half of that. If it has moved by more, as after a
+/// jump, there is no map until that is done. A map in an unknown frame waits for `/tf` while the
+/// old one stays in force.
 ///
 /// `octomap_local` is small and arrives with every scan. It is merged with the static map only
 /// within `local_reach` of the robot, so that the cost of an update does not depend on the
 /// building's size.
 class MapInput {
  public:
-  static constexpr double kSpread = 0.03;    ///< [m]
-  static constexpr double kNear = 5.0;       ///< [m] from the robot, where a turn is looked at
-  static constexpr double kMostTilt = 0.02;  ///< [rad] of a map's frame
+  static constexpr double kSpread = 0.03;  ///< growth of obstacles in a frame that may move [m]
+  static constexpr double kNear = 5.0;  ///< distance from the robot at which turns are measured [m]
+  static constexpr double kMostTilt = 0.02;  ///< maximum tilt of a map's frame [rad]
 
   /// Throws std::runtime_error if the fixtures cannot be read.
   MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,
@@ -103,12 +104,12 @@ class MapInput {
 
   [[nodiscard]] const VirtualFixtures& fixtures() const { return fixtures_; }
 
-  /// The newest map, for a robot there; null before the first, and while octomap_local is needed
-  /// and silent.
+  /// The newest map; null before the first one, while octomap_local is required but silent, and
+  /// while the map's frame cannot be followed. `robot` sets the center of later merges.
   [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
 
-  /// Ground of the newest map that neither the static map nor any beam has covered, as obstacles;
-  /// null if it is ignored, and without octomap_local.
+  /// Ground in the newest map covered by neither the static map nor any beam, as obstacles; null if
+  /// it is ignored or there is no octomap_local.
   [[nodiscard]] std::shared_ptr<const StaticMap> unseen() const;
 
   /// Why map() returned null.
@@ -120,32 +121,32 @@ class MapInput {
   using MapMessage = std::variant<octomap_msgs::msg::Octomap, nav_msgs::msg::OccupancyGrid>;
   using HeardMap = Stamped<MapMessage>;
 
-  /// How the grid of a map's frame F is laid into M.
+  /// Placement of a map's frame F in the map frame M.
   struct Place {
     std::string frame;
     Pose2 X_MF;
-    double height = 0.0;   // of F's ground in M [m]
-    double spread = 0.0;   // that obstacles are grown by [m]
-    bool follows = false;  // F is not the map's own frame, and may come to lie elsewhere
+    double height = 0.0;   // of F's origin above M's [m]
+    double spread = 0.0;   // growth of obstacles [m]
+    bool follows = false;  // F is not the map frame, so it may move
   };
   struct Job {
-    std::optional<HeardMap> map = {};  // none: the last one again, at another place
+    std::optional<HeardMap> map = {};  // nullopt: reuse the last map at another place
     Place place;
   };
 
   struct Inbox {
     const char* topic;
-    std::optional<Job> waiting = {};     // for the worker
-    std::optional<Place> in_force = {};  // of the map that `map` gives
+    std::optional<Job> waiting = {};     // job for the worker
+    std::optional<Place> in_force = {};  // place of the map that map() returns
     rt::Subscription subscription = {};
     std::optional<rt::PublisherId> sender = {};  // of the map in force
-    bool refused = false;                        // the last message, for another one sent it
-    // The node's alone:
-    std::optional<Place> place = {};        // of what was handed over last
-    std::optional<HeardMap> unplaced = {};  // its frame is not known
-    std::string refusal = {};               // and why
-    std::uint64_t tried = 0;                // what /tf had said when that was found out
-    std::string trouble = {};               // why the map in force is not where it was placed
+    bool refused = false;                        // last message came from another publisher
+    // Used by the node's thread only:
+    std::optional<Place> place = {};        // place of the last job
+    std::optional<HeardMap> unplaced = {};  // map in an unknown frame
+    std::string refusal = {};               // why the frame is unknown
+    std::uint64_t tried = 0;                // FramesInput::heard() at that time
+    std::string trouble = {};               // why the map in force is misplaced
   };
 
   template <class M>
@@ -162,7 +163,7 @@ class MapInput {
   template <class Take>
   [[nodiscard]] auto unless_refused(const char* topic, const Take& take) -> decltype(take());
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
-  // Obstacles, and if heeded unseen ground.
+  // The merged map and, if heeded, unseen ground.
   using Live = std::pair<std::shared_ptr<const StaticMap>, std::shared_ptr<const StaticMap>>;
   [[nodiscard]] Live take_local(const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
   [[nodiscard]] Grid decode(const MapMessage& msg, double height, bool may_be_empty) const;
@@ -171,7 +172,7 @@ class MapInput {
   [[nodiscard]] Grid grid_of(const nav_msgs::msg::OccupancyGrid& msg, double height,
                              bool may_be_empty) const;
 
-  // Calls `use` with the topic of the static map.
+  // Calls `use` with the topic of the static map, whose type depends on `static_map`.
   template <class Use>
   void with_static_topic(const Use& use) const;
 
@@ -180,16 +181,18 @@ class MapInput {
   UnseenGround heeds_unseen_;
   VirtualFixtures fixtures_;
   const FramesInput& frames_;
-  std::optional<Grid> base_;          // what stays, in M; the worker's
-  std::optional<Grid> unmoved_base_;  // the same in its own frame, where that is another; likewise
-  std::optional<Place> base_place_;   // likewise
-  Grid known_;                        // the ground that it knows; likewise
+
+  // Used by the worker only:
+  std::optional<Grid> base_;          // permanent map in M
+  std::optional<Grid> unmoved_base_;  // the same in its own frame F, if F is not M
+  std::optional<Place> base_place_;
+  Grid known_;  // ground known to base_
 
   mutable std::mutex mutex_;
   std::condition_variable arrived_;
   bool stop_ = false;
   Inbox static_, local_{"octomap_local"};
-  Stamped<std::shared_ptr<const StaticMap>> map_;  // when the newest octomap_local in it arrived
+  Stamped<std::shared_ptr<const StaticMap>> map_;  // stamped with octomap_local's arrival
   std::shared_ptr<const StaticMap> unseen_;
   std::optional<Eigen::Vector2d> p_MB_;
 

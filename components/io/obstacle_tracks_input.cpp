@@ -8,8 +8,8 @@
 namespace tandem {
 namespace {
 
-// As the topic, with a queue: the next list must not overwrite that of a second sender, or the two
-// would look like one.
+// With a queue, unlike topics::people: if the next list overwrote that of a second publisher, the
+// two would look like one.
 constexpr rt::Topic<tandem_msgs::msg::ObstacleArray> kPeople{
     topics::people.name, {.depth = 10}, topics::people.hears};
 

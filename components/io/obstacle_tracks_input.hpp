@@ -32,7 +32,8 @@ class ObstacleTracksInput {
   const FramesInput& frames_;
   Stamped heard_;
   std::optional<rt::PublisherId> sender_ = {};  // of the last list
-  double sent_ = 0.0, two_until_ = 0.0;  // [s] steady: when that was; how long two count as it
+  // Arrival of the last list, and until when two publishers are assumed [s], steady clock.
+  double sent_ = 0.0, two_until_ = 0.0;
   rt::Subscription people_;
 };
 

@@ -34,7 +34,8 @@ void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
   if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
 }
 
-// Says why the frames are not known; empty if they are, and the odometry is of odom and base then.
+// Transforms the odometry to the frames odom and base. Returns why that is impossible, or an empty
+// string.
 std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odometry& msg) const {
   const Frames& names = frames_.names();
   const std::string &frame = msg.header().frame_id(), &child = msg.child_frame_id();
@@ -54,7 +55,7 @@ std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odom
   return {};
 }
 
-// Changes elsewhere in the tree do not affect the robot's state.
+// Ignores changes elsewhere in the tree, which do not affect the robot's state.
 void RobotStateInput::on_frames() {
   const auto found = frames_.tree().find(frames_.names().map, frames_.names().odom);
   if (!found ||

@@ -23,34 +23,36 @@ struct RobotStateParams {
   }
 };
 
-/// Subscribes `odom`, `/tf` and `/tf_static` for a node and composes them. Calls `on_odom` after
-/// each odometry, with the message's stamp [s].
+/// Subscribes to `odom`, `/tf` and `/tf_static` and composes them. Calls `on_odom` after each
+/// odometry message, with its timestamp [s].
 ///
-/// Odometry of another frame than `odom_frame`, or of another one on the robot than `base_frame`,
-/// is transformed where `/tf` knows the frame, else dropped. An empty name counts as the right one.
+/// Odometry in a frame other than `odom_frame`, or for a robot frame other than `base_frame`, is
+/// transformed if `/tf` has the frame and dropped otherwise. An empty name means the expected
+/// frame.
 class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
                   std::function<void(double)> on_odom = {});
-  /// From now on odometry whose stamp is older than `usual` [s] is dated by when it was due, not by
-  /// its arrival, so that a slow network does not make an old pose look new.
+  /// From now on, odometry whose timestamp is older than `usual` [s] on arrival is dated back by
+  /// the excess, so that a slow network does not make an old pose look new.
   void believe_stamps(double usual) { usual_age_ = usual; }
-  /// Calls `heard` after each odometry and each transform, with the state that it made, if any.
+  /// Calls `heard` with the state, if there is one, after each odometry message and each new
+  /// map → odom transform.
   void on_state(std::function<void(const RobotState&)> heard) { on_state_ = std::move(heard); }
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
-  /// Nothing while odometry or transform is missing or too old.
+  /// The newest state; nullopt while odometry or map → odom is missing or too old.
   [[nodiscard]] std::optional<RobotState> state();
 
-  /// X_WB of the newest odometry, as Localization has it.
+  /// X_WB of the newest odometry, from Localization.
   [[nodiscard]] const Pose2& odometry() const { return localization_.odometry(); }
-  /// The frames that the node knows, for its other inputs.
+  /// The node's frame tree, for its other inputs.
   [[nodiscard]] const FramesInput& frames() const { return frames_; }
-  /// What is wrong with the frames of odometry or map → odom, with those that are there; empty if
-  /// nothing is: then it is for silence that there is no state.
+  /// The fault in the frames of odometry or map → odom, with the frames that exist. If this is
+  /// empty and there is no state, a message is missing or too old.
   [[nodiscard]] std::string frame_trouble() const;
-  /// Why there is no state: "not localized: …".
+  /// Why there is no state, as "not localized: …".
   [[nodiscard]] std::string missing() const;
 
  private:
@@ -62,10 +64,10 @@ class RobotStateInput {
 
   rt::Node& node_;
   RobotStateParams params_;
-  std::optional<double> usual_age_;  ///< of odometry when it comes [s]
+  std::optional<double> usual_age_;  ///< age of odometry on arrival [s]; see believe_stamps()
   Localization localization_;
-  std::string odom_refusal_;       ///< of the last odometry's frames
-  std::optional<FramePose> X_MW_;  ///< as it was told last
+  std::string odom_refusal_;       ///< why the last odometry was dropped; empty if it was not
+  std::optional<FramePose> X_MW_;  ///< last transform passed to localization_
   std::function<void(double)> on_odom_;
   std::function<void(const RobotState&)> on_state_;
   FramesInput frames_;

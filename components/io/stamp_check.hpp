@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks whether a message's stamp is recent.
+// Checks whether a message's timestamp is recent.
 #pragma once
 
 #include <functional>
@@ -21,17 +21,19 @@ struct StampParams {
   }
 };
 
-/// Rejects commands that a slow link has delayed, by their stamps. A zero stamp counts as no stamp.
+/// Rejects commands that a slow link delayed, by their timestamps. A zero timestamp is not checked.
 class StampCheck {
  public:
   StampCheck(rt::Node& node, std::string topic, const StampParams& params);
 
-  /// Stamps are of this time [s], for a node that makes it; else of the node's own.
+  /// Compares timestamps with `now` [s] instead of the node's clock, for a node that generates
+  /// time.
   void judge_by(std::function<double()> now) { now_ = std::move(now); }
 
-  /// Whether the stamp is at most `max_stamp_age` off; warns if not. Off either way: a clock that
-  /// runs ahead would hide how old a message is. The computer's time is as good as a simulation's:
-  /// a joystick's driver knows nothing of the simulation.
+  /// Whether the timestamp differs from now by at most `max_stamp_age`; logs a warning if not.
+  /// Future timestamps are rejected too, because a clock that runs ahead would hide a message's
+  /// age. System time is accepted besides simulation time, because joystick drivers do not use the
+  /// latter.
   [[nodiscard]] bool in_time(const builtin_interfaces::msg::Time& stamp) const;
 
  private:

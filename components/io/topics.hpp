@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every topic and service: name, type, QoS, in the order in which data flows. Names are relative,
-// so that a namespace moves a whole robot; all can be remapped.
+// Defines the name, type and QoS of every topic and service, in data-flow order. Names are
+// relative, so that a namespace applies to a whole robot; all can be remapped.
 #pragma once
 
 #include <msgs.hpp>
@@ -16,7 +16,8 @@ using runtime::kLatched;
 using runtime::kSensorData;
 using runtime::Topic;
 
-/// Velocity commands: only the newest, and none that the network delayed beyond the lifespan.
+/// QoS of velocity commands: only the newest, and none that the network delayed beyond the
+/// lifespan.
 inline constexpr runtime::QoS kCommand{.depth = 1, .lifespan = 0.2};
 
 // the person
@@ -28,14 +29,14 @@ inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assi
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
-/// Why a stick that somebody holds moves nothing; empty once it does. Repeated while it holds.
+/// Why a deflected stick does not move the robot; empty once it does. Repeated while that lasts.
 inline constexpr Topic<std_msgs::msg::String> teleop_status{"teleop/status"};
 inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
 /// QoS for reading user input: best effort, which matches every device's publisher.
 inline constexpr runtime::QoS kUserInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
-/// The same for joy, with a queue: the next sample must not overwrite one at rest, which teleop has
-/// to see.
+/// The same for joy, with a queue: teleop must see every sample at rest, so the next sample must
+/// not overwrite it.
 inline constexpr runtime::QoS kStickInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 10, .lifespan = 0.2};
 
@@ -44,7 +45,7 @@ inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binar
                                                                   Hears::kEvery};
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
     "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
-/// Whether the sensors behind octomap_local see; from the node that publishes that.
+/// Status of the sensors behind octomap_local, from the node that publishes the latter.
 inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
     "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
 inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};

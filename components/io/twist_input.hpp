@@ -13,9 +13,9 @@
 
 namespace tandem {
 
-/// Subscribes a velocity topic for a node. Plain Twist at once, TwistStamped from when somebody
-/// publishes that type. A command that is not finite is logged and dropped; so is one that is given
-/// in the map's frame or odom's: v and w are of the robot, whatever its own frame is called.
+/// Subscribes to a velocity topic: to Twist immediately, to TwistStamped once a node publishes that
+/// type. Commands that are not finite are logged and dropped, and so are those in the map or odom
+/// frame: v and w refer to the robot's frame, whatever its name.
 class TwistInput {
  public:
   using Command = std::function<void(const Twist2&)>;
@@ -25,15 +25,16 @@ class TwistInput {
   TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,
              const StampParams& params, Command command)
       : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
-  /// Stamps are of this time [s], for a node that makes it; else of the node's own.
+  /// Compares timestamps with `now` [s] instead of the node's clock, for a node that generates
+  /// time.
   void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
-  /// What map and odom are called here, if not by their usual names.
+  /// Sets the frame names if they differ from the defaults.
   void set_frames(Frames frames) { frames_ = std::move(frames); }
   /// Also delivers commands that are not finite, for a node that stops on them.
   void pass_not_finite() { passes_not_finite_ = true; }
   /// The publisher of the last command; valid within its callback.
   [[nodiscard]] rt::PublisherId sender() const { return sender_; }
-  /// Whether that command came as TwistStamped; valid there too.
+  /// Whether the last command was a TwistStamped; valid within its callback.
   [[nodiscard]] bool is_stamped() const { return is_stamped_; }
   TwistInput(const TwistInput&) = delete;
   TwistInput& operator=(const TwistInput&) = delete;

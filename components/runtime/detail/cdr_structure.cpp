@@ -15,9 +15,10 @@ using CdrField = CdrStructure::Field;
 
 constexpr std::size_t kEncapsulation = 4;
 
-// The numbers of type_description_interfaces/msg/FieldType.
+// Type ids as in type_description_interfaces/msg/FieldType.
 constexpr int kNested = 1, kText = 17, kBoundedText = 21;
-constexpr int kPerShape = 48;  // one, array, bounded sequence, unbounded sequence
+// Ids per shape: single value, array, bounded sequence, unbounded sequence.
+constexpr int kPerShape = 48;
 
 std::size_t primitive_size(int id) {
   constexpr std::size_t kSizes[] = {0, 0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 16, 1, 2, 1, 1};
@@ -45,7 +46,7 @@ CdrField field_of(const DescribedField& described) {
 
 }  // namespace
 
-// Walks through the bytes of one message, field by field.
+// Steps through the serialized fields of one message.
 class CdrWalk {
  public:
   CdrWalk(std::span<const std::uint8_t> bytes, bool little) : bytes_{bytes}, little_{little} {}
@@ -71,7 +72,7 @@ class CdrWalk {
     return true;
   }
 
-  // An empty sequence is not followed by padding for its elements.
+  // An empty sequence is followed by no alignment padding.
   bool skip_primitives(std::size_t size, std::size_t count) {
     if (count == 0) return true;
     align(size > 8 ? 8 : size);
@@ -125,7 +126,7 @@ std::optional<std::size_t> CdrStructure::largest() const {
 }
 
 const CdrStructure* CdrStructure::of(std::string_view type) {
-  static std::recursive_mutex mutex;  // a structure asks for those in it
+  static std::recursive_mutex mutex;  // the constructor looks up nested structures
   static std::map<std::string, std::unique_ptr<CdrStructure>, std::less<>> all;
   const std::lock_guard lock{mutex};
   if (const auto known = all.find(type); known != all.end()) return known->second.get();

@@ -24,7 +24,7 @@ class CdrStructure {
   /// that decoding cannot over-allocate. `bytes` begin with the encapsulation header.
   [[nodiscard]] bool fits(std::span<const std::uint8_t> bytes) const;
 
-  /// [bytes] of the largest message, encapsulation included; nothing if it has no bound.
+  /// Maximum serialized size including encapsulation [bytes]; nullopt if unbounded.
   [[nodiscard]] std::optional<std::size_t> largest() const;
 
   struct Field {
@@ -32,18 +32,18 @@ class CdrStructure {
     enum class Many { kOne, kArray, kSequence };
     Of of;
     Many many;
-    std::size_t size;               ///< of a primitive [bytes]
-    std::size_t count;              ///< of an array
-    const CdrStructure* structure;  ///< of its elements
+    std::size_t size;               ///< [bytes] of one primitive
+    std::size_t count;              ///< elements of an array, otherwise 1
+    const CdrStructure* structure;  ///< layout of nested structures, otherwise null
   };
 
  private:
   explicit CdrStructure(std::string_view type);
-  [[nodiscard]] static std::size_t least(const Field& field);  // [bytes] of an element
+  [[nodiscard]] static std::size_t least(const Field& field);  // minimum size of an element [bytes]
 
   std::vector<Field> fields_;
-  std::size_t least_ = 0;  // [bytes] that one takes, padding left out
-  std::size_t most_ = 0;   // with padding before each number; of bounded ones
+  std::size_t least_ = 0;  // minimum size without padding [bytes]
+  std::size_t most_ = 0;   // maximum size with padding [bytes], if bounded_
   bool bounded_ = true;
 
   friend class CdrWalk;

@@ -10,18 +10,18 @@
 namespace tandem::runtime {
 namespace {
 
-// An element may take several times its bytes when decoded, so only types made of plain octets may
-// be large; 1 MiB holds 10 000 poses.
+// Decoded elements may take several times their serialized size, so only bulk types may be large;
+// 1 MiB holds 10 000 poses.
 std::size_t usual_limit(std::string_view type_name) {
   constexpr std::array<std::string_view, 3> kBulk{
       "octomap_msgs/msg/Octomap", "nav_msgs/msg/OccupancyGrid", "sensor_msgs/msg/PointCloud2"};
-  // Every node accepts these from anyone, and decoded elements take fifty times their least bytes.
+  // Every node accepts these from any sender, and decoding can expand them fiftyfold.
   if (type_name.starts_with("rcl_interfaces/srv/")) return std::size_t{1} << 17;
   const bool bulk = std::find(kBulk.begin(), kBulk.end(), type_name) != kBulk.end();
   return bulk ? BytesType::kMaxSize : std::size_t{1} << 20;
 }
 
-// A payload that looks at bytes of ours instead of owning its own.
+// A payload that refers to our bytes without owning them.
 struct PayloadView {
   explicit PayloadView(Bytes& bytes) {
     payload.data = bytes.data();
@@ -43,12 +43,12 @@ void copy_in(const Bytes& bytes, rtps::SerializedPayload_t& payload) {
 
 void copy_out(const rtps::SerializedPayload_t& payload, Bytes& bytes) {
   if (payload.length > BytesType::kMaxSize)
-    bytes.clear();  // no message is empty: refused by decode()
+    bytes.clear();  // decode() rejects an empty sample
   else
     bytes.assign(payload.data, payload.data + payload.length);
 }
 
-// [bytes] of a pool; it has none of size zero.
+// Size to reserve [bytes]; Fast DDS's pools do not support size 0.
 std::uint32_t room_for(const void* bytes) {
   return std::max(1U, static_cast<std::uint32_t>(static_cast<const Bytes*>(bytes)->size()));
 }
@@ -113,7 +113,7 @@ bool Codec::decode(const Bytes& bytes, void* message) const {
   constexpr std::size_t kPadding = 3;  // some writers round up to four bytes
   try {
     return decode_unchecked(bytes, message) && bytes.size() <= size(message) + kPadding;
-  } catch (...) {  // whatever generated code and Fast CDR throw at bytes from outside
+  } catch (...) {  // anything that generated code and Fast CDR throw on invalid bytes
     return false;
   }
 }

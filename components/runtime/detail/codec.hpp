@@ -14,11 +14,12 @@ namespace tandem::runtime {
 
 class CdrStructure;
 
-/// [bytes] of the largest sample that is taken of a type, "sensor_msgs/msg/Joy": what its fields
-/// can be at most, else 64 MiB of types that are made for bulk or not known here, else 1 MiB.
+/// The largest accepted sample [bytes] of a type such as "sensor_msgs/msg/Joy": its maximum
+/// serialized size if bounded, otherwise 64 MiB for bulk and unknown types, 128 KiB for
+/// rcl_interfaces services and 1 MiB for the rest.
 [[nodiscard]] std::size_t largest_sample_of(std::string_view type);
 
-/// One message type's plain CDR.
+/// Encodes and decodes one message type as plain CDR.
 class Codec {
  public:
   explicit Codec(const TypeRef& type);
@@ -38,16 +39,16 @@ class Codec {
   std::shared_ptr<fdds::TopicDataType> type_;
   std::string dds_name_;
   std::size_t max_size_;
-  const CdrStructure* structure_;  // null: of a type that no IDL of ours describes
+  const CdrStructure* structure_;  // null for a type that is not in idl/
 };
 
-/// What a DDS reader or writer of ours handles: the sample's bytes, encapsulation included. DDS
-/// itself never decodes, so bytes from outside meet only Codec::decode.
+/// The DDS type of all our readers and writers: the sample's bytes including encapsulation. DDS
+/// itself decodes nothing, so only Codec::decode handles untrusted bytes.
 class BytesType final : public fdds::TopicDataType {
  public:
   static constexpr std::size_t kMaxSize = std::size_t{64} << 20;  // a larger sample arrives empty
 
-  /// `largest`: [bytes] of a sample that a reader's history takes.
+  /// `largest`: maximum sample in a reader's history [bytes].
   BytesType(const std::string& dds_name, std::size_t largest);
 
 #if TANDEM_FASTDDS_3

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Common names for what differs between Fast DDS 2.9 and 3.1. Private to runtime/.
+// Hides the API differences between Fast DDS 2.9 and 3.1 behind common names. Private to runtime/.
 #pragma once
 
 #include <cstdint>
@@ -55,7 +55,7 @@ using IpLocator = rtps::IPLocator;
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// [s] as DDS writes durations; infinite from 10⁸ s on.
+/// Converts seconds to a DDS duration; infinite from 10⁸ s on.
 inline DdsDuration to_duration(double seconds) {
   if (seconds >= 1e8) return DdsDuration{0x7fffffff, 0xffffffff};
   const auto whole = static_cast<std::int32_t>(seconds);

@@ -25,10 +25,10 @@ LogLevel level_of(fdds::Log::Kind kind) {
   return LogLevel::kError;
 }
 
-// The first error since the oldest DdsErrors that lives was made.
+// The first error since the oldest living DdsErrors was constructed.
 struct FirstError {
   std::mutex mutex;
-  int awaited = 0;  // by so many DdsErrors
+  int awaited = 0;  // number of living DdsErrors
   std::string text;
 };
 

@@ -38,7 +38,7 @@ bool resolves(const std::string& host) {
 }
 
 void check_server(const std::string& servers, const std::string& locator) {
-  // Prefix, host in brackets or without, port.
+  // Optional prefix, host with or without brackets, optional port.
   static const std::regex form{
       R"((?:(?:UDPv4|UDPv6|TCPv4|TCPv6):)?(?:\[([^\]]+)\]|([^:\[\]]+))(?::([^:]*))?)"};
   std::smatch parts;

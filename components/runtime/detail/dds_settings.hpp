@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: Fast DDS's own environment variables, checked before it reads them.
+// Checks Fast DDS's own environment variables before it reads them. Private to runtime/.
 #pragma once
 
 #include <string>
@@ -12,9 +12,8 @@ namespace tandem::runtime {
 void check_dds_settings();
 
 /// Throws std::runtime_error if `servers` is not a valid ROS_DISCOVERY_SERVER: locators separated
-/// by
-/// ';', some of which may be empty, each HOST, HOST:PORT, [IPV6]:PORT or one of these in the form
-/// UDPv4:[HOST]:PORT (UDPv6, TCPv4, TCPv6), where HOST is an address or a name that resolves.
+/// by ';', possibly empty, each of the form HOST, HOST:PORT, [IPV6]:PORT or one of these in the
+/// form UDPv4:[HOST]:PORT (UDPv6, TCPv4, TCPv6), where HOST is an address or a name that resolves.
 void check_discovery_servers(const std::string& servers);
 
 }  // namespace tandem::runtime

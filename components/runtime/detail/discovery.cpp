@@ -17,14 +17,14 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr std::size_t kMaxEndpoints = 100'000;  // bound against a flood of announcements
+constexpr std::size_t kMaxEndpoints = 100'000;  // limits memory under a flood of announcements
 
 double seconds(const DdsDuration& duration) {
   if (duration == to_duration(1e9)) return std::numeric_limits<double>::infinity();
   return duration.seconds + 1e-9 * duration.nanosec;
 }
 
-// Fast DDS 2.9 knows a WriterQos and a ReaderQos, 3 the fields of the builtin topics' data.
+// Fast DDS 2.9 reports a WriterQos or ReaderQos, Fast DDS 3 the builtin topic data.
 template <class Info>
 KnownEndpoint from_builtin(const Info& info, bool writes) {
   KnownEndpoint endpoint;
@@ -68,8 +68,10 @@ std::string type_hash_in(const std::string& user_data) {
 }
 
 bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
-  constexpr int kOfProcess = 8;  // vendor, host and process; the last four: the participant
-  constexpr int kOfSubject = 6;  // of a certificate's name, the first bit set; then a hash
+  // The GUID prefix begins with vendor, host and process. Under DDS Security it begins with a hash
+  // of the certificate's subject name, whose first bit is set.
+  constexpr int kOfProcess = 8;  // [bytes]
+  constexpr int kOfSubject = 6;  // [bytes]
   const bool secured = (a.guidPrefix.value[0] & 0x80) != 0;
   return std::equal(a.guidPrefix.value, a.guidPrefix.value + (secured ? kOfSubject : kOfProcess),
                     b.guidPrefix.value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists all discovered publishers and subscriptions of the domain. Private to runtime/.
+// Lists the domain's discovered publishers and subscriptions. Private to runtime/.
 #pragma once
 
 #include <atomic>
@@ -23,14 +23,14 @@ struct KnownEndpoint {
   std::string topic, type;  ///< DDS names
   Policies policies;
   std::string user_data{};  ///< "typehash=…;"
-  double since = 0.0;       ///< [s] steady, when it was first seen
+  double since = 0.0;       ///< when it was first seen [s], steady clock
 };
 
-/// "RIHS01_…" out of an endpoint's user data; empty if it has none.
+/// The type hash ("RIHS01_…") in an endpoint's user data; empty if there is none.
 [[nodiscard]] std::string type_hash_in(const std::string& user_data);
 
-/// Whether two endpoints belong to the same process. With DDS Security, which hides the process:
-/// to the same enclave.
+/// Whether two endpoints belong to the same process, or to the same enclave under DDS Security,
+/// which hides the process.
 [[nodiscard]] bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b);
 
 /// All discovered endpoints of the domain. Thread-safe.
@@ -41,9 +41,9 @@ class Discovery final : public fdds::DomainParticipantListener {
   void remove(const rtps::GUID_t& guid);
 
   [[nodiscard]] std::vector<KnownEndpoint> endpoints() const;
-  /// What an endpoint offers or requests; nothing if it is unknown or has left.
+  /// The QoS an endpoint offers or requests; nullopt if it is unknown or has left.
   [[nodiscard]] std::optional<Policies> policies(const rtps::GUID_t& guid) const;
-  /// Counts changes.
+  /// Incremented with every change.
   [[nodiscard]] long generation() const { return generation_; }
 
 #if TANDEM_FASTDDS_3

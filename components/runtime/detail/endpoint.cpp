@@ -14,17 +14,17 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr int kBatch = 32;                // samples of one topic before the others get their turn
-constexpr std::size_t kMostWriters = 64;  // whose samples' ways are known
-constexpr double kMaxBlocking = 0.010;    // [s] that a reliable write may wait
-constexpr double kHeartbeat = 0.1;        // [s] until a lost sample is noticed
-// [s] until a new reader asks for what it missed; doubles until it is answered. DDS's default of
-// 0.07 s is too long for a program that sends once and leaves.
+constexpr int kBatch = 32;                // maximum samples of one topic per turn
+constexpr std::size_t kMostWriters = 64;  // maximum number of writers in transit_
+constexpr double kMaxBlocking = 0.010;    // maximum wait of a reliable write [s]
+constexpr double kHeartbeat = 0.1;        // [s] until a reader notices a lost sample
+// [s] until a new reader requests the samples it missed; doubles until it is answered. The default
+// of 0.07 s is too long for a program that publishes once and exits.
 constexpr double kFirstRequest = 0.005;
-// [bytes] of the largest sample, up to which a reader's pool holds samples of that size: only then
-// does Fast DDS refuse larger ones. Beyond it each sample's memory goes back to the system.
+// Types whose largest sample [bytes] does not exceed this use a preallocated pool, because only
+// then does Fast DDS reject larger samples. Other types free each sample's memory after use.
 constexpr std::size_t kMostPreallocated = std::size_t{1} << 20;
-constexpr std::size_t kMostKept = std::size_t{1} << 20;  // [bytes] for the next sample
+constexpr std::size_t kMostKept = std::size_t{1} << 20;  // buffer kept for the next sample [bytes]
 
 template <class DdsQos>
 void set_common(DdsQos& dds, const Participant& participant, const Endpoint& endpoint) {
@@ -41,7 +41,7 @@ void set_common(DdsQos& dds, const Participant& participant, const Endpoint& end
   dds.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
   dds.history().depth = qos.depth;
   dds.resource_limits().max_samples_per_instance = std::max(400, qos.depth);
-  dds.resource_limits().allocated_samples = 0;  // grows when needed
+  dds.resource_limits().allocated_samples = 0;  // allocated on demand
   dds.data_sharing().off();
 }
 
@@ -76,7 +76,7 @@ fdds::DataWriterQos writer_qos(const Participant& participant, const Endpoint& e
   return dds;
 }
 
-// `create` makes an endpoint of `topic`. Throws std::runtime_error if DDS refuses `what`.
+// Calls `create`; throws std::runtime_error if DDS refuses `what`.
 template <class Create>
 auto created(const SharedTopic& topic, const std::string& what, Create create) {
   const DdsErrors errors;
@@ -136,7 +136,7 @@ int Reader::drain() {
     if (info.valid_data) take_one(info);
     if (bytes_.capacity() > kMostKept) Bytes{}.swap(bytes_);
   }
-  waiting_ = true;  // take clears the status, so the wait set would not wake for the rest
+  waiting_ = true;  // taking clears the status, so the wait set does not wake up for the rest
   return kBatch;
 }
 
@@ -148,7 +148,7 @@ void Reader::take_one(const fdds::SampleInfo& info) {
   refused_.malformed(bytes_.size());
 }
 
-// DDS's own lifespan check on the reader compares the clocks of two computers.
+// Replaces DDS's own lifespan check, which compares the clocks of two computers.
 bool Reader::is_late(const fdds::SampleInfo& info) {
   if (std::isinf(lifespan_) || info.source_timestamp.seconds() <= 0) return false;
   if (transit_.size() > kMostWriters) transit_.clear();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: readers and writers of bytes, with ROS 2's QoS.
+// Provides DDS readers and writers of serialized samples with ROS 2's QoS. Private to runtime/.
 #pragma once
 
 #include <atomic>
@@ -16,25 +16,25 @@
 
 namespace tandem::runtime {
 
-/// Where an endpoint is: DDS names of topic and type, QoS.
+/// Topic and type (DDS names) and QoS of a reader or writer.
 struct Endpoint {
   std::string topic;
   std::string type;
   QoS qos;
-  std::string type_hash{};  ///< if empty: the one that the IDL gives
-  std::string
-      parameter{};  ///< "qos_overrides./odom.subscription"; empty: nothing overrides its QoS
+  std::string type_hash{};  ///< if empty, the hash from idl/
+  /// Prefix of the QoS parameters, "qos_overrides./odom.subscription"; empty if there are none.
+  std::string parameter{};
 
-  /// What ROS 2 from Iron on reads in USER_DATA: "typehash=RIHS01_…;". Humble knows no hashes.
+  /// The USER_DATA that ROS 2 reads from Iron on, "typehash=RIHS01_…;". Humble has no type hashes.
   [[nodiscard]] std::string user_data(bool humble) const;
 };
 
-/// Takes the samples of a topic as bytes.
+/// Receives the samples of a topic as bytes.
 class Reader {
  public:
-  /// False for bytes that are no message of the type.
+  /// Returns false for bytes that are not a valid message of the type.
   using Deliver = std::function<bool(const Bytes&, const fdds::SampleInfo&)>;
-  /// Of samples that are not delivered.
+  /// Callbacks for samples that are not delivered.
   struct Refused {
     std::function<void(std::size_t size)> malformed;
     std::function<void()> late;
@@ -45,7 +45,8 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  /// Delivers what has arrived, but at most one batch (the rest is `waiting`); how many it took.
+  /// Delivers at most one batch of received samples and returns how many were taken. waiting() is
+  /// true if more may be left.
   int drain();
   [[nodiscard]] bool waiting() const { return waiting_; }
   void close() { closed_ = true; }  ///< stops delivery
@@ -64,12 +65,12 @@ class Reader {
   fdds::DataReader* dds_;
   Deliver deliver_;
   Refused refused_;
-  double lifespan_;                          // [s]
-  std::map<rtps::GUID_t, Transit> transit_;  // by writer
+  double lifespan_;                          // of a sample [s]
+  std::map<rtps::GUID_t, Transit> transit_;  // key: writer
   Bytes bytes_;                              // reused
   rtps::GUID_t sender_;
   std::atomic<long> malformed_ = 0;
-  bool waiting_ = true;  // look once: data may have come before the wait set watched
+  bool waiting_ = true;  // data may have arrived before the wait set was attached
   bool closed_ = false;
 };
 
@@ -87,15 +88,15 @@ class Writer {
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
-  /// Grows with every reader that was matched, first 1.
+  /// Order in which readers were matched, starting at 1.
   using Turn = std::uint64_t;
-  /// When that reader was matched; of a writer's GUID: the latest reader of its participant (a
-  /// client that is not rmw_fastrtps gives its writer only). 0: not matched.
+  /// The turn of the given reader or, for a writer's GUID, of the latest matched reader of its
+  /// participant (clients other than rmw_fastrtps send only their writer's GUID). 0 if not matched.
   [[nodiscard]] Turn matched_at(const rtps::GUID_t& peer) const;
   [[nodiscard]] const std::string& topic() const { return name_; }
 
  private:
-  // Only keeps the list that get_matched_subscriptions() of 2.9.1 does not give.
+  // Lists the matched readers, because get_matched_subscriptions() of Fast DDS 2.9.1 does not.
   class Matches final : public fdds::DataWriterListener {
    public:
     void on_publication_matched(fdds::DataWriter*,

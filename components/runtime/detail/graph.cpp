@@ -10,7 +10,7 @@
 namespace tandem::runtime {
 namespace {
 
-// The one sample in the two forms it has, and the parts of each.
+// The message types of ros_discovery_info, which differ between Humble and later releases.
 struct SinceIron {
   using Gid = rmw_dds_common::msg::Gid;
   using Node = rmw_dds_common::msg::NodeEntitiesInfo;

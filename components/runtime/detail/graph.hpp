@@ -15,8 +15,8 @@ namespace tandem::runtime {
 /// Publishes which endpoints each node of this process has, after each change or batch of changes.
 class Graph {
  public:
-  /// Whose nodes these are: the process's own; or the same under hidden names ("_name_2"), that
-  /// tools do not list a node twice, each as long as it has an endpoint here.
+  /// kOwn: the process's nodes. kHidden: the same nodes under hidden names ("_name_2"), so that
+  /// tools do not list a node twice; each is published only while it has an endpoint here.
   enum class Nodes { kOwn, kHidden };
 
   Graph(Participant& participant, Nodes nodes);
@@ -33,7 +33,7 @@ class Graph {
     Graph& graph_;
   };
 
-  /// Throws std::runtime_error if the process has a node of that name already.
+  /// Throws std::runtime_error if the process already has a node of that name.
   void add_node(const NodeName& node);
   void remove_node(const NodeName& node);
   void add_reader(const NodeName& node, const rtps::GUID_t& reader);
@@ -47,16 +47,16 @@ class Graph {
   };
 
   void announce();  // with mutex_ held
-  void write();     // likewise
+  void write();     // with mutex_ held
   Endpoints& endpoints_of(const NodeName& node);
 
   Participant& participant_;
   Nodes kind_;
   Writer writer_;
   std::mutex mutex_;
-  std::map<std::string, Endpoints> nodes_;  // by full name
+  std::map<std::string, Endpoints> nodes_;  // key: full name
   int batches_ = 0;
-  bool changed_ = false;  // during them
+  bool changed_ = false;  // during the current batches
 };
 
 }  // namespace tandem::runtime

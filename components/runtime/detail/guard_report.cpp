@@ -13,9 +13,9 @@ namespace level = diagnostic_msgs::msg::DiagnosticStatus_Constants;
 using diagnostic_msgs::msg::DiagnosticArray;
 using diagnostic_msgs::msg::KeyValue;
 
-constexpr double kPeriod = 1.0;            // [s] between two statuses
-constexpr std::size_t kTotals = 2;         // values that are always there
-constexpr std::size_t kMostInAReport = 8;  // kinds and sources; the rest are values of the status
+constexpr double kPeriod = 1.0;            // [s] between status messages
+constexpr std::size_t kTotals = 2;         // number of values always present
+constexpr std::size_t kMostInAReport = 8;  // entries in the message; the values hold all
 
 KeyValue value(const std::string& key, const std::string& text) {
   KeyValue pair;
@@ -24,7 +24,7 @@ KeyValue value(const std::string& key, const std::string& text) {
   return pair;
 }
 
-// What is in `now` and was not in `before`, most frequent first.
+// The drops counted since `before`, most frequent first.
 std::vector<DropCount> news(std::vector<DropCount> now, const std::vector<DropCount>& before) {
   for (const auto& old : before)
     for (auto& drop : now)
@@ -58,7 +58,8 @@ double GuardReport::poll(double now) {
     status_.level(level::OK);
     status_.message("no datagram was dropped in the last minute");
   }
-  if (!status_.message().empty() && !refused_) publish();  // else another node has reported these
+  // The message is empty if another node reported the drops.
+  if (!status_.message().empty() && !refused_) publish();
   return now + kPeriod;
 }
 
@@ -88,7 +89,7 @@ void GuardReport::publish() {
     codec_ = std::make_shared<Codec>(type_ref<DiagnosticArray>());
     try {
       writer_ = node_.open_writer({"rt/diagnostics", codec_->dds_name(), kDefault});
-    } catch (const std::runtime_error& error) {  // a stranger's datagram must not end the process
+    } catch (const std::runtime_error& error) {  // a datagram must not terminate the process
       node_.log.warn("what the network's guard drops stands only in this log: {}", error.what());
       refused_ = true;
       return;

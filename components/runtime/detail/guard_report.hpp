@@ -13,9 +13,8 @@ namespace tandem::runtime {
 
 class NodeCore;
 
-/// Tells once a minute at most what was dropped since; one node of a process does. Opens
-/// /diagnostics with the first drop, and from then on says every second how things stand, as other
-/// parts of a node do there.
+/// Reports new drops at most once a minute, from one node per process. Opens /diagnostics at the
+/// first drop and publishes its status every second from then on, like a node's other diagnostics.
 class GuardReport {
  public:
   static constexpr double kEvery = 60.0;  ///< [s] between two reports
@@ -25,7 +24,7 @@ class GuardReport {
   GuardReport(const GuardReport&) = delete;
   GuardReport& operator=(const GuardReport&) = delete;
 
-  /// Does what is due and returns when to poll next [s, steady].
+  /// Reports and publishes what is due; returns when to poll next [s], steady clock.
   double poll(double now);
 
  private:
@@ -37,7 +36,7 @@ class GuardReport {
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;
   diagnostic_msgs::msg::DiagnosticStatus status_;
-  bool refused_ = false;  // /diagnostics, by DDS
+  bool refused_ = false;  // DDS refused to open /diagnostics
 };
 
 }  // namespace tandem::runtime

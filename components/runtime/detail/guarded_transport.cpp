@@ -21,7 +21,7 @@ namespace {
 
 namespace transport = eprosima::fastdds::rtps;
 
-// The last four bytes: of IPv4 the address.
+// The last four bytes of the locator, which hold an IPv4 address.
 std::uint32_t source_of(const rtps::Locator_t& locator) {
   std::uint32_t address = 0;
   std::memcpy(&address, locator.address + sizeof locator.address - sizeof address, sizeof address);
@@ -56,10 +56,10 @@ class GuardedTransport final : public transport::ChainingTransport {
   void receive(transport::TransportReceiverInterface* above, const rtps::octet* data,
                std::uint32_t size, const rtps::Locator_t& to,
                const rtps::Locator_t& from) override {
-    // The transport's own buffer, which a transport on top of it may change.
+    // The buffer belongs to the transport below; a chained transport may modify it.
     if (!guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from))) return;
-    // One after another: while Fast DDS 2.9.1 authenticates a participant, another thread's
-    // announcement of it changes what is being read, and the two may never hear each other.
+    // Serialize announcements: while Fast DDS 2.9.1 authenticates a participant, an announcement
+    // handled by another thread changes the data being read, and the two may never match.
     std::unique_lock lock{announcements_, std::defer_lock};
     if (announces_participant({data, size})) lock.lock();
     above->OnDataReceived(data, size, to, from);
@@ -67,7 +67,8 @@ class GuardedTransport final : public transport::ChainingTransport {
 
  private:
 #if TANDEM_FASTDDS_3
-  // The parts of a datagram. Acknowledgements are short; what is longer has none of interest.
+  // Joins the buffers of a datagram. Only acknowledgements matter, and those are short; longer
+  // datagrams are ignored.
   void note_sent(const std::vector<rtps::NetworkBuffer>& buffers) {
     std::array<std::uint8_t, 1500> joined;
     std::size_t size = 0;
@@ -81,7 +82,7 @@ class GuardedTransport final : public transport::ChainingTransport {
 #endif
 
   WireGuard& guard_;
-  static inline std::mutex announcements_;  // of the process
+  static inline std::mutex announcements_;  // shared by all transports of the process
 };
 
 struct GuardedDescriptor final : transport::ChainingTransportDescriptor {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: a UDP transport whose datagrams are checked before Fast DDS parses them.
+// Wraps a UDP transport to check datagrams before Fast DDS parses them. Private to runtime/.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace tandem::runtime {
 
 using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;
 
-/// The transport behind the process's WireGuard; null if it is not a UDP transport.
+/// Puts the process's WireGuard in front of `transport`; null if that is not a UDP transport.
 [[nodiscard]] std::shared_ptr<TransportDescriptor> guarded(
     const std::shared_ptr<TransportDescriptor>& transport);
 

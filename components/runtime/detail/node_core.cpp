@@ -22,19 +22,19 @@ struct ClockParams {
   }
 };
 
-// [s] for a peer to open what fits; its second participant is authenticated apart.
+// Time for a peer to open a compatible endpoint [s]; under DDS Security its second participant is
+// authenticated separately.
 constexpr double kSettling = 1.0, kSecuredSettling = 10.0;
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
-// As ROS 2 calls a node's logger: "ns.name".
+// ROS 2's name for a node's logger: "ns.name".
 std::string logger_name(std::string full_name) {
   std::replace(full_name.begin(), full_name.end(), '/', '.');
   return full_name.substr(1);
 }
 
-// What of `list` is due now, kept alive while callbacks may shorten or lengthen the list. A node
-// has a dozen readers and pollers for tools that rarely ask, so this is looked at before each is
-// run.
+// The due items of `list`, kept alive because callbacks may change the list. Filtering here avoids
+// copying pointers to the many readers and pollers that are idle most of the time.
 template <class T, class Due>
 std::vector<std::shared_ptr<T>> select(const std::vector<std::shared_ptr<T>>& list, Due due) {
   std::vector<std::shared_ptr<T>> selected;
@@ -43,7 +43,7 @@ std::vector<std::shared_ptr<T>> select(const std::vector<std::shared_ptr<T>>& li
   return selected;
 }
 
-// Once for the process.
+// Logs once per process.
 void report_security(const Security& security) {
   static std::once_flag once;
   if (!security.on() && security.complaint.empty()) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: a node's state and its loop. Handles share it, so any may outlive the Node.
+// Holds a node's state and event loop, shared by its handles so that they may outlive the Node.
+// Private to runtime/.
 #pragma once
 
 #include <atomic>
@@ -20,13 +21,13 @@ namespace tandem::runtime {
 struct TimerState {
   Beat beat;
   std::function<void()> fn;
-  bool wall;  ///< on steady time even under use_sim_time
+  bool wall;  ///< uses steady time even under use_sim_time
   bool closed = false;
 };
 
-/// Work with deadlines on steady time, such as unsent replies and unanswered calls.
+/// Work with deadlines on the steady clock, such as unsent replies and unanswered calls.
 struct Poller {
-  std::function<double(double now)> poll;  ///< does what is due; returns when to poll next [s]
+  std::function<double(double now)> poll;  ///< runs what is due; returns when to poll next [s]
   double next = 0.0;
   bool closed = false;
 };
@@ -52,10 +53,10 @@ class NodeCore {
 
   [[nodiscard]] PeerWatch& peers() { return peers_; }
   [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
-  /// Whether an endpoint is of this process.
+  /// Whether the endpoint belongs to this process.
   [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
 
-  /// Keeps `part` until no callback is running: a callback may close what called it.
+  /// Keeps `part` alive until the running callbacks return: a callback may close its own caller.
   void retire(std::shared_ptr<void> part);
 
   [[nodiscard]] std::string resolve(const char* topic) const;
@@ -82,7 +83,7 @@ class NodeCore {
   void follow_clock();
   void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void forget(const rtps::GUID_t& guid);
-  bool dispatch(double max_wait);  // true if a callback ran
+  bool dispatch(double max_wait);  // true if a message was taken or a timer ran
   [[nodiscard]] double time_to_next(double max_wait) const;
   bool run_readers();
   bool run_timers();
@@ -94,7 +95,7 @@ class NodeCore {
   std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
   fdds::WaitSet wait_set_;
   fdds::GuardCondition wake_up_;
-  fdds::ConditionSeq active_;  // reused
+  fdds::ConditionSeq active_;  // reused to avoid allocation
   std::vector<std::shared_ptr<Reader>> readers_;
   std::vector<std::shared_ptr<TimerState>> timers_;
   std::vector<std::shared_ptr<Poller>> pollers_;
@@ -103,8 +104,8 @@ class NodeCore {
   std::shared_ptr<Reader> clock_reader_;
   std::unique_ptr<NodeServices> services_;
   std::unique_ptr<GuardReport> guard_report_;
-  std::atomic<std::int64_t> clock_ = 0;  // [ns] last /clock
-  std::atomic<double> clock_arrival_;    // [s] steady
+  std::atomic<std::int64_t> clock_ = 0;  // last time received on /clock [ns]
+  std::atomic<double> clock_arrival_;    // its arrival [s], steady clock
   std::atomic<bool> stopped_ = false;
 };
 

@@ -12,7 +12,7 @@ namespace srv = rcl_interfaces::srv;
 using rcl_interfaces::msg::ParameterEvent;
 
 constexpr QoS kParameters{.depth = 1000};
-constexpr std::size_t kMaxNames = 1000;  // asked for at once; the answer would be too long to send
+constexpr std::size_t kMaxNames = 1000;  // per request; limits the response's size
 
 rcl_interfaces::msg::SetLoggerLevelsResult set_level(
     Logger& log, const rcl_interfaces::msg::LoggerLevel& wanted) {
@@ -21,7 +21,7 @@ rcl_interfaces::msg::SetLoggerLevelsResult set_level(
     result.reason(fmt::format("this node's logger is {}", log.name()));
     return result;
   }
-  bool known = wanted.level() == 0;  // not set: the process's level
+  bool known = wanted.level() == 0;  // 0 is UNSET: use the process's level
   if (known) log.set_level(std::nullopt);
   for (const auto level :
        {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarn, LogLevel::kError, LogLevel::kOff}) {

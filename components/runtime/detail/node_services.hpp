@@ -11,7 +11,7 @@
 
 namespace tandem::runtime {
 
-/// A node's services for parameters, logger levels and type descriptions, its writers of
+/// A node's services for parameters, logger levels and type descriptions, and its publishers of
 /// /parameter_events and /rosout. Answers on the node's thread.
 ///
 /// Unlike in rclcpp, the logger level services are always enabled, because the need to debug a

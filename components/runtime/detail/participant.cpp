@@ -24,11 +24,11 @@ namespace tandem::runtime {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr uint32_t kParticipantsPerHost = 32;  // ids that unicast discovery asks, as ROS 2 does
-constexpr int kParticipantThreads = 8;         // of Fast DDS 2.9, and some to spare
-constexpr uint32_t kSocketBuffer = 4U << 20;   // the kernel lowers it to its own limit
+constexpr uint32_t kParticipantsPerHost = 32;  // ids tried by unicast discovery, as in ROS 2
+constexpr int kParticipantThreads = 8;         // needed by Fast DDS 2.9, with some margin
+constexpr uint32_t kSocketBuffer = 4U << 20;   // [bytes]; the kernel lowers it to its own limit
 
-// The first IPv4 address of a host name, as the system resolves it; an address is its own.
+// Resolves a host name to its first IPv4 address; an address resolves to itself.
 std::string resolved(const std::string& host) {
   addrinfo hints{};
   hints.ai_family = AF_INET;
@@ -51,11 +51,11 @@ rtps::Locator_t peer(const std::string& host) {
   locator.kind = LOCATOR_KIND_UDPv4;
   if (!IpLocator::setIPv4(locator, resolved(host)))
     throw std::runtime_error("ROS_STATIC_PEERS: '" + host + "' is no IPv4 address");
-  locator.port = 0;  // all well-known ports of the domain
+  locator.port = 0;  // 0 means all well-known ports of the domain
   return locator;
 }
 
-// No multicast: hears only on its unicast port, and asks the well-known ports of the peers.
+// Disables multicast: listens only on the unicast port and queries the peers' well-known ports.
 void use_unicast_discovery(fdds::DomainParticipantQos& qos) {
   rtps::Locator_t any;
   any.kind = LOCATOR_KIND_UDPv4;
@@ -87,13 +87,13 @@ std::shared_ptr<TransportDescriptor> udp_transport(const Environment& environmen
   udp->maxInitialPeersRange = kParticipantsPerHost;
   udp->sendBufferSize = kSocketBuffer;
   udp->receiveBufferSize = kSocketBuffer;
-  // Not in range LOCALHOST: ROS 2 names all addresses of the host there, and what is bound to the
-  // loopback could not answer those.
+  // Not for range LOCALHOST: ROS 2 announces all host addresses there, and a socket bound to the
+  // loopback could not reach them.
   if (environment.loopback_only) udp->interfaceWhiteList.push_back(kLoopback);
   return udp;
 }
 
-// Fast DDS's own choice is UDP and shared memory, neither of them guarded.
+// Fast DDS's default transports are UDP and shared memory, both unguarded.
 void replace_builtin_transports(fdds::DomainParticipantQos& qos, const Environment& environment) {
   if (!qos.transport().use_builtin_transports) return;
   qos.transport().use_builtin_transports = false;
@@ -125,7 +125,7 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   guard_transports(qos, environment);
 }
 
-// Overrides the security settings of a profile.
+// Replaces the security settings of an XML profile.
 void secure(fdds::DomainParticipantQos& qos, const Security& security) {
   if (!security.on()) return;
   auto& properties = qos.properties().properties();
@@ -158,7 +158,7 @@ Entity* created(Entity* entity, const std::string& what) {
   return entity;
 }
 
-// Why there is no participant; DDS itself says little of what is wrong with an enclave.
+// Explains why DDS refused a participant; its own messages say little about faults of an enclave.
 std::string refusal(const Security& security, const DdsErrors& errors) {
   if (!security.on()) return ": " + errors.first();
   const std::string fault = security_fault(security.folder);
@@ -193,7 +193,7 @@ std::shared_ptr<Participant> Participant::shared() {
   return participant;
 }
 
-// Only the first participant listens; it discovers the second like any other.
+// Only the first participant has a discovery listener; it discovers the second like any other.
 Participant::Participant(const Environment& environment, const Security& security, bool is_first)
     : environment_{environment}, security_{security} {
   redirect_dds_log();
@@ -229,8 +229,9 @@ bool Participant::is_own(const rtps::GUID_t& guid) {
          (second_ && guid.guidPrefix == second_->dds_->guid().guidPrefix);
 }
 
-// The second goes after all endpoints of the first: what removes one of these is told to the second
-// too, and Fast DDS 2.9 calls readers of the same process by pointers that may outlive them.
+// Destroy the second participant only after all endpoints of the first: their removal is reported
+// to the second too, and Fast DDS 2.9 calls readers in the same process by pointers that may
+// dangle.
 Participant::~Participant() {
   graph_.reset();
   dds_->set_listener(nullptr);

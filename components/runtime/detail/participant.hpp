@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: the process's one DomainParticipant.
+// Provides the DomainParticipant that all nodes of the process share. Private to runtime/.
 #pragma once
 
 #include <map>
@@ -16,8 +16,9 @@ namespace tandem::runtime {
 class Graph;
 class Participant;
 
-/// A share in a DDS topic of the process; the last one to go deletes the topic. Fast DDS 2.9 knows
-/// one type per name and participant: a name that is in use with another type lives in the second.
+/// Shared ownership of a DDS topic; the last owner deletes it. Fast DDS 2.9 allows one type per
+/// topic name and participant, so a name already used with another type is created in a second
+/// participant.
 class SharedTopic {
  public:
   /// Throws std::runtime_error if the name is in use with two other types.
@@ -35,12 +36,12 @@ class SharedTopic {
   fdds::Topic* dds_;
 };
 
-/// The process's DomainParticipant; exists as long as some node does. UDPv4 only, unless an XML
-/// profiles file names other transports, and behind the process's WireGuard.
+/// The process's DomainParticipant; exists as long as any node does. Uses UDPv4 unless an XML
+/// profiles file names other transports; all UDP transports are behind the process's WireGuard.
 class Participant {
  public:
-  /// The participant of this process, made if there is none. Throws std::runtime_error for an
-  /// invalid environment or if DDS refuses.
+  /// The participant of this process, created on first use. Throws std::runtime_error if the
+  /// environment is invalid or DDS refuses to create it.
   static std::shared_ptr<Participant> shared();
   ~Participant();
   Participant(const Participant&) = delete;
@@ -51,17 +52,17 @@ class Participant {
   [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
   [[nodiscard]] Graph& graph() { return *graph_; }
   [[nodiscard]] Discovery& discovery() { return discovery_; }
-  /// Whether the ROS 2 around is Humble: Gids of 24 bytes, no type hashes.
+  /// Whether to communicate with ROS 2 Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
   [[nodiscard]] const Security& security() const { return security_; }
-  /// Whether it is a participant of this process.
+  /// Whether `guid` belongs to a participant of this process.
   [[nodiscard]] bool is_own(const rtps::GUID_t& guid);
 
  private:
   friend class SharedTopic;
   Participant(const Environment& environment, const Security& security, bool is_first);
   [[nodiscard]] Participant& second();
-  // Null if the name is in use with another type.
+  // Returns null if the name is in use with another type.
   fdds::Topic* acquire_topic(const std::string& dds_name, const std::string& dds_type);
   void release_topic(const std::string& dds_name);
   void register_type(const std::string& dds_type);
@@ -78,7 +79,7 @@ class Participant {
   fdds::DomainParticipant* dds_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;
   fdds::Subscriber* subscriber_ = nullptr;
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards the members below
   std::map<std::string, fdds::TypeSupport> types_;
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;

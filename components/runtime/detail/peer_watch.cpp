@@ -8,7 +8,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr double kPeriod = 0.1;  // [s] between looks for who came and went
+constexpr double kPeriod = 0.1;  // [s] between checks for discovery changes
 
 std::string counted(const std::vector<Misfit>& misfits, bool peer_writes) {
   std::string text;
@@ -20,7 +20,7 @@ std::string counted(const std::vector<Misfit>& misfits, bool peer_writes) {
   return text;
 }
 
-// What to set at this node; empty if parameters do not mend all of it.
+// The parameters to set at this node; empty if they cannot resolve every mismatch.
 std::string remedy(const std::vector<Misfit>& misfits, const std::string& parameter,
                    bool peer_writes) {
   std::string text;
@@ -71,11 +71,11 @@ double PeerWatch::poll(double now) {
     grant_wishes(known);
     judge(known, now);
   }
-  return now + kPeriod;  // settled too: discovery wakes nobody
+  return now + kPeriod;  // even if settled: discovery does not wake the loop
 }
 
 void PeerWatch::grant_wishes(const std::vector<KnownEndpoint>& known) {
-  for (std::size_t i = 0; i < wishes_.size(); ++i)  // a wish may add another
+  for (std::size_t i = 0; i < wishes_.size(); ++i)  // a callback may add another
     if (const auto wish = wishes_[i].lock()) grant(*wish, known);
   std::erase_if(wishes_, [](const auto& wish) { return wish.expired(); });
 }
@@ -106,7 +106,7 @@ void PeerWatch::judge(const std::vector<KnownEndpoint>& known, double now) {
   }
 }
 
-// One of the node's endpoints that fits is enough: /e_stop, say, is read twice.
+// One compatible endpoint of the node is enough: /e_stop, for example, has two readers.
 void PeerWatch::judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
   std::vector<Misfit> worst;
   std::string mended;
@@ -134,7 +134,7 @@ void PeerWatch::judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint
               ros_type(other_type->endpoint.type), effect);
 }
 
-// A process may have one endpoint per type under one name.
+// A process may have one endpoint per type on the same topic.
 bool PeerWatch::hears_other_type(const KnownEndpoint& peer,
                                  const std::vector<KnownEndpoint>& known) const {
   return std::any_of(known.begin(), known.end(), [&](const KnownEndpoint& beside) {

@@ -19,26 +19,26 @@ namespace tandem::runtime {
 /// wait for a publisher of a type. Use on the node's thread only.
 class PeerWatch {
  public:
-  /// `settling`: [s] in which a peer may open what fits after all.
+  /// `settling`: time [s] before a peer is reported; it may still open a compatible endpoint.
   PeerWatch(const Discovery& discovery, Logger& log, double settling)
       : discovery_{discovery}, log_{log}, settling_{settling} {}
 
   void add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void remove(const rtps::GUID_t& guid);
 
-  /// Calls `fn` once, as soon as somebody publishes that type (DDS names) on that topic; not after
-  /// the result is destroyed.
+  /// Calls `fn` once, as soon as that topic has a publisher of that type (both DDS names).
+  /// Destroying the result cancels the call.
   [[nodiscard]] std::shared_ptr<void> when_published(const std::string& topic,
                                                      const std::string& type,
                                                      std::function<void()> fn);
 
-  /// Calls `fn` with what each publisher of that type on that topic offers, once per publisher; not
-  /// after the result is destroyed.
+  /// Calls `fn` once per publisher of that type on that topic, with the QoS it offers. Destroying
+  /// the result cancels the calls.
   [[nodiscard]] std::shared_ptr<void> each_publisher(const std::string& topic,
                                                      const std::string& type,
                                                      std::function<void(const Policies&)> fn);
 
-  /// Does what is due at `now` [s] and returns when to poll next [s].
+  /// Runs the checks and callbacks due at `now` [s]; returns when to poll next [s].
   double poll(double now);
 
  private:
@@ -50,7 +50,7 @@ class PeerWatch {
   struct Wish {
     std::string topic, type;
     std::function<void(const Policies&)> fn;
-    std::set<rtps::GUID_t> told;  // publishers of which it knows
+    std::set<rtps::GUID_t> told;  // publishers already passed to fn
   };
 
   void grant_wishes(const std::vector<KnownEndpoint>& known);

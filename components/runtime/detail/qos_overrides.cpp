@@ -28,7 +28,7 @@ std::string qos_prefix(const std::string& topic, const std::string& kind) {
 }
 
 struct QosOverrides::Applied {
-  QoS first;  // as the node would have had it
+  QoS first;  // the QoS before the override, at the first call
   std::shared_ptr<const QosParams> params;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Overrides a topic's QoS by parameters with rclcpp's names. Private to runtime/.
+// Overrides a topic's QoS with parameters named as in rclcpp. Private to runtime/.
 #pragma once
 
 #include <map>
@@ -12,26 +12,28 @@
 
 namespace tandem::runtime {
 
-/// "qos_overrides./odom.subscription", whose parameters are the policies.
+/// The prefix of the policy parameters, such as "qos_overrides./odom.subscription".
 [[nodiscard]] std::string qos_prefix(const std::string& topic, const std::string& kind);
 
-/// qos_overrides.<topic>.<publisher|subscription>.{reliability, durability, depth} of a node.
+/// A node's parameters qos_overrides.<topic>.<publisher|subscription>.{reliability, durability,
+/// depth}.
 class QosOverrides {
  public:
   QosOverrides(ParameterStore& store, ParameterTable& parameters)
       : store_{store}, parameters_{parameters} {}
 
-  /// `qos` with what is given for the topic (full name) laid over it; what is given becomes
-  /// parameters. Holds for every endpoint of its kind, but for the durability of one that a node
-  /// opens besides, to hear latched and volatile senders alike. Throws std::invalid_argument for a
-  /// value that is none.
+  /// Returns `qos` with the overrides given for `topic` (full name) and declares them as
+  /// parameters. They apply to every endpoint of the topic and kind. Exception: the durability
+  /// override is skipped for an additional endpoint whose durability differs from the first one's,
+  /// so that a node can receive from latched and volatile publishers. Throws std::invalid_argument
+  /// for an invalid value.
   [[nodiscard]] QoS apply(const QoS& qos, const std::string& topic, const std::string& kind);
 
  private:
   ParameterStore& store_;
   ParameterTable& parameters_;
   struct Applied;
-  std::map<std::string, std::shared_ptr<const Applied>> applied_;  // by prefix
+  std::map<std::string, std::shared_ptr<const Applied>> applied_;  // key: prefix
 };
 
 }  // namespace tandem::runtime

@@ -11,7 +11,7 @@ namespace {
 
 int strength(const Policies& requested) { return requested.reliability + requested.durability; }
 
-// The reader that requests most of those that hear such a publisher; the number of readers: none.
+// Index of the most demanding reader compatible with the publisher; requested.size() if none is.
 std::size_t strongest_fit(const std::vector<Policies>& requested, const Policies& offered) {
   std::size_t best = requested.size();
   for (std::size_t i = 0; i < requested.size(); ++i) {
@@ -51,7 +51,7 @@ void ReaderSet::open(const QoS& qos) {
                                                                          const auto& info) {
     const rtps::GUID_t& sender = info.sample_identity.writer_guid();
     if (route->requested.size() > 1) {
-      const auto offered = discovery.policies(sender);  // of one that has left: unknown
+      const auto offered = discovery.policies(sender);  // unknown for a publisher that has left
       if (offered && strongest_fit(route->requested, *offered) != index) return true;
     }
     route->sender = sender;
@@ -70,8 +70,8 @@ void ReaderSet::hear_every_publisher(std::function<QoS(const QoS&)> tuned) {
       [this, tuned = std::move(tuned)](const Policies& publisher) { open_for(publisher, tuned); });
 }
 
-// Volatile, so that each further reader hears every publisher that a stronger one hears. Parameters
-// may forbid what would fit: then PeerWatch reports the misfit.
+// Additional readers are volatile, so that each matches every publisher that a more demanding
+// reader matches. Parameters may rule out a compatible QoS; PeerWatch then reports the mismatch.
 void ReaderSet::open_for(const Policies& publisher, const std::function<QoS(const QoS&)>& tuned) {
   if (misfits(publisher, route_->requested.front()).empty()) return;
   QoS weaker = endpoint_.qos;
@@ -91,7 +91,7 @@ void ReaderSet::close() {
   readers_.clear();
 }
 
-// The one that requests least matches every publisher that another one does.
+// The least demanding reader matches every publisher that the others match.
 int ReaderSet::matched() const {
   int most = 0;
   for (const auto& reader : readers_) most = std::max(most, reader->matched());

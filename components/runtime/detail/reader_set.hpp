@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: the DDS readers behind one subscription.
+// Combines several DDS readers into one subscription. Private to runtime/.
 #pragma once
 
 #include <functional>
@@ -18,14 +18,14 @@ class NodeCore;
 [[nodiscard]] rtps::GUID_t to_guid(const PublisherId& id);
 
 /// The readers of one subscription. There is one, unless hear_every_publisher() opens others for
-/// publishers that offer less than it requests. A weaker reader also receives what publishers with
-/// a stronger one send; each publisher is therefore delivered by the strongest reader that its
-/// QoS fits, so that no message arrives twice and reliable publishers are still received reliably.
+/// publishers that offer less than it requests. Less demanding readers also match publishers that
+/// offer more, so each publisher is delivered only by the most demanding reader that its QoS
+/// matches: no message arrives twice, and reliable publishers are still received reliably.
 class ReaderSet {
  public:
   ReaderSet(NodeCore& node, Endpoint endpoint, Reader::Deliver deliver);
 
-  /// `tuned`: lays the node's qos_overrides over a QoS.
+  /// `tuned` applies the node's qos_overrides to a QoS.
   void hear_every_publisher(std::function<QoS(const QoS&)> tuned);
   void close();
 
@@ -35,11 +35,11 @@ class ReaderSet {
   [[nodiscard]] long malformed() const;
 
  private:
-  // Shared with the readers, which may run while the set is closed.
+  // Shared with the readers, which may still be running when the set is closed.
   struct Route {
     Reader::Deliver deliver;
-    std::vector<Policies> requested;  // of each reader, in the order of opening
-    rtps::GUID_t sender;              // of the last sample, and its number
+    std::vector<Policies> requested;  // one per reader, in the order of opening
+    rtps::GUID_t sender;              // sender of the last sample
     std::uint64_t sequence = 0;
   };
 

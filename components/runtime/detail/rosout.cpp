@@ -6,12 +6,12 @@ namespace {
 
 using rcl_interfaces::msg::Log;
 
-// rcl_qos_profile_rosout_default: a console that starts later receives only recent lines.
+// As rcl_qos_profile_rosout_default: the lifespan limits late consoles to recent lines.
 constexpr QoS kRosOut{Reliability::kReliable, Durability::kTransientLocal, 1000, 10.0};
 
 Log to_log(const LogLine& line, const std::string& logger) {
   Log log;
-  log.stamp(to_stamp(system_nanoseconds()));  // as rcl, also under use_sim_time
+  log.stamp(to_stamp(system_nanoseconds()));  // system time even under use_sim_time, as rcl does
   log.level(severity(line.level));
   log.name(logger);
   log.msg(line.text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: a node's log lines on /rosout, where rqt_console reads them.
+// Publishes a node's log lines on /rosout for rqt_console. Private to runtime/.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,7 @@ class RosOut {
   std::shared_ptr<Writer> writer_;
 };
 
-/// The numbers of rcl_interfaces/msg/Log and LoggerLevel; kOff is what ROS 2 calls fatal.
+/// The level as in rcl_interfaces/msg/Log and LoggerLevel; kOff maps to FATAL.
 [[nodiscard]] std::uint8_t severity(LogLevel level);
 
 }  // namespace tandem::runtime

@@ -12,11 +12,11 @@ namespace {
 using namespace rtps_message;
 
 constexpr std::uint8_t kVersion = 2;
-constexpr std::size_t kMostBits = 256;         // that a set of numbers holds
-constexpr std::size_t kLeastFragment = 8;      // [bytes]; Fast DDS keeps a list in what is missing
-constexpr std::size_t kStatisticsSize = 56;    // [bytes] as Fast DDS writes it
-constexpr std::size_t kLivelinessSize = 24;    // [bytes] encapsulation, GUID prefix, kind, length
-constexpr std::size_t kMostMinorParts = 1024;  // strings of a partition, properties
+constexpr std::size_t kMostBits = 256;         // maximum bits of a number set
+constexpr std::size_t kLeastFragment = 8;      // [bytes]; room for Fast DDS's list links
+constexpr std::size_t kStatisticsSize = 56;    // [bytes], as Fast DDS writes it
+constexpr std::size_t kLivelinessSize = 24;    // [bytes]: encapsulation, GUID prefix, kind, length
+constexpr std::size_t kMostMinorParts = 1024;  // maximum strings of a partition, and properties
 
 enum Parameter : std::uint16_t {
   kSentinel = 0x01,
@@ -50,10 +50,9 @@ enum Parameter : std::uint16_t {
   kIdentityStatusToken = 0x1006,
 };
 
-// --- parameter lists
-// ---------------------------------------------------------------------------------
+// --- parameter lists ---
 
-// Steps over one length and as many bytes, with their padding; false if they leave the value.
+// Skips a length and that many bytes with padding; false if they extend past the value.
 bool skip_string(Span value, bool little, std::size_t& at) {
   if (value.size() - at < 4) return false;
   const std::size_t size = u32(value.data() + at, little);
@@ -62,7 +61,7 @@ bool skip_string(Span value, bool little, std::size_t& at) {
   return true;
 }
 
-// `parts` texts or octet sequences for each of as many as the first number says.
+// Skips a count and, for each element, `parts` strings or octet sequences.
 bool skip_list(Span value, bool little, std::size_t parts, std::size_t& at) {
   if (value.size() - at < 4) return false;
   const std::size_t count = u32(value.data() + at, little);
@@ -78,7 +77,7 @@ bool is_list_of_strings(Span value, bool little, std::size_t parts) {
   return skip_list(value, little, parts, at);
 }
 
-// A token of DDS Security: its class, text properties, binary properties.
+// Skips a DDS Security token: class id, string properties, binary properties.
 bool skip_data_holder(Span value, bool little, std::size_t& at) {
   return skip_string(value, little, at) && skip_list(value, little, 2, at) &&
          skip_list(value, little, 2, at);
@@ -98,7 +97,7 @@ bool is_list_of_shorts(Span value, bool little) {
   return value.size() >= 4 && u32(value.data(), little) <= (value.size() - 4) / 2;
 }
 
-// The values that Fast DDS reads of what is announced.
+// Whether a parameter that Fast DDS reads from an announcement has a valid length.
 bool is_parameter(std::uint16_t id, Span value, bool little) {
   switch (id) {
     case kTopicName:
@@ -146,7 +145,8 @@ bool is_parameter(std::uint16_t id, Span value, bool little) {
 
 bool any_parameter(std::uint16_t, Span, bool) { return true; }
 
-// How many bytes a list takes to its sentinel; 0 if it leaves `bytes` or a value is none.
+// Size of a parameter list including its sentinel [bytes]; 0 if it extends past `bytes` or a value
+// is invalid.
 template <class IsParameter>
 std::size_t list_size(Span bytes, bool little, IsParameter is_parameter_of_it) {
   for (std::size_t at = 0; bytes.size() - at >= 4;) {
@@ -162,10 +162,9 @@ std::size_t list_size(Span bytes, bool little, IsParameter is_parameter_of_it) {
   return 0;
 }
 
-// --- data
-// ----------------------------------------------------------------------------------------------
+// --- data ---
 
-// Secure discovery has the same numbers with 0xff in front, and other contents.
+// Secure discovery uses the same ids prefixed with 0xff and has other contents, so it is excluded.
 bool announces(std::uint32_t writer, std::uint32_t reader) {
   return writer == kSpdpWriter || writer == kSedpPublicationsWriter ||
          writer == kSedpSubscriptionsWriter || reader == kSpdpReader ||
@@ -184,14 +183,14 @@ bool authenticates(std::uint32_t writer, std::uint32_t reader) {
   return writer == kStatelessWriter || reader == kStatelessReader;
 }
 
-// Of authentication, or of keys: these are protected, but Fast DDS also reads unprotected ones.
+// Authentication or key exchange. Fast DDS also reads unprotected messages of the latter.
 bool is_of_security(std::uint32_t writer, std::uint32_t reader) {
   return authenticates(writer, reader) || writer == kVolatileSecureWriter ||
          reader == kVolatileSecureReader;
 }
 
-// A ParticipantGenericMessage: two identities, three GUIDs, its class, tokens. Fast DDS 2.9.1 makes
-// room for as many tokens as it says (CVE-2025-62603).
+// Checks a ParticipantGenericMessage: two identities, three GUIDs, class id, tokens. Fast DDS 2.9.1
+// allocates as many tokens as the message claims (CVE-2025-62603).
 Drop check_security_message(Span payload) {
   constexpr std::size_t kEncapsulation = 4, kFixed = 96, kLeastHolder = 12;
   if (payload.size() < kEncapsulation + kFixed || payload[0] != 0 || payload[1] > 1)
@@ -216,8 +215,9 @@ Drop check_payload(std::uint32_t writer, std::uint32_t reader, Span payload) {
   return Drop::kNone;
 }
 
-// Where what follows the inline QoS begins; 0 if they leave the body. `fixed`: [bytes] before
-// them in this version, of which those after the first four count in octetsToInlineQos.
+// Offset of the payload after the inline QoS; 0 if the inline QoS extends past the body. `fixed`:
+// size of the fields before it in this protocol version [bytes]; octetsToInlineQos counts those
+// after the first four.
 std::size_t payload_at(const Submessage& data, std::size_t fixed) {
   constexpr std::uint8_t kInlineQos = 2;
   const std::size_t begin = std::size_t{4} + data.u16(2);
@@ -250,7 +250,7 @@ struct Fragments {
                ? sample_size - (first - 1) * size
                : count * size;
   }
-  // Fast DDS writes four bytes at the next multiple of four in each fragment that is missing.
+  // Fast DDS writes a four-byte link, aligned to four bytes, into each missing fragment.
   [[nodiscard]] bool hold_list() const {
     const std::uint64_t last = ((of_sample() - 1) * size + 3) & ~std::uint64_t{3};
     return last + 4 <= ((sample_size + 3) & ~std::uint64_t{3});
@@ -274,10 +274,9 @@ Drop check_data_frag(const Submessage& data, const GuardLimits& limits) {
   return fragments.sample_size > limit ? Drop::kSampleSize : Drop::kNone;
 }
 
-// --- what reliable readers and writers tell each other
-// --------------------------------------------------
+// --- reliability protocol ---
 
-// The set at `at`, whose base takes `base` bytes, and `after` bytes behind it.
+// Whether there is a valid number set at `at`, with a base of `base` bytes, and `after` more bytes.
 bool has_set(const Submessage& submessage, std::size_t at, std::size_t base, std::size_t after) {
   if (submessage.body.size() < at + base + 4) return false;
   const std::size_t bits = submessage.u32(at + base);
@@ -313,8 +312,7 @@ Drop check_nack_frag(const Submessage& nack) {
   return nack.sequence_number(8) <= 0 || nack.u32(16) == 0 ? Drop::kNumberSet : Drop::kNone;
 }
 
-// --- the rest
-// ---------------------------------------------------------------------------------------------
+// --- other submessages and protection ---
 
 Drop at_least(const Submessage& submessage, std::size_t size) {
   return submessage.body.size() < size ? Drop::kSubmessage : Drop::kNone;
@@ -325,14 +323,14 @@ Drop check_timestamp(const Submessage& timestamp) {
   return at_least(timestamp, (timestamp.flags & kInvalidate) != 0 ? 0 : 8);
 }
 
-// In a message of eProsima. Fast DDS ends the process over one that is not the last.
+// For eProsima's messages. Fast DDS terminates the process if this submessage is not the last one.
 Drop check_statistics(const Submessage& statistics) {
   const bool as_written = statistics.body.size() == kStatisticsSize && statistics.last;
   return as_written ? Drop::kNone : Drop::kStatistics;
 }
 
-// Whether a domain that protects every datagram has it unprotected. An encrypted submessage is of
-// the exchange of keys, or cannot be decrypted.
+// Whether the submessage may be unprotected in a domain that protects every datagram. Encrypted
+// submessages pass: they belong to the key exchange, or Fast DDS cannot decrypt them.
 bool may_be_unprotected(const Submessage& submessage) {
   switch (submessage.id) {
     case kData: {
@@ -352,7 +350,8 @@ bool may_be_unprotected(const Submessage& submessage) {
   }
 }
 
-// Whether it announces that a participant has left: by its key alone, or by its status.
+// Whether the submessage announces that a participant has left: by a key without data, or by its
+// status.
 bool says_goodbye(const Submessage& submessage) {
   constexpr std::uint8_t kInlineQos = 2, kHasData = 4, kGone = 3;  // disposed, unregistered
   if (submessage.id != kData || submessage.entity(8) != kSpdpWriter) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layout of an RTPS datagram (OMG RTPS 2.5, chapter 9). Private to runtime/.
+// Reads the submessages of an RTPS datagram (OMG RTPS 2.5, chapter 9). Private to runtime/.
 #pragma once
 
 #include <cstddef>
@@ -28,12 +28,12 @@ enum Id : std::uint8_t {
   kHeartbeatFrag = 0x13,
   kData = 0x15,
   kDataFrag = 0x16,
-  kSecurePrefix = 0x31,      // of an encrypted or signed submessage
-  kSecureRtpsPrefix = 0x33,  // of a signed or encrypted datagram
-  kStatistics = 0x80,        // of eProsima
+  kSecurePrefix = 0x31,      // before an encrypted or signed submessage
+  kSecureRtpsPrefix = 0x33,  // before the rest of an encrypted or signed datagram
+  kStatistics = 0x80,        // eProsima's extension
 };
 
-/// Well-known entities, as big-endian numbers.
+/// Well-known entity ids, read as big-endian numbers.
 enum Entity : std::uint32_t {
   kUnknownReader = 0x00000000,
   kSpdpWriter = 0x000100c2,
@@ -46,11 +46,11 @@ enum Entity : std::uint32_t {
   kLivelinessReader = 0x000200c7,
   kStatelessWriter = 0x000201c3,  // authentication, unprotected
   kStatelessReader = 0x000201c4,
-  kVolatileSecureWriter = 0xff0202c3,  // exchange of keys, protected
+  kVolatileSecureWriter = 0xff0202c3,  // key exchange, protected
   kVolatileSecureReader = 0xff0202c4,
 };
 
-/// Span in the order a submessage names; nothing here looks at the bounds.
+/// Reads numbers in the submessage's byte order. Does not check bounds.
 template <bool little>
 struct Number {
   static std::uint16_t u16(const std::uint8_t* p) {
@@ -64,7 +64,7 @@ inline std::uint32_t u32(const std::uint8_t* p, bool little) {
   const std::uint32_t first = u16(p, little), second = u16(p + 2, little);
   return little ? first | second << 16 : first << 16 | second;
 }
-/// A sequence number: its high half first, in either order.
+/// Reads a sequence number; the high half comes first in either byte order.
 inline std::int64_t sequence_number(const std::uint8_t* p, bool little) {
   return static_cast<std::int64_t>(std::uint64_t{u32(p, little)} << 32 | u32(p + 4, little));
 }
@@ -72,8 +72,8 @@ inline std::uint32_t entity(const std::uint8_t* p) { return u32(p, false); }
 
 struct Submessage {
   std::uint8_t id, flags;
-  Span body;  ///< after the submessage's header
-  bool last;  ///< reaches to the end of the datagram
+  Span body;  ///< without the submessage header
+  bool last;  ///< extends to the end of the datagram
 
   [[nodiscard]] bool little() const { return (flags & 1) != 0; }
   [[nodiscard]] std::uint16_t u16(std::size_t at) const {
@@ -90,14 +90,14 @@ struct Submessage {
   }
 };
 
-/// The submessages of a datagram, one after another.
+/// Iterates over the submessages of a datagram.
 class Submessages {
  public:
   explicit Submessages(Span datagram) : datagram_{datagram}, at_{kHeaderSize} {}
 
   [[nodiscard]] bool at_end() const { return at_ >= datagram_.size(); }
 
-  /// Reads the next one; false if it is cut.
+  /// Reads the next submessage; returns false if it is truncated.
   bool next(Submessage& submessage) {
     if (datagram_.size() - at_ < 4) return false;
     const std::uint8_t* header = datagram_.data() + at_;
@@ -107,7 +107,7 @@ class Submessages {
     std::size_t size = rtps_message::u16(header + 2, submessage.little());
     if (size > rest) return false;
     const bool may_be_empty = submessage.id == kPad || submessage.id == kInfoTimestamp;
-    if (size == 0 && !may_be_empty) size = rest;  // 0: to the end
+    if (size == 0 && !may_be_empty) size = rest;  // 0 means up to the end of the datagram
     submessage.body = datagram_.subspan(at_ + 4, size);
     at_ += 4 + ((size + 3) & ~std::size_t{3});
     submessage.last = size == rest;

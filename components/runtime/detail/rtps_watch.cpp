@@ -12,13 +12,13 @@ namespace {
 
 using namespace rtps_message;
 
-constexpr std::uint8_t kTakenOut = 0x7f;    // an unknown submessage id, which readers skip
-constexpr std::size_t kMostWriters = 4096;  // that are followed
+constexpr std::uint8_t kTakenOut = 0x7f;    // unassigned submessage id, which readers skip
+constexpr std::size_t kMostWriters = 4096;  // maximum number of tracked writers
 constexpr std::size_t kSlots = std::size_t{1} << 16;
-constexpr int kEndpointsOfAll = 24;          // that each participant may have at once
-constexpr std::int64_t kFarthestNext = 256;  // of an endpoint's number beyond the last
-constexpr double kBytesPerToken = 2048.0;    // of an endpoint's announcement
-constexpr double kLookPeriod = 5.0;          // [s] between two looks for ended leases
+constexpr int kEndpointsOfAll = 24;          // per participant, exempt from the rate limit
+constexpr std::int64_t kFarthestNext = 256;  // maximum step of an endpoint's number
+constexpr double kBytesPerToken = 2048.0;    // announcement size per extra token [bytes]
+constexpr double kLookPeriod = 5.0;          // [s] between checks for expired leases
 constexpr std::uint16_t kLeaseDuration = 0x02, kSentinel = 0x01;
 
 GuidPrefix prefix_at(const std::uint8_t* p) {
@@ -56,8 +56,8 @@ Key key_of(const GuidPrefix& prefix, const std::uint8_t* entity) {
   return key;
 }
 
-// Of a writer that holds nothing before `first`: for a reader that misses nothing before a GAP the
-// same as a GAP to there. Asks for no answer.
+// Rewrites a GAP up to `first` as the HEARTBEAT of a writer that holds nothing before `first`. For
+// a reader that misses nothing before the GAP the effect is the same. Requests no response.
 void say_as_heartbeat(std::uint8_t* body, std::int64_t first, std::uint32_t count, bool little) {
   constexpr std::uint8_t kFinal = 2;
   body[-4] = kHeartbeat;
@@ -67,8 +67,7 @@ void say_as_heartbeat(std::uint8_t* body, std::int64_t first, std::uint32_t coun
   put_u32(body + 24, count, little);
 }
 
-// Where the parameter stands in the list that begins at `at`; the end of the bytes if it is not
-// there.
+// Offset of the parameter in the list that begins at `at`; bytes.size() if it is missing.
 std::size_t find_in_list(Span bytes, std::size_t at, bool little, std::uint16_t wanted) {
   while (at + 4 <= bytes.size()) {
     const std::uint16_t id = u16(bytes.data() + at, little);
@@ -80,8 +79,8 @@ std::size_t find_in_list(Span bytes, std::size_t at, bool little, std::uint16_t 
   return bytes.size();
 }
 
-// [s] that an announced participant is kept without hearing from it. A longer time than
-// kLongestLease is written over.
+// Returns how long Fast DDS keeps a silent participant [s]. A lease longer than kLongestLease is
+// overwritten.
 double shortened_lease(std::uint8_t* body, const Submessage& announcement) {
   constexpr std::uint8_t kInlineQos = 2, kHasData = 4;
   constexpr double kLongest = Announcements::kLongestLease;
@@ -103,7 +102,8 @@ std::uint8_t* bytes_of(std::span<std::uint8_t> datagram, const Submessage& subme
   return datagram.data() + (submessage.body.data() - datagram.data());
 }
 
-// Calls `visit(submessage, prefix of its source)` for each; takes out those it returns false for.
+// Calls `visit(submessage, source prefix)` for each submessage and removes it if that returns
+// false.
 template <class Visit>
 int take_out(std::span<std::uint8_t> datagram, Visit visit) {
   GuidPrefix source = prefix_at(datagram.data() + kPrefixAt);
@@ -133,8 +133,7 @@ bool TokenBucket::take(double tokens, double now) {
   return true;
 }
 
-// --- how far readers are
-// -----------------------------------------------------------------------------
+// --- reader progress ---
 
 std::size_t ReaderProgress::KeyHash::operator()(const Key& key) const {
   return mixed(bytes_at<std::uint64_t>(key.data()) ^
@@ -200,7 +199,7 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram) {
       destination = prefix_at(body);
     if (submessage.id != kAckNack || submessage.body.size() < 16) continue;
     const std::int64_t base = submessage.sequence_number(8);
-    if (base <= 0) continue;  // the first one: nothing is known yet
+    if (base <= 0) continue;  // a reader's first ACKNACK says nothing about its progress
     of(destination, body + 4).acknowledge(submessage.entity(0), base);
   }
 }
@@ -229,7 +228,7 @@ bool ReaderProgress::in_window(std::int64_t number, std::int64_t least) {
 bool ReaderProgress::passes_data(const rtps_message::Submessage& data, Source& source) {
   const std::int64_t number = data.sequence_number(12);
   const std::uint32_t reader = data.entity(4);
-  if (source.top == 0) source.top = number;  // the first that is seen of this writer
+  if (source.top == 0) source.top = number;  // the first sample seen from this writer
   if (!source.believes(number, true, number) || !in_window(number, source.least(reader)))
     return false;
   constexpr auto kLast = std::numeric_limits<std::int64_t>::max();
@@ -265,7 +264,7 @@ bool ReaderProgress::passes_gap(const rtps_message::Submessage& gap, std::uint8_
   }
   const std::int64_t end = base - first > kWide ? first + kWide : base;
   if (!in_window(end, least)) return false;
-  if (end < base) {  // a part of it, without the bits behind it; the reader asks for the rest
+  if (end < base) {  // pass only the first part, without the bitmap; the reader requests the rest
     put_sequence_number(body + 16, end, little);
     put_u32(body + 24, 0, little);
   }
@@ -273,8 +272,7 @@ bool ReaderProgress::passes_gap(const rtps_message::Submessage& gap, std::uint8_
   return true;
 }
 
-// --- who was announced
-// ----------------------------------------------------------------------------------
+// --- announcements ---
 
 Announcements::Announcements()
     : hash_{std::random_device{}() * 0x100000001ULL}, known_{64, hash_}, seen_(kSlots) {}
@@ -312,7 +310,7 @@ bool Announcements::admits_endpoint(const GuidPrefix& prefix, int kind, std::int
                                     std::size_t size, double now) {
   const auto found = known_.find(prefix);
   Known* known = found == known_.end() ? nullptr : &found->second;
-  if (known != nullptr && number <= known->last[kind]) return true;  // once more
+  if (known != nullptr && number <= known->last[kind]) return true;  // repetition
   const double tokens = 1.0 + static_cast<double>(size) / kBytesPerToken;
   const bool of_all = known != nullptr && known->endpoints < kEndpointsOfAll && tokens < 2.0;
   if (!of_all && !endpoints_.take(tokens, now)) return false;

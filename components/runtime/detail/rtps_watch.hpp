@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Removes from checked datagrams what would make Fast DDS allocate without bound, using what this
-// process sends and has received. Private to runtime/.
+// Removes submessages that would make Fast DDS allocate without bound, based on the earlier traffic
+// of this process. Private to runtime/.
 #pragma once
 
 #include <array>
@@ -22,55 +22,56 @@ struct GuidPrefixHash {
   std::size_t operator()(const GuidPrefix& prefix) const;
 };
 
-/// Tokens that come back with time.
+/// Limits a rate: tokens refill at `per_second` [1/s] up to `burst`.
 class TokenBucket {
  public:
   TokenBucket(double burst, double per_second) : burst_{burst}, rate_{per_second}, left_{burst} {}
-  /// `now`: [s]. False, and nothing is taken, if there are not so many.
+  /// Takes tokens at time `now` [s]; returns false and takes none if too few are left.
   [[nodiscard]] bool take(double tokens, double now);
 
  private:
   double burst_, rate_, left_, last_ = 0.0;
 };
 
-/// How far each reliable reader of this process has got with each writer: what its last ACKNACK
-/// said, and what has arrived in order since. Of numbers that lie farther ahead Fast DDS 2.9.1
-/// keeps a list, one entry each, and a GAP may name 2⁶³ of them.
+/// Tracks the progress of each reliable reader of this process with each writer: its last ACKNACK
+/// and what has arrived in order since. Fast DDS 2.9.1 keeps a list entry for every sequence number
+/// farther ahead, and a GAP may name 2⁶³ of them.
 class ReaderProgress {
  public:
-  static constexpr std::int64_t kWindow = 2048;  ///< ahead of the first missing sample
-  static constexpr std::int64_t kWide = 256;     ///< of a GAP that is passed on as it is
-  static constexpr std::int64_t kLeap = 32;      ///< of samples that may be lost at once
-  static constexpr std::int64_t kCounts = 4096;  ///< by which a HEARTBEAT's count may grow
+  static constexpr std::int64_t kWindow = 2048;  ///< numbers accepted ahead of the first missing
+  static constexpr std::int64_t kWide = 256;     ///< maximum width of a GAP that passes unchanged
+  static constexpr std::int64_t kLeap = 32;      ///< maximum number of samples lost at once
+  static constexpr std::int64_t kCounts = 4096;  ///< maximum increase of a HEARTBEAT's count
 
-  /// Reads what readers of this process acknowledge.
+  /// Records the acknowledgements in a datagram sent by this process.
   void sent(std::span<const std::uint8_t> datagram);
-  /// Makes wide GAPs narrow or a HEARTBEAT that says the same, and takes out what lies beyond the
-  /// window: a reliable writer sends it again. The number of submessages taken out.
+  /// Narrows wide GAPs or replaces them by an equivalent HEARTBEAT, and removes submessages beyond
+  /// the window, which a reliable writer repeats. Returns the number of removed submessages.
   [[nodiscard]] int narrow(std::span<std::uint8_t> datagram);
 
  private:
   struct Progress {
     std::uint32_t reader;
-    std::int64_t next;  // the first that is missing
+    std::int64_t next;  // the first missing number
   };
   struct Source {
-    /// The first that one of the readers which `reader` names misses; 0: not known.
+    /// The lowest first missing number of the readers that `reader` addresses; 0 if unknown.
     [[nodiscard]] std::int64_t least(std::uint32_t reader) const;
-    /// `from` to `to` are there, or will never be.
+    /// Records that [from, to) has arrived or will never arrive.
     void advance(std::uint32_t reader, std::int64_t from, std::int64_t to);
     void acknowledge(std::uint32_t reader, std::int64_t base);
 
-    /// Whether a writer that has got as far as was seen may have nothing before `first`; else true
-    /// once it has said about the same just before, in what came earlier by its `order`.
+    /// Whether the writer's claim to hold nothing before `first` is plausible given the numbers
+    /// seen so far. An implausible claim is accepted once a later message, by `order`, repeats it
+    /// with a similar number.
     [[nodiscard]] bool believes(std::int64_t first, bool usual_count, std::int64_t order);
 
     std::vector<Progress> readers;
-    std::int64_t top = 0;      // largest number that was seen of it
-    std::int64_t claimed = 0;  // the last that was not believed
+    std::int64_t top = 0;      // largest number seen from this writer
+    std::int64_t claimed = 0;  // `first` of the last rejected claim; 0: none
     std::int64_t claimed_order = 0;
-    std::int64_t gaps = 0;         // that were seen
-    std::uint32_t heartbeats = 0;  // the last one's count; 0: none yet
+    std::int64_t gaps = 0;         // number of GAPs seen
+    std::uint32_t heartbeats = 0;  // count of the last HEARTBEAT; 0: none yet
   };
   using Key = std::array<std::uint8_t, 16>;  // a writer's GUID
   struct KeyHash {
@@ -89,21 +90,21 @@ class ReaderProgress {
   std::unordered_map<Key, Source, KeyHash> writers_;
 };
 
-/// Who was announced, and how much of it: Fast DDS keeps all until their leases end.
+/// Limits announced participants and endpoints, because Fast DDS keeps them until the lease ends.
 class Announcements {
  public:
-  static constexpr double kLongestLease = 100.0;  ///< [s]; longer ones are made this long
-  static constexpr double kSecondSight = 0.05;  ///< [s] after which an announcement is a repetition
+  static constexpr double kLongestLease = 100.0;  ///< [s]; longer leases are shortened to this
+  static constexpr double kSecondSight = 0.05;    ///< [s]; a repetition comes later than this
 
   Announcements();
-  /// Takes out announcements that are too many, and shortens leases. `now`: [s]. The number of
-  /// submessages taken out.
+  /// Removes announcements above the rate limit and shortens leases. `now`: [s]. Returns the number
+  /// of removed submessages.
   [[nodiscard]] int thin(std::span<std::uint8_t> datagram, double now);
 
  private:
   struct Known {
-    double until;          // [s] its lease ends
-    std::int64_t last[2];  // number of its last publication and subscription
+    double until;          // end of the lease [s]
+    std::int64_t last[2];  // last sequence numbers of publications, subscriptions
     int endpoints;
   };
   struct Seen {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: the nodes of this process, for a shutdown that reaches all of them.
+// Keeps track of the process's nodes so that a shutdown stops all of them. Private to runtime/.
 #pragma once
 
 namespace tandem::runtime {
@@ -8,7 +8,7 @@ class NodeCore;
 
 namespace running_nodes {
 
-void add(NodeCore& node);  ///< stops it at once if the process is shutting down
+void add(NodeCore& node);  ///< stops the node immediately if the process is shutting down
 void remove(NodeCore& node);
 
 }  // namespace running_nodes

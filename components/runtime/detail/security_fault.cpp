@@ -29,7 +29,7 @@ std::string certificate_fault(const fs::path& folder) {
   return {};
 }
 
-// What was signed; empty if the authority did not sign it as it stands.
+// Returns the signed text, or an empty string if the authority's signature is not valid for it.
 std::string signed_text(const fs::path& document, X509& authority) {
   const Bio file{BIO_new_file(document.c_str(), "r")};
   if (!file) return {};

@@ -6,8 +6,8 @@
 
 namespace tandem::runtime {
 
-/// The first thing that is wrong with the files of an enclave's folder: "cert.pem has expired".
-/// Empty if keys, certificates and signatures fit together.
+/// Describes the first fault in the files of an enclave's folder, such as "cert.pem has expired".
+/// Empty if keys, certificates and signatures are consistent.
 [[nodiscard]] std::string security_fault(const std::string& folder);
 
 }  // namespace tandem::runtime

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr QoS kQueue = Server::kQueue;
-constexpr double kMatchWait = 1.0;       // [s] a reply waits for the client's reader
-constexpr double kRetry = 0.005;         // [s] between looks at who is matched
-constexpr std::size_t kMaxQueue = 1000;  // replies, calls: more of them are a fault
+constexpr double kMatchWait = 1.0;       // maximum wait of a reply for the client's reader [s]
+constexpr double kRetry = 0.005;         // [s] between checks for matched endpoints
+constexpr std::size_t kMaxQueue = 1000;  // maximum number of pending replies and of waiting calls
 
 std::int64_t number_of(const rtps::SampleIdentity& identity) {
   const auto& number = identity.sequence_number();
@@ -64,7 +64,7 @@ double Server::send_replies(double now) {
   for (Reply& reply : replies_) send(reply);
   std::erase_if(replies_, [now](const Reply& reply) {
     const bool heard = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
-    return heard || now >= reply.deadline;  // who is gone by then would not hear it
+    return heard || now >= reply.deadline;  // a client that has left would not receive it
   });
   return replies_.empty() ? kForever : now + kRetry;
 }
@@ -105,7 +105,7 @@ void Caller::call(Bytes request, OnResponse on_response, double timeout,
   Call call{std::move(request), std::move(on_response), steady_seconds() + timeout,
             std::move(on_timeout)};
   if (call.request.empty() || waiting_.size() >= kMaxQueue)
-    call.deadline = 0.0;  // fails at the next poll, off the caller's stack
+    call.deadline = 0.0;  // fails at the next poll, not inside call()
   waiting_.push_back(std::move(call));
   poller_->next = 0.0;
 }
@@ -129,7 +129,7 @@ void Caller::send_waiting() {
 }
 
 void Caller::expire(double now) {
-  std::vector<Call> expired;  // first, for on_timeout may call again
+  std::vector<Call> expired;  // collected first, because on_timeout may call again
   std::erase_if(waiting_, [&](Call& call) {
     const bool over = now >= call.deadline;
     if (over) expired.push_back(std::move(call));
@@ -154,9 +154,9 @@ bool Caller::on_response(const Bytes& bytes, const fdds::SampleInfo& info) {
   const auto& to = info.related_sample_identity;
   if (to.writer_guid() != reader_->guid() && to.writer_guid() != writer_->guid()) return true;
   auto call = asked_.extract(number_of(to));
-  if (call.empty()) return true;  // came too late
+  if (call.empty()) return true;  // after the timeout
   if (call.mapped().on_response(bytes)) return true;
-  asked_.insert(std::move(call));  // a good answer may follow
+  asked_.insert(std::move(call));  // a valid response may still follow
   return false;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to runtime/: both ends of a service, correlated by DDS sample identity as rmw_fastrtps
-// does.
+// Implements service servers and clients; replies are correlated by DDS sample identity, as in
+// rmw_fastrtps. Private to runtime/.
 #pragma once
 
 #include <deque>
@@ -11,12 +11,12 @@
 
 namespace tandem::runtime {
 
-/// Answers requests. A reply waits, off the loop, until the asking client's reader is matched. A
-/// client that does not tell which reader that is gets it again for each that its participant adds
-/// within that time: another client's may have been there already.
+/// Answers requests. A reply is queued until the client's reader is matched. If the client does not
+/// identify its reader, the reply is sent again for each reader that its participant adds within
+/// the waiting time, because the readers matched so far may belong to other clients.
 class Server {
  public:
-  // ROS 2's profile, but longer: a request that the queue pushes out would be lost for good.
+  // ROS 2's services profile with a deeper queue, because an evicted request is lost for good.
   static constexpr QoS kQueue{.depth = 100};
 
   Server(NodeCore& node, const std::string& service, Responder responder, QoS qos = kQueue);
@@ -26,8 +26,8 @@ class Server {
   struct Reply {
     Bytes bytes;
     rtps::SampleIdentity to;
-    double deadline;           // [s] steady: then it is dropped
-    Writer::Turn reached = 0;  // the latest reader that it was sent to
+    double deadline;           // dropped after this time [s], steady clock
+    Writer::Turn reached = 0;  // the latest reader it was sent to
   };
 
   bool on_request(const Bytes& bytes, const fdds::SampleInfo& info);
@@ -51,7 +51,7 @@ class Caller {
   /// Returns false for bytes that do not decode; the call then keeps waiting for a valid response.
   using OnResponse = std::function<bool(const Bytes&)>;
 
-  /// Types by their DDS names.
+  /// Types are given by their DDS names.
   Caller(NodeCore& node, const std::string& service, const std::string& request_type,
          const std::string& response_type);
   /// An empty request means that encoding failed; the call then fails.
@@ -64,7 +64,7 @@ class Caller {
   struct Call {
     Bytes request;
     OnResponse on_response;
-    double deadline;  // [s] steady
+    double deadline;  // [s], steady clock
     std::function<void()> on_timeout;
   };
 
@@ -76,8 +76,8 @@ class Caller {
 
   NodeCore& node_;
   std::string service_;
-  std::deque<Call> waiting_;            // for the server
-  std::map<std::int64_t, Call> asked_;  // by sequence number
+  std::deque<Call> waiting_;            // not sent yet
+  std::map<std::int64_t, Call> asked_;  // sent; key: sequence number
   std::shared_ptr<Writer> writer_;
   std::shared_ptr<Reader> reader_;
   std::shared_ptr<Poller> poller_;

@@ -4,8 +4,8 @@
 
 namespace tandem::runtime {
 
-/// Throws std::runtime_error that names the limit unless `count` threads can be started now.
-/// If a thread of its own fails to start, Fast DDS 2.9 calls std::terminate in a destructor.
+/// Throws std::runtime_error naming the limit if `count` threads cannot be started now. Fast
+/// DDS 2.9 calls std::terminate in a destructor if one of its own threads fails to start.
 void require_threads(int count);
 
 }  // namespace tandem::runtime

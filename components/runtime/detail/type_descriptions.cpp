@@ -28,7 +28,7 @@ IndividualTypeDescription describe(const DescribedType& type) {
   return description;
 }
 
-// The types that `type` is made of, sorted by name as REP-2016 wants them.
+// Collects the types nested in `type`, sorted by name as REP-2016 requires.
 void collect(const DescribedType& type, std::set<std::string_view>& found) {
   for (const DescribedField& field : type.fields)
     if (!field.nested.empty() && found.insert(field.nested).second)

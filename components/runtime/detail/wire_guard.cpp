@@ -36,10 +36,10 @@ bool WireGuard::admits(std::span<std::uint8_t> datagram, std::uint32_t source) {
   GuardLimits limits = limits_;
   limits.all_protected = all_protected_;
   if (const Drop drop = check_datagram(datagram, limits); drop != Drop::kNone) {
-    if (drop != Drop::kGoodbye) count(drop, source);  // real ones are no attack
+    if (drop != Drop::kGoodbye) count(drop, source);  // genuine goodbyes are not attacks
     return false;
   }
-  // Nobody else can have written it, and nothing may be taken out of it.
+  // DDS Security authenticates the whole datagram, so any change would invalidate it.
   if (limits.all_protected && is_protected(datagram)) return true;
   int far = 0, many = 0;
   {

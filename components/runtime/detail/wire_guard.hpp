@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filters the datagrams of all transports of the process. Private to runtime/.
+// Filters the datagrams received by all transports of the process. Private to runtime/.
 #pragma once
 
 #include <array>
@@ -14,44 +14,45 @@
 
 namespace tandem::runtime {
 
-/// Datagrams of one kind and source that were dropped.
+/// Number of dropped datagrams of one kind from one source.
 struct DropCount {
   Drop drop;
-  std::string source;  ///< "192.168.1.7"; "others" beyond a number of sources
+  std::string source;  ///< "192.168.1.7"; "others" beyond kMostSources
   std::uint64_t count;
 };
 
 /// Checks each datagram before Fast DDS parses it and counts the dropped ones. Thread-safe.
 class WireGuard {
  public:
-  static constexpr std::size_t kMostSources = 64;  ///< that are counted apart
+  static constexpr std::size_t kMostSources = 64;  ///< sources counted separately
 
   explicit WireGuard(const GuardLimits& limits) : limits_{limits} {}
 
-  /// Whether the domain's governance protects every datagram: GuardLimits::all_protected.
+  /// Sets GuardLimits::all_protected: whether the domain's governance protects every datagram.
   void expect_protection(bool of_all) { all_protected_ = of_all; }
-  /// The guard of this process, with the limits of its environment.
+  /// The guard of this process, with limits from its environment.
   static WireGuard& shared();
 
-  /// Whether Fast DDS may have the datagram. Takes out of it what would make Fast DDS keep too
-  /// much. `source`: its IPv4 address, or the end of an IPv6 one, in network order.
+  /// Whether to pass the datagram to Fast DDS. Removes submessages that would make Fast DDS keep
+  /// too much. `source`: the IPv4 address, or the last 4 bytes of an IPv6 address, in network
+  /// order.
   [[nodiscard]] bool admits(std::span<std::uint8_t> datagram, std::uint32_t source);
-  /// What this process sends.
+  /// Records a datagram sent by this process.
   void sent(std::span<const std::uint8_t> datagram);
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-  /// All since the start, most frequent first.
+  /// All drops since the start, most frequent first.
   [[nodiscard]] std::vector<DropCount> drops() const;
 
   /// What has been reported so far.
   struct Reported {
     std::vector<DropCount> drops;
     std::uint64_t count = 0;
-    double next = 0.0;  ///< [s, steady] not before
+    double next = 0.0;  ///< earliest time of the next report [s], steady clock
   };
-  /// One node of the process reports: the first caller gets what has been reported, until it
-  /// releases it; other callers get null.
+  /// Selects the one node of the process that reports. The first caller gets the report state until
+  /// it calls release_report(); other callers get null.
   [[nodiscard]] Reported* claim_report(const void* who);
   void release_report(const void* who);
 
@@ -62,16 +63,16 @@ class WireGuard {
   std::atomic<bool> all_protected_ = false;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
   std::atomic<const void*> reporter_ = nullptr;
-  Reported reported_;       // the reporter's
-  std::mutex watch_mutex_;  // guards these two
+  Reported reported_;       // used by the reporter only
+  std::mutex watch_mutex_;  // guards progress_ and announcements_
   ReaderProgress progress_;
   Announcements announcements_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::map<std::uint32_t, std::array<std::uint64_t, kDropKinds>> by_source_;
   std::array<std::uint64_t, kDropKinds> by_others_{};
 };
 
-/// "12 fragment from 192.168.1.7, 3 header from 127.0.0.1".
+/// Formats drops as "12 fragment from 192.168.1.7, 3 header from 127.0.0.1".
 [[nodiscard]] std::string summary(const std::vector<DropCount>& drops);
 
 }  // namespace tandem::runtime
