@@ -46,7 +46,7 @@ def setUpModule():
 def end(programs):
     node.destroy_node()
     rclpy.shutdown()
-    ros2('daemon', 'stop')  # some commands start a daemon for this domain
+    ros2('daemon', 'stop')  # some commands start the daemon
     results = [stop(program) for program in programs]
     if results != [0, 0]:
         raise AssertionError(f'robot and container ended with {results}')
