@@ -104,7 +104,7 @@ def run(tries):
         [robot.BINARY + '/tandem', 'run', robot.SOURCE + '/bringup/systems/teleop.yaml', '--ros-args',
          '-p', 'dashboard:port:=0'], stderr=subprocess.DEVNULL)
     rclpy.init()
-    rclpy.logging.set_logger_level('bystander', rclpy.logging.LoggingSeverity.ERROR)  # no QoS warnings
+    rclpy.logging.set_logger_level('bystander', rclpy.logging.LoggingSeverity.ERROR)  # no warnings
     try:
         return compare(Bystander(), presser, tries)
     finally:
