@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Generated DDS types that report malformed bytes by a return value instead of an exception.
 #pragma once
 
 #include <exception>
@@ -7,8 +8,8 @@
 
 namespace tandem::runtime {
 
-/// A generated DDS type whose deserialize() throws nothing: generated code lets through, for
-/// example, what Fast CDR throws at a boolean that is neither 0 nor 1.
+/// A generated DDS type whose deserialize() returns false on malformed bytes. Generated code does
+/// not catch all exceptions of Fast CDR, for example the one for a boolean that is neither 0 nor 1.
 template <class PubSubType>
 class CheckedType final : public PubSubType {
  public:

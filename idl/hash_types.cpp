@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Build step: hash_types OUT.cpp *.idl. Reads the part of IDL that ROS 2's own generator writes and
-// that these files keep to (modules, structures, constants), describes each structure as
-// type_description_interfaces does, and hashes the description by REP-2016 (RIHS01):
-// SHA-256 of its JSON without default values, nested types included, sorted by name.
+// Build step `hash_types OUT.cpp *.idl`: writes the type descriptions and type hashes that
+// type_hashes.hpp declares.
+//
+// Parses the subset of IDL that ROS 2's generator writes (modules, structures, constants),
+// describes each structure in the form of type_description_interfaces, and hashes the description
+// according to REP-2016 (RIHS01): SHA-256 of its JSON without default values, with nested types
+// sorted by name.
 #include <openssl/sha.h>
 
 #include <cctype>
@@ -22,7 +25,7 @@ const std::map<std::string, int> kBasicTypes{
     {"int8", 2},     {"uint8", 3},  {"int16", 4},   {"uint16", 5},  {"int32", 6}, {"uint32", 7},
     {"int64", 8},    {"uint64", 9}, {"float", 10},  {"double", 11}, {"char", 13}, {"wchar", 14},
     {"boolean", 15}, {"octet", 16}, {"string", 17}, {"wstring", 18}};
-constexpr int kNested = 1, kBoundedString = 4;  // a bounded string's id is its string's + 4
+constexpr int kNested = 1, kBoundedString = 4;  // kBoundedString: added to the id
 constexpr int kArray = 48, kBoundedSequence = 96, kUnboundedSequence = 144;
 
 struct Field {

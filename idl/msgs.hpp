@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the structures of idl/*.idl. Out: their C++ types, and how the runtime gets at their DDS
-// type.
+// The C++ types of all structures in idl/*.idl, and the traits by which the runtime creates their
+// DDS types.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,13 @@ class TopicDataType;
 
 namespace tandem::runtime {
 
-/// What the runtime must know about message type M; one specialisation for every structure:
+/// What the runtime needs to know about message type M; specialised for every structure:
 ///
 ///   static constexpr const char* name = "geometry_msgs/msg/Twist";
 ///   static std::unique_ptr<TopicDataType> create();  // registered name …::dds_::Twist_
 ///
 /// The type from create() refuses malformed bytes by returning false, never by throwing.
-/// Services S have no MessageType of their own, but S::Request, S::Response and S::name.
+/// A service S has no MessageType but provides S::Request, S::Response and S::name.
 template <class M>
 struct MessageType;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// In: the name of a type. Out: the hash by which ROS 2 tells whether two mean the same by it, and
-// the description that is hashed.
+// Type hashes and type descriptions by name. ROS 2 compares the hashes to detect peers whose
+// definition of a type differs.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 namespace tandem::runtime {
 
 /// RIHS01 hash (REP-2016) of a structure of idl/*.idl, as "RIHS01_<64 hex digits>". `dds_type` is
-/// as on the wire, "geometry_msgs::msg::dds_::Twist_". Empty for a type that is not ours.
+/// the name on the wire, "geometry_msgs::msg::dds_::Twist_". Empty for a type that idl/*.idl does
+/// not define.
 [[nodiscard]] std::string_view type_hash(std::string_view dds_type);
 
-/// A field as type_description_interfaces/msg/Field describes it (its default is not known here).
+/// A field in the form of type_description_interfaces/msg/Field, without its default value.
 struct DescribedField {
   std::string_view name;
   std::uint8_t type_id;
   std::uint64_t capacity, string_capacity;
-  std::string_view nested;  ///< type of the field, or "": "builtin_interfaces/msg/Time"
+  std::string_view nested;  ///< "builtin_interfaces/msg/Time", or "" for a basic type
 };
 
 struct DescribedType {
@@ -27,7 +28,7 @@ struct DescribedType {
   std::span<const DescribedField> fields;
 };
 
-/// Null for a type that is not ours.
+/// Null for a type that idl/*.idl does not define.
 [[nodiscard]] const DescribedType* described_type(std::string_view name);
 
 }  // namespace tandem::runtime

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the Cyclone DDS peers share: a participant that finds ours, and ROS 2's names and QoS.
+// Shared by the Cyclone DDS peers: a participant that discovers Tandem's, ROS 2's names and QoS.
 #pragma once
 
 #include <stdio.h>
@@ -13,7 +13,7 @@ static inline dds_entity_t need(dds_entity_t entity, const char* what) {
   exit(2);
 }
 
-// Loopback only; unicast to 127.0.0.1 besides multicast finds peers that listen to either.
+// Loopback only. Unicast to 127.0.0.1 in addition to multicast discovers peers that use either.
 static inline dds_entity_t create_participant(dds_domainid_t domain) {
   static const char kConfig[] =
       "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"true\"/>"
@@ -24,7 +24,7 @@ static inline dds_entity_t create_participant(dds_domainid_t domain) {
   return need(dds_create_participant(domain, NULL, NULL), "participant");
 }
 
-// idlc names the type as the IDL does; ROS 2 says `dds_type`.
+// idlc uses the type name of the IDL; on the wire ROS 2 uses `dds_type`.
 static inline dds_entity_t create_topic(dds_entity_t participant, const dds_topic_descriptor_t* idl,
                                         const char* name, const char* dds_type) {
   dds_topic_descriptor_t descriptor = *idl;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A peer that shares no code with Tandem but the IDL: sets a node's parameter through Cyclone DDS.
+// Sets a parameter of a node through Cyclone DDS; shares only the IDL with Tandem.
 //
 //   cyclone_param_peer DOMAIN NODE PARAMETER VALUE TIMEOUT
 //
-// Sets the real number PARAMETER of NODE ("/ns/name") to VALUE and gets it. Exit 0 if it then is
-// VALUE; 1 after TIMEOUT [s]; 2 on wrong arguments or an entity that is refused; 3 if the set is.
+// Sets the floating-point PARAMETER of NODE ("/ns/name") to VALUE and reads it back. Exit status: 0
+// if it was set to VALUE; 1 after TIMEOUT [s]; 2 on wrong arguments or if an entity could not be
+// created; 3 if the set was refused.
 //
-// The answer's identity travels in inline QoS that Cyclone DDS does not show, so there is to be no
-// other client of these services meanwhile.
+// The identity of a response is in inline QoS, which Cyclone DDS does not expose, so no other
+// client may use these services at the same time.
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,7 +49,8 @@ static bool is_matched(const Client* client) {
          request.current_count > 0 && response.current_count > 0;
 }
 
-// Asks again every half second; the answer, which take() reads, or false at the deadline.
+// Sends the request every half second until take() accepts a response; false if none was accepted
+// by `end`.
 static bool call(const Client* client, const void* request, dds_time_t end,
                  bool (*take)(const void* response, double* out), double* out) {
   dds_time_t next = 0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A peer that shares no code with Tandem but the IDL: drives the robot through Cyclone DDS.
+// Drives the robot through Cyclone DDS; shares only the IDL with Tandem.
 //
 //   cyclone_peer DOMAIN V W TIMEOUT
 //
-// Publishes V [m/s], W [rad/s] on /cmd_vel_user at 20 Hz and reads /odom and /cmd_vel. Exit 0 once
-// it has heard kSamples of each and the robot has moved by kDistance; 1 after TIMEOUT [s];
-// 2 on wrong arguments or an entity that Cyclone DDS refuses.
+// Publishes V [m/s], W [rad/s] on /cmd_vel_user at 20 Hz and reads /odom and /cmd_vel. Exit status:
+// 0 once it has received kSamples of each and the robot has moved by kDistance; 1 after TIMEOUT
+// [s]; 2 on wrong arguments or if Cyclone DDS could not create an entity.
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -24,8 +24,8 @@ typedef nav_msgs_msg_Odometry Odometry;
 typedef struct {
   dds_entity_t cmd_vel_user, odom, cmd_vel;
   int odoms, commands;
-  double x0, y0;            // first position heard [m]
-  double moved, max_speed;  // farthest from it [m], largest |v| commanded [m/s]
+  double x0, y0;            // first position received [m]
+  double moved, max_speed;  // largest distance from it [m], largest |v| commanded [m/s]
 } Peer;
 
 static Peer create_peer(dds_domainid_t domain) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cyclone DDS programs beside ours: one drives the robot, it publishes cmd_vel_user and reads odom
-// and cmd_vel; one sets a parameter.
+// Tests with peers on Cyclone DDS: one publishes cmd_vel_user and reads odom and cmd_vel, another
+// sets a parameter.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -16,7 +16,7 @@ namespace {
 
 TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
   const test::NothingDropped nothing_dropped;
-  // Policy manual behind the filter: the peer's Twist is the person's command.
+  // With policy manual the peer's Twist passes only the safety filter.
   test::ChildProcess robot{"../tandem",
                            {"run", test::source_path("bringup/systems/teleop.yaml"), "--ros-args",
                             "-p", "arbitration:policy:=manual"}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two of our processes that know of each other by Fast DDS's discovery server only.
+// Tests that two Tandem processes discover each other through a Fast DDS discovery server alone.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kServer = "/usr/bin/fast-discovery-server";
 constexpr double kTimeout = 30.0;  // [s]
 
-// Hears what `robot` says without having asked on the domain: discovery is the server's.
+// The node receives odometry of `robot` although neither uses multicast discovery.
 TEST(DiscoveryServer, BringsOurProcessesTogether) {
   if (!std::filesystem::exists(kServer)) GTEST_SKIP() << kServer << " is not installed";
   const test::NothingDropped nothing_dropped;
@@ -35,14 +35,14 @@ TEST(DiscoveryServer, BringsOurProcessesTogether) {
   const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"/odom"},
                                              [&](const auto&) { ++heard; });
   EXPECT_TRUE(test::spin_until([&] { return heard > 3; }, kTimeout, node));
-  server.send(SIGKILL);  // who knows each other needs it no more
+  server.send(SIGKILL);  // participants that are already matched no longer need it
   (void)server.wait(5.0);
   heard = 0;
   EXPECT_TRUE(test::spin_until([&] { return heard > 3; }, kTimeout, node));
   unsetenv("ROS_DISCOVERY_SERVER");
 }
 
-// The proof that the test above tests something: without the server there is nothing to hear.
+// Counter-check of the test above: without the server the node receives nothing.
 TEST(DiscoveryServer, IsNeededByWhoNamesIt) {
   setenv("ROS_DISCOVERY_SERVER", "127.0.0.1:19999", 1);
   test::ChildProcess robot{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Peers in other languages beside a teleoperated robot of ours: Python on Cyclone DDS, Rust on
-// ros2-client. Built by tests/interop/build_peers; where that could not be, they are skipped.
+// Tests of a teleoperated robot with peers in other languages: Python on Cyclone DDS, rclpy, and
+// Rust on ros2-client. tests/interop/build_peers builds the peers; tests of peers that are missing
+// are skipped.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -28,7 +29,7 @@ const std::string kSystem = test::source_path("bringup/systems/teleop.yaml");
 const fs::path kPython = kPeers / "python" / "bin" / "python";
 const std::string kScript = test::source_path("tests/interop/python_peer/peer.py");
 
-// Beside the system as it ships, but for one parameter.
+// Runs the peer with the system as shipped, except for one parameter.
 void expect_python_does(const std::string& script, const std::string& check,
                         const std::string& parameter, const fs::path& python = kPython) {
   if (!fs::exists(python)) GTEST_SKIP() << python << " was not built";
@@ -40,13 +41,13 @@ void expect_python_does(const std::string& script, const std::string& check,
   EXPECT_EQ(robot.wait(10.0), 0);
 }
 
-// Policy manual behind the filter: the peer's Twist is the person's command.
+// With policy manual the peer's Twist passes only the safety filter.
 void expect_python_does(const std::string& check) {
   expect_python_does(kScript, check, "arbitration:policy:=manual");
 }
 
 TEST(PythonPeer, DrivesOurRobot) { expect_python_does("drive"); }
-// The planner drives for the person, behind the leader that their Twist moves.
+// The peer's Twist moves the leader, and the planner makes the robot follow it.
 TEST(PythonPeer, DrivesByTheLeader) {
   expect_python_does(kScript, "lead", "local_planner:method:=leader");
 }
@@ -75,11 +76,11 @@ TEST(PythonPeer, ReadsOurRecordings) {
   fs::remove_all(root);
 }
 
-// ROS 2's own library for Python.
+// rclpy, ROS 2's Python library.
 const fs::path kRclpy = kPeers / "rclpy" / "bin" / "python";
 const std::string kUserScript = test::source_path("tests/interop/rclpy/user_script.py");
 
-// Newer releases of ROS 2 do not know ROS_LOCALHOST_ONLY any more.
+// Newer releases of ROS 2 no longer support ROS_LOCALHOST_ONLY.
 class RclpyScript : public testing::Test {
  protected:
   RclpyScript() {

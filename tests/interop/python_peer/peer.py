@@ -110,7 +110,7 @@ def drive(obeys=lambda got: math.isclose(got.linear.x, 0.3)):
     while time.monotonic() < end and obeyed < 20:
         user.write(twist)
         obeyed += sum(map(obeys, command.take(100)))
-        time.sleep(0.05)  # the beat of a stick
+        time.sleep(0.05)  # the period of a joystick
     assert obeyed >= 20, f"the robot was told our 0.3 m/s {obeyed} times only"
     return domain, command, end
 

@@ -28,7 +28,7 @@ def setUpModule():
         raise unittest.SkipTest('NOT TESTED: this ROS 2 has no `ros2 bag`')
     folder = pathlib.Path(tempfile.mkdtemp())
     unittest.addModuleCleanup(shutil.rmtree, folder)
-    unittest.addModuleCleanup(ros2, 'daemon', 'stop')  # some commands start one for this domain
+    unittest.addModuleCleanup(ros2, 'daemon', 'stop')  # some commands start the daemon
     driven = start('tandem', 'run', SYSTEM)
     try:
         log = recorded_by_rosbag2()

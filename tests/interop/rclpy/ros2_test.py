@@ -12,7 +12,7 @@ from robot import ros2, says, start, stop, until
 
 DOMAIN = robot.take_domain()
 
-import rclpy  # noqa: E402  reads the domain
+import rclpy  # noqa: E402  reads ROS_DOMAIN_ID
 from rcl_interfaces.msg import LoggerLevel  # noqa: E402
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels  # noqa: E402
 from rclpy.qos import (DurabilityPolicy, QoSPresetProfiles, QoSProfile,  # noqa: E402
@@ -46,7 +46,7 @@ def setUpModule():
 def end(programs):
     node.destroy_node()
     rclpy.shutdown()
-    ros2('daemon', 'stop')  # some commands start one for this domain
+    ros2('daemon', 'stop')  # some commands start the daemon
     results = [stop(program) for program in programs]
     if results != [0, 0]:
         raise AssertionError(f'robot and container ended with {results}')
@@ -184,7 +184,7 @@ class Topics(unittest.TestCase):
         says('frame_id: odom', 'topic', 'echo', '--once', '/odom', ask=ros2)
         says('semi_axis_a: ', 'topic', 'echo', '--once', '/obstacles', ask=ros2)
         hz = subprocess.Popen(['ros2', 'topic', 'hz', '/odom'], stdout=subprocess.PIPE, text=True)
-        measured = any('average rate' in line for line in hz.stdout)  # the first of them
+        measured = any('average rate' in line for line in hz.stdout)  # stops at the first such line
         hz.send_signal(signal.SIGINT)
         hz.communicate(timeout=robot.PATIENCE)
         self.assertTrue(measured)

@@ -28,8 +28,8 @@ VOLATILE, LATCHED = DurabilityPolicy.VOLATILE, DurabilityPolicy.TRANSIENT_LOCAL
 SENDERS = {'volatile reliable': (RELIABLE, VOLATILE),
            'volatile best effort': (BEST_EFFORT, VOLATILE),
            'latched': (RELIABLE, LATCHED)}
-KEEP_ALIVE = 0.1  # [s] from the first match to the end, as `ros2 topic pub -1` has it
-LATE = 1.0        # [s] after the program's end in which its word may still arrive
+KEEP_ALIVE = 0.1  # [s] from the first match to the end, as in `ros2 topic pub -1`
+LATE = 1.0        # [s] after the program's end in which its message may still arrive
 
 
 def press(sender):
@@ -104,7 +104,7 @@ def run(tries):
         [robot.BINARY + '/tandem', 'run', robot.SOURCE + '/bringup/systems/teleop.yaml', '--ros-args',
          '-p', 'dashboard:port:=0'], stderr=subprocess.DEVNULL)
     rclpy.init()
-    rclpy.logging.set_logger_level('bystander', rclpy.logging.LoggingSeverity.ERROR)  # of misfits
+    rclpy.logging.set_logger_level('bystander', rclpy.logging.LoggingSeverity.ERROR)  # no warnings
     try:
         return compare(Bystander(), presser, tries)
     finally:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-//! A peer that shares no code with Tandem: a ROS 2 node in Rust (ros2-client on RustDDS) beside a
-//! teleoperated robot. Exit 0 once every check held, else it panics with what did not.
+//! A ROS 2 node in Rust (ros2-client on RustDDS) that checks a running teleoperated robot; shares
+//! no code with Tandem. Exits with 0 if the check succeeds; otherwise panics with the reason.
 //!
 //!     rust_peer graph | topics | services | parameters | foreign_convention
 //!
-//! The domain is ROS_DOMAIN_ID's.
+//! Uses the domain ROS_DOMAIN_ID.
 
 use std::{future::Future, time::Duration};
 
@@ -54,7 +54,7 @@ async fn pause(duration: Duration) {
   smol::Timer::after(duration).await;
 }
 
-/// What `task` gives, or a panic that names it.
+/// Returns the result of `task`; panics with `what` if it takes longer than `limit`.
 async fn within<T>(limit: Duration, what: &str, task: impl Future<Output = T>) -> T {
   let task = task.fuse();
   let late = pause(limit).fuse();
@@ -65,8 +65,8 @@ async fn within<T>(limit: Duration, what: &str, task: impl Future<Output = T>) -
   }
 }
 
-/// Waits for the service, but no longer than discovery ever takes: wait_for_service of ros2-client
-/// 0.12.1 misses, once in a while, that it is there already.
+/// Waits for the service, but at most as long as discovery can take, because wait_for_service of
+/// ros2-client 0.12.1 occasionally does not notice that the service is already available.
 async fn found<Req, Resp>(node: &Node, client: &Client<Req, Resp>)
 where
   Req: Message + Clone + 'static,
@@ -101,7 +101,7 @@ where
   client.async_call_service(request).await.unwrap_or_else(|error| panic!("{service}: {error:?}"))
 }
 
-/// The nodes of the robot are told by ros_discovery_info.
+/// ros_discovery_info lists the robot's nodes.
 async fn graph(node: &mut Node) {
   let events = node.status_receiver().unwrap();
   pin_mut!(events);
@@ -118,7 +118,7 @@ async fn graph(node: &mut Node) {
   }
 }
 
-/// The robot drives by our command, and we hear what it is told in the end.
+/// The robot follows our command, and we receive the command that it is finally given.
 async fn topics(node: &mut Node) {
   let type_name = MessageTypeName::new("geometry_msgs", "Twist");
   let topic = |name: &str| {
@@ -194,8 +194,8 @@ async fn parameters(node: &mut Node) {
   assert!(!done && reason.contains("no_such"), "{done} {reason}");
 }
 
-/// A request with a header in its payload, as rmw_cyclonedds writes them, gets no answer and does
-/// no harm: the next one of the convention that is spoken here is answered.
+/// A request with a header in its payload, as rmw_cyclonedds sends it, gets no response and does no
+/// harm: the next request in the supported convention is answered.
 async fn foreign_convention(node: &mut Node) {
   let client = node
     .create_client::<TriggerRequest, TriggerResponse>(
