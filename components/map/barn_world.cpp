@@ -27,11 +27,11 @@ constexpr double kResolution = 0.05;  // [m]
 Json load(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!std::filesystem::is_regular_file(file) || !stream)
-    fail(file, "no such file, or it cannot be read; give the path of a file of BARN worlds");
+    fail(file, "no such file, or it is not readable; give the path of a BARN world file");
   Json root = parse_json_or_null<Json>(stream);
   if (!root.is_object() || !root.contains("meta") || !root.contains("worlds") ||
       !root["meta"].is_object() || !root["worlds"].is_object())
-    fail(file, "not a file of BARN worlds: expected JSON with 'meta' and 'worlds'");
+    fail(file, "not a BARN world file: expected JSON with 'meta' and 'worlds'");
   return root;
 }
 
@@ -67,7 +67,7 @@ MapDescription world(const Json& meta, const Json& cylinders) {
   if (map.solids.empty()) throw std::runtime_error("no cylinders");
   if ((map.high - map.low).head<2>().prod() > kLargest * kLargest ||
       static_cast<double>(map.solids.size()) * radius * radius > kLargest * kLargest)
-    throw std::runtime_error("more than a map of 100 m by 100 m");
+    throw std::runtime_error("larger than a map of 100 m by 100 m");
   return map;
 }
 
@@ -132,7 +132,7 @@ std::optional<double> barn_way_length(const std::filesystem::path& file, int num
 
 int barn_world_number(const std::filesystem::path& file, unsigned seed) {
   const auto numbers = barn_world_numbers(file);
-  if (numbers.empty()) fail(file, "no world in it");
+  if (numbers.empty()) fail(file, "it contains no world");
   return numbers[(seed + numbers.size() - 1) % numbers.size()];
 }
 

@@ -98,8 +98,8 @@ MapDescription clutter_world(unsigned seed, const ClutterParams& params) {
     if (plane(cells).can_pass(kClutterStart, kClutterGoal, 0.5 * params.width))
       return describe(cells);
   }
-  throw std::runtime_error("clutter: none of " + std::to_string(kTries) +
-                           " worlds can be passed; fill less, or ask for less width");
+  throw std::runtime_error("clutter: no passable world in " + std::to_string(kTries) +
+                           " attempts; lower fill or width");
 }
 
 }  // namespace tandem

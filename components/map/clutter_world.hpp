@@ -16,9 +16,10 @@ struct ClutterParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("fill", fill, Range{0.0, 0.6}, "share of the cells that are filled at random");
+    field("fill", fill, Range{0.0, 0.6}, "fraction of cells filled at random");
     field("smoothing", smoothing, Range{0, 20}, "steps of the cellular automaton");
-    field("width", width, Range{0.1, 1.5}, "[m] a disc of this diameter comes from start to goal");
+    field("width", width, Range{0.1, 1.5},
+          "[m] diameter of the disc that must be able to pass from start to goal");
   }
 };
 

@@ -132,12 +132,13 @@ std::unique_ptr<octomap::OcTree> extrude(const Grid& grid, double height) {
   const Eigen::Array2d low = grid.origin.array() / grid.resolution;
   const Eigen::Array2d high = low + Eigen::Array2d{grid.width, grid.height};
   if (!(low.abs().max(high.abs()).maxCoeff() < kMiddleKey - 1.0))
-    throw std::runtime_error("the map is farther from its origin than an OctoMap reaches (" +
-                             std::to_string(kMiddleKey * grid.resolution) +
-                             " m); move the origin or make it coarser");
+    throw std::runtime_error(
+        "the map extends farther from its origin than an OctoMap can represent (" +
+        std::to_string(kMiddleKey * grid.resolution) +
+        " m); move the origin or use a coarser resolution");
   if (std::all_of(grid.cells.begin(), grid.cells.end(),
                   [](Cell cell) { return cell == Cell::kUnknown; }))
-    throw std::runtime_error("nothing in the map is known");
+    throw std::runtime_error("the map has no known cell");
   const int layers =
       std::clamp(static_cast<int>(std::lround(height / grid.resolution)), 1, kMiddleKey);
   std::istringstream stream{TreeWriter{voxels_of(on_voxels(grid)), layers}.bytes()};

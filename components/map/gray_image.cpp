@@ -20,15 +20,15 @@ namespace tandem {
 namespace {
 
 constexpr int kByte = 255, kWord = 65535;
-constexpr std::size_t kMostDeflated = 1032;  // largest expansion of one byte of a PNG [bytes]
+constexpr std::size_t kMaxDeflated = 1032;  // largest expansion of one byte of a PNG [bytes]
 
 std::string too_large(std::int64_t width, std::int64_t height) {
   return std::to_string(width) + " × " + std::to_string(height) +
-         " pixels are none or more than 10⁸; cut the map or make it coarser";
+         " pixels: must be between 1 and 10⁸; crop the map or make it coarser";
 }
 
 bool is_size(std::int64_t width, std::int64_t height) {
-  return width > 0 && height > 0 && width <= kMostCells && height <= kMostCells / width;
+  return width > 0 && height > 0 && width <= kMaxCells && height <= kMaxCells / width;
 }
 
 // --- PGM ---
@@ -44,7 +44,7 @@ class PgmStream {
     int value = 0, digits = 0;
     for (; std::isdigit(in_.peek()) != 0; ++digits) {
       value = 10 * value + (in_.get() - '0');
-      if (value > most) throw std::runtime_error("a number in it is larger than allowed");
+      if (value > most) throw std::runtime_error("a number in its header is too large");
     }
     if (digits == 0) throw std::runtime_error("truncated or damaged; save it again");
     return value;
@@ -53,7 +53,7 @@ class PgmStream {
   void read(std::vector<std::uint8_t>& bytes) {
     if (!in_.read(reinterpret_cast<char*>(bytes.data()),
                   static_cast<std::streamsize>(bytes.size())))
-      throw std::runtime_error("truncated: it holds fewer pixels than its header says");
+      throw std::runtime_error("truncated: it holds fewer pixels than its header declares");
   }
 
   void skip_one() { in_.get(); }
@@ -92,9 +92,9 @@ std::vector<std::uint16_t> plain_row(PgmStream& stream, int width, int white) {
 GrayImage read_pgm(std::ifstream& file, bool is_binary) {
   PgmStream stream{file};
   GrayImage image;
-  constexpr int kMostDigits = 100'000'000;  // more than kMostCells allows, and no overflow
-  image.width = stream.number(kMostDigits);
-  image.height = stream.number(kMostDigits);
+  constexpr int kMaxDigits = 100'000'000;  // more than kMaxCells allows, and no overflow
+  image.width = stream.number(kMaxDigits);
+  image.height = stream.number(kMaxDigits);
   const int white = stream.number(kWord);
   if (!is_size(image.width, image.height) || white == 0)
     throw std::runtime_error(too_large(image.width, image.height));
@@ -138,13 +138,13 @@ void on_warning(png_structp, png_const_charp) {}
 PngReader::PngReader() {
   png = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
   info = png == nullptr ? nullptr : png_create_info_struct(png);
-  if (info == nullptr) throw std::runtime_error("libpng cannot be used");
+  if (info == nullptr) throw std::runtime_error("libpng could not be initialized");
 }
 
 bool PngReader::read_header(std::FILE* file) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
-  png_set_user_limits(png, static_cast<png_uint_32>(kMostCells),
-                      static_cast<png_uint_32>(kMostCells));
+  png_set_user_limits(png, static_cast<png_uint_32>(kMaxCells),
+                      static_cast<png_uint_32>(kMaxCells));
   png_init_io(png, file);
   png_read_info(png, info);
   png_set_expand(png);  // palettes and small depths become 8 bits per channel; 16 bits stay
@@ -190,7 +190,7 @@ GrayImage read_png(const std::filesystem::path& path) {
                                                              std::fclose};
   PngReader reader;
   if (!file || !reader.read_header(file.get()))
-    throw std::runtime_error("no PNG that can be read: " + reader.error);
+    throw std::runtime_error("not a readable PNG: " + reader.error);
   const std::int64_t width = png_get_image_width(reader.png, reader.info);
   const std::int64_t height = png_get_image_height(reader.png, reader.info);
   if (!is_size(width, height)) throw std::runtime_error(too_large(width, height));
@@ -199,8 +199,8 @@ GrayImage read_png(const std::filesystem::path& path) {
                            png_get_bit_depth(reader.png, reader.info) / 8U};
   const std::size_t row = png_get_rowbytes(reader.png, reader.info);
   const std::size_t size = row * static_cast<std::size_t>(height);
-  if (size / kMostDeflated > std::filesystem::file_size(path))
-    throw std::runtime_error("truncated: so few bytes cannot hold the pixels of its header");
+  if (size / kMaxDeflated > std::filesystem::file_size(path))
+    throw std::runtime_error("truncated: the file is too small for the pixels its header declares");
   std::vector<png_byte> pixels(size);
   std::vector<png_bytep> rows;
   for (std::size_t at = 0; at < pixels.size(); at += row) rows.push_back(&pixels[at]);
@@ -212,14 +212,14 @@ GrayImage read_png(const std::filesystem::path& path) {
 
 GrayImage read(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path))
-    throw std::runtime_error("no such file; `image` is looked for beside the map's YAML");
+    throw std::runtime_error("no such file; `image` is relative to the folder of the map's YAML");
   std::ifstream file{path, std::ios::binary};
   char first[2]{};
   file.read(first, sizeof first);
   const std::string_view magic{first, sizeof first};
   if (magic == "P5" || magic == "P2") return read_pgm(file, magic == "P5");
   if (magic == "\x89P") return read_png(path);
-  throw std::runtime_error("neither PGM (P2, P5) nor PNG; convert it: convert " +
+  throw std::runtime_error("neither PGM (P2, P5) nor PNG; convert it with: convert " +
                            path.filename().string() + " map.png");
 }
 

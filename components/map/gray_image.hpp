@@ -18,7 +18,7 @@ struct GrayImage {
 };
 
 /// Reads a .pgm (P2, P5) or .png file, recognised by its first bytes. Gamma is not applied. Throws
-/// std::runtime_error, one line that names the file, if it is damaged or has more than kMostCells
+/// std::runtime_error, one line that names the file, if it is damaged or has more than kMaxCells
 /// pixels. Never allocates memory for more pixels than the header declares.
 [[nodiscard]] GrayImage read_gray_image(const std::filesystem::path& file);
 

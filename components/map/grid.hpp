@@ -11,7 +11,7 @@ namespace tandem {
 enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
 
 /// Largest number of cells of a grid; larger requests are errors instead of exhausting memory.
-inline constexpr std::int64_t kMostCells = 100'000'000;
+inline constexpr std::int64_t kMaxCells = 100'000'000;
 
 /// Row-major cells, row 0 at the lowest y. Cell (ix, iy) is the square of side `resolution` whose
 /// lower left corner is origin + resolution · (ix, iy).

@@ -111,7 +111,7 @@ OccupancyPlane load_image_map(const std::filesystem::path& file) {
   const YAML::Node root = reader.load();
   reader.each_once(root);
   const YAML::Node image_name = reader.required(root, "image");
-  if (!is_file_name(image_name)) reader.fail(image_name, "expected the name of an image");
+  if (!is_file_name(image_name)) reader.fail(image_name, "expected the file name of an image");
   const Eigen::Vector3d origin = reader.vector<3>(reader.required(root, "origin"));
   const Legend legend = legend_of(reader, root);
   OccupancyPlane plane;
@@ -122,7 +122,7 @@ OccupancyPlane load_image_map(const std::filesystem::path& file) {
   plane.height = image.height;
   plane.percent = percents_of(image, legend);
   if (const std::string error = error_of(plane); !error.empty())
-    reader.fail(root, error + "; are the thresholds, `negate` and `mode` those of its image?");
+    reader.fail(root, error + "; do the thresholds, `negate` and `mode` match the image?");
   return plane;
 }
 

@@ -13,19 +13,19 @@
 namespace tandem {
 namespace {
 
-constexpr double kMostVoxels = 5e7;
+constexpr double kMaxVoxels = 5e7;
 constexpr double kHuge = YamlReader::kHuge;
 
 // Reads the solid's heights from `height` or `z`.
 void read_heights(const YamlReader& reader, const YAML::Node& map, Solid& solid) {
   if (static_cast<bool>(map["height"]) == static_cast<bool>(map["z"]))
-    reader.fail(map, "give one of 'height' and 'z: [low, high]'");
+    reader.fail(map, "give exactly one of 'height' and 'z: [low, high]'");
   if (map["height"]) {
     solid.z_high = reader.number(map["height"], 1e-3, kHuge);
     return;
   }
   const Eigen::Vector2d z = reader.vector<2>(map["z"]);
-  if (!(z[0] < z[1])) reader.fail(map["z"], "z must rise");
+  if (!(z[0] < z[1])) reader.fail(map["z"], "z must be [low, high] with low < high");
   solid.z_low = z[0];
   solid.z_high = z[1];
 }
@@ -54,11 +54,11 @@ void add(const YamlReader& reader, const YAML::Node& where, const Solid& solid,
   const Eigen::Vector3d high{solid.p_MC.x() + half.x(), solid.p_MC.y() + half.y(), solid.z_high};
   if ((low.array() < map.low.array() - 1e-9).any() ||
       (high.array() > map.high.array() + 1e-9).any())
-    reader.fail(where, "reaches outside of the bounds");
+    reader.fail(where, "extends beyond the bounds");
   if (solid.size.minCoeff() < map.resolution - 1e-9)
-    reader.fail(where, "thinner than a voxel: it would have holes");
+    reader.fail(where, "thinner than a voxel: it would have gaps");
   if (solid.z_high - solid.z_low < map.resolution - 1e-9)
-    reader.fail(where, "lower than a voxel: it would not be there");
+    reader.fail(where, "lower than a voxel: it would disappear");
   map.solids.push_back(solid);
 }
 
@@ -67,13 +67,14 @@ void add_wall(const YamlReader& reader, const YAML::Node& node, MapDescription& 
   const YAML::Node points = reader.required(node, "points");
   const double thickness = reader.number(reader.required(node, "thickness"), 1e-3, kHuge);
   const bool closed = reader.flag(node, "closed", false);
-  if (!points.IsSequence() || points.size() < 2) reader.fail(points, "expected two points or more");
+  if (!points.IsSequence() || points.size() < 2)
+    reader.fail(points, "expected at least two points");
   const std::size_t count = points.size(), pieces = closed ? count : count - 1;
   for (std::size_t i = 0; i < pieces; ++i) {
     const Eigen::Vector2d from = reader.vector<2>(points[i]);
     const Eigen::Vector2d to = reader.vector<2>(points[(i + 1) % count]);
     const double length = (to - from).norm();
-    if (!(length > 0.0)) reader.fail(points[i], "two points of a wall coincide");
+    if (!(length > 0.0)) reader.fail(points[i], "two consecutive points of a wall coincide");
     // At a joint the piece extends by half the thickness, so that the corner is filled.
     const double before = closed || i > 0 ? 0.5 * thickness : 0.0;
     const double after = closed || i + 1 < pieces ? 0.5 * thickness : 0.0;
@@ -174,15 +175,15 @@ MapDescription read_map(const YamlReader& reader, const YAML::Node& root) {
   map.high = reader.vector<3>(reader.required(bounds, "high"));
   if (!(map.low.array() < map.high.array()).all()) reader.fail(bounds, "low must be below high");
   const Eigen::Vector3d size = (map.high - map.low) / map.resolution;
-  if (size.prod() > kMostVoxels || size.maxCoeff() > 3e4 ||
+  if (size.prod() > kMaxVoxels || size.maxCoeff() > 3e4 ||
       map.low.cwiseAbs().cwiseMax(map.high.cwiseAbs()).maxCoeff() / map.resolution > 3e4)
-    reader.fail(bounds, "more voxels than a map may have; use a coarser resolution");
+    reader.fail(bounds, "too many voxels for a map; use a coarser resolution");
   map.free_space = reader.flag(root, "free_space", map.free_space);
   map.floor = reader.flag(root, "floor", map.floor);
   add_all(reader, root["walls"], map, add_wall);
   add_all(reader, root["boxes"], map, add_box);
   add_all(reader, root["cylinders"], map, add_cylinder);
-  if (map.solids.empty()) reader.fail(root, "nothing solid: give walls, boxes or cylinders");
+  if (map.solids.empty()) reader.fail(root, "the map is empty: add walls, boxes or cylinders");
   return map;
 }
 

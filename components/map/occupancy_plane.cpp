@@ -9,14 +9,14 @@
 namespace tandem {
 namespace {
 
-constexpr int kOccupiedFrom = 50, kMost = 100;               // [%]
+constexpr int kOccupiedFrom = 50, kMax = 100;                // [%]
 constexpr double kSmallestCell = 1e-3, kLargestCell = 10.0;  // resolution [m], as in an OctoMap
 constexpr double kFarthest = 1e6;                            // [m]
 constexpr double kTouching = 1e-6;  // of a cell; a common edge is not an overlap
 constexpr double kStraight = 0.01;  // of a cell; smaller rotations count as none
 
 Cell cell_of(std::int8_t percent) {
-  if (percent < 0 || percent > kMost) return Cell::kUnknown;
+  if (percent < 0 || percent > kMax) return Cell::kUnknown;
   return percent >= kOccupiedFrom ? Cell::kOccupied : Cell::kFree;
 }
 
@@ -42,8 +42,8 @@ Grid around(const OccupancyPlane& plane) {
   }
   const Eigen::Array2d first = (low / r + kTouching).floor();
   const Eigen::Array2d size = (high / r - kTouching).ceil() - first;
-  if (!(size.prod() <= static_cast<double>(kMostCells)))
-    throw std::runtime_error("turned by its yaw it spans more than 10⁸ cells; cut it");
+  if (!(size.prod() <= static_cast<double>(kMaxCells)))
+    throw std::runtime_error("rotated by its yaw it spans more than 10⁸ cells; crop it");
   Grid grid{r, first * r, static_cast<int>(size.x()), static_cast<int>(size.y()), {}};
   grid.cells.assign(static_cast<std::size_t>(size.prod()), Cell::kUnknown);
   return grid;
@@ -91,9 +91,9 @@ std::string error_of(const OccupancyPlane& plane) {
     return "resolution " + std::to_string(plane.resolution) + " m outside [0.001, 10] m";
   if (!is_finite(plane.X_MO) || plane.X_MO.position().cwiseAbs().maxCoeff() > kFarthest)
     return "its origin is not finite, has a zero quaternion or is farther than 1000 km";
-  if (plane.width <= 0 || plane.height <= 0 || plane.width > kMostCells / plane.height)
+  if (plane.width <= 0 || plane.height <= 0 || plane.width > kMaxCells / plane.height)
     return std::to_string(plane.width) + " × " + std::to_string(plane.height) +
-           " cells are none or more than 10⁸";
+           " cells: must be between 1 and 10⁸";
   if (plane.percent.size() !=
       static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height))
     return "it holds " + std::to_string(plane.percent.size()) + " cells, not " +

@@ -20,14 +20,14 @@ struct OccupancyPlane {
   std::vector<std::int8_t> percent;  ///< outside [0, 100]: unknown
 };
 
-/// The first error of the plane: its sizes contradict each other, it has more than kMostCells
+/// The first error of the plane: its sizes contradict each other, it has more than kMaxCells
 /// cells, a number is not finite or out of range, or no cell is occupied. Empty if there is none.
 [[nodiscard]] std::string error_of(const OccupancyPlane& plane);
 
 /// Cells of 50 % and more are occupied, as in OctoMap, those below are free. A rotated plane is
 /// resampled to cells along the axes of M: occupied if they overlap an occupied cell, else as the
 /// cell at their centre. Throws std::runtime_error with error_of, or if the result has more than
-/// kMostCells.
+/// kMaxCells.
 [[nodiscard]] Grid to_grid(const OccupancyPlane& plane);
 
 }  // namespace tandem

@@ -21,7 +21,7 @@ constexpr std::int32_t kLegacyOcTree = 3;
 constexpr std::size_t kColor = 3;                   // [bytes]
 constexpr std::uintmax_t kLargestFile = 1U << 30U;  // [bytes]
 constexpr double kFinest = 1e-3, kCoarsest = 10.0;  // resolution [m]
-const std::string kWrongContent = "the bytes are cut off or damaged";
+const std::string kWrongContent = "the data are truncated or damaged";
 
 struct Header {
   OctomapFormat format;
@@ -118,11 +118,12 @@ std::string read_whole(const std::filesystem::path& file) {
     throw std::runtime_error(name + ": not a file; give the path of an OctoMap .bt or .ot file");
   const auto size = std::filesystem::file_size(file, error);
   if (error || size > kLargestFile)
-    throw std::runtime_error(name + ": larger than 1 GiB or of unknown size; use a coarser map");
+    throw std::runtime_error(name +
+                             ": larger than 1 GiB, or its size is unknown; use a coarser map");
   std::ifstream stream(file, std::ios::binary);
   std::string bytes(static_cast<std::size_t>(size), '\0');
   if (!stream.read(bytes.data(), static_cast<std::streamsize>(size)))
-    throw std::runtime_error(name + ": cannot be read; check its permissions");
+    throw std::runtime_error(name + ": not readable; check its permissions");
   return bytes;
 }
 
@@ -143,7 +144,7 @@ std::optional<std::size_t> payload_of(const std::string& id) {
 std::string format_error(const OctomapFormat& format) {
   // Binary data have the same meaning for every tree type; OctoMap's reader ignores the type too.
   if (!format.binary && !payload_of(format.id))
-    return "holds a tree of type '" + format.id.substr(0, 40) +
+    return "contains a tree of type '" + format.id.substr(0, 40) +
            "', not OcTree, ColorOcTree or OcTreeStamped; save it as binary (.bt)";
   if (!(format.resolution >= kFinest && format.resolution <= kCoarsest)) {
     std::ostringstream text;
@@ -206,19 +207,19 @@ std::unique_ptr<octomap::OcTree> load_octomap(const std::filesystem::path& file)
   const auto fail = [&](const std::string& what) -> std::runtime_error {
     return std::runtime_error(file.string() + ": " + what);
   };
-  if (bytes.empty()) throw fail("the file is empty; copy it again or rebuild it");
+  if (bytes.empty()) throw fail("the file is empty; copy it again or rebuild the map");
   const auto header = parse_header(bytes);
   if (!header)
     throw fail(
-        "not an OctoMap file (.bt or .ot), or its header is cut off or damaged; "
-        "`tandem map build` makes one");
+        "not an OctoMap file (.bt or .ot), or its header is truncated or damaged; `tandem map "
+        "build` creates one");
   DecodedOctomap decoded = decode(header->format, header->data);
   if (decoded.tree && has_promised_size(*header, *decoded.tree)) return std::move(decoded.tree);
   if (decoded.tree || decoded.error == kWrongContent)
     throw fail(
-        "truncated or damaged (its tree does not end where the header says); "
-        "copy it again or rebuild it");
-  throw fail(decoded.error + "; give another map or rebuild it");
+        "truncated or damaged (its tree does not end where the header says); copy it again or "
+        "rebuild the map");
+  throw fail(decoded.error + "; use another map or rebuild this one");
 }
 
 std::string bt_file_bytes(const octomap::OcTree& tree) {
@@ -241,7 +242,7 @@ void save_octomap(const octomap::OcTree& tree, const std::filesystem::path& file
   if (stream) std::filesystem::rename(part, file, error);
   if (stream && !error) return;
   std::filesystem::remove(part, error);
-  throw std::runtime_error(file.string() + ": cannot be written");
+  throw std::runtime_error(file.string() + ": not writable");
 }
 
 }  // namespace tandem

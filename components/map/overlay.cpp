@@ -57,9 +57,9 @@ Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC, do
   const double r = live.resolution;
   const double step = r * std::max(1.0, std::round(kStep / r));
   const double side = std::ceil(2.0 * reach / step + 1.0) * step, cells = std::round(side / r);
-  if (!(cells * cells <= static_cast<double>(kMostCells)))
-    throw std::runtime_error("cells of " + std::to_string(r) + " m are too many within " +
-                             std::to_string(reach) + " m: more than 10⁸");
+  if (!(cells * cells <= static_cast<double>(kMaxCells)))
+    throw std::runtime_error("cells of " + std::to_string(r) + " m: too many within " +
+                             std::to_string(reach) + " m: more than 10⁸ cells");
   Grid out;
   out.resolution = r;
   out.origin = ((p_MC.array() - reach) / step).floor() * step;

@@ -14,7 +14,7 @@ void lay_over(Grid& out, const Grid& in);
 /// overlaps an occupied cell of either grid, else free if it overlaps a free one, else unknown. The
 /// cells are aligned with OctoMap's, and the square moves in whole metres, so that it does not
 /// change with every step of the robot. Throws std::runtime_error if it would have more than
-/// kMostCells.
+/// kMaxCells.
 [[nodiscard]] Grid overlay(const Grid& base, const Grid& live, const Eigen::Vector2d& p_MC,
                            double reach);
 

@@ -27,8 +27,8 @@ Grid frame_of(const Grid& grid, const Pose2& X_MF, double spread) {
   }
   const Eigen::Array2d first = ((low - spread) / r).floor(), last = ((high + spread) / r).ceil();
   const Eigen::Array2d cells = last - first;
-  if (!(cells.prod() <= static_cast<double>(kMostCells)))
-    throw std::runtime_error("turned into the map's frame it has more than 10⁸ cells");
+  if (!(cells.prod() <= static_cast<double>(kMaxCells)))
+    throw std::runtime_error("rotated into the map's frame it has more than 10⁸ cells");
   Grid out;
   out.resolution = r;
   out.origin = (first * r).matrix();

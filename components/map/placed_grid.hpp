@@ -13,7 +13,7 @@ namespace tandem {
 /// that moves no point of the grid by more than `spread`.
 ///
 /// Without rotation and spread the grid is shifted, and nothing is lost or added. Throws
-/// std::runtime_error if the result would have more than kMostCells.
+/// std::runtime_error if the result would have more than kMaxCells.
 [[nodiscard]] Grid placed(Grid grid, const Pose2& X_MF, double spread = 0.0);
 
 }  // namespace tandem

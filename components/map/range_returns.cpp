@@ -12,7 +12,7 @@ namespace tandem {
 namespace {
 
 constexpr std::uint8_t kFloat32 = 7, kFloat64 = 8;  // of sensor_msgs/PointField
-constexpr std::size_t kMostPoints = 10'000'000;
+constexpr std::size_t kMaxPoints = 10'000'000;
 constexpr double kFarthest = 1000.0;       // [m] longest free ray
 constexpr double kLongestScan = 1.0;       // [s]
 constexpr double kScanTimeAccuracy = 1.1;  // factor, because drivers round scan_time
@@ -41,14 +41,14 @@ std::string layout_error(const CloudLayout& layout, std::size_t bytes) {
   if (layout.point_step == 0) return "point_step is 0";
   if (layout.height > 1 && layout.row_step < row)
     return "row_step = " + std::to_string(layout.row_step) +
-           " is less than width × point_step = " + std::to_string(row);
+           " is smaller than width × point_step = " + std::to_string(row);
   // Both factors are below 2³², so neither product overflows.
-  if (std::uint64_t{layout.height} * layout.width > kMostPoints)
-    return "more than " + std::to_string(kMostPoints) + " points";
+  if (std::uint64_t{layout.height} * layout.width > kMaxPoints)
+    return "more than " + std::to_string(kMaxPoints) + " points";
   const std::uint64_t needed = std::uint64_t{layout.height - 1} * layout.row_step + row;
   if (needed > bytes)
-    return "data has " + std::to_string(bytes) + " bytes, height, row_step and width ask for " +
-           std::to_string(needed);
+    return "data holds " + std::to_string(bytes) +
+           " bytes, but height, row_step and width require " + std::to_string(needed);
   return {};
 }
 
@@ -82,7 +82,7 @@ std::string time_error_of(const RangeScan& scan) {
   if (taken <= longest) return {};
   std::ostringstream text;
   text << "time_increment = " << scan.time_increment << " s makes the scan " << taken
-       << " s long, of at most " << longest << " s";
+       << " s long; the maximum is " << longest << " s";
   return text.str();
 }
 

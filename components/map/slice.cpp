@@ -41,10 +41,10 @@ Grid unknown_grid(double resolution, const KeyBox& box) {
   grid.width = std::max(0, box.end[0] - box.begin[0]);
   grid.height = std::max(0, box.end[1] - box.begin[1]);
   const auto count = static_cast<std::int64_t>(grid.width) * grid.height;
-  if (count > kMostCells)
-    throw std::runtime_error("the map spans " + std::to_string(grid.width) + " × " +
+  if (count > kMaxCells)
+    throw std::runtime_error("the map has " + std::to_string(grid.width) + " × " +
                              std::to_string(grid.height) +
-                             " cells, more than 10⁸: cut it or make it coarser");
+                             " cells, more than 10⁸: crop it or make it coarser");
   if (count > 0)
     grid.origin = {resolution * (box.begin[0] - kMiddleKey),
                    resolution * (box.begin[1] - kMiddleKey)};

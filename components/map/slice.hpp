@@ -19,12 +19,14 @@ struct SliceParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("z_min", z_min, Range{-10.0, 100.0}, "[m] above the floor: ground clearance");
-    field("z_max", z_max, Range{-10.0, 100.0}, "[m] above the floor: the robot's height");
-    field("floor", floor, Range{-1000.0, 1000.0}, "[m] height of the floor in the map");
-    field(
-        "drop_off", drop_off, Range{0.0, 10.0},
-        "[m] a floor seen to be missing down to this depth is an obstacle; 0: it is not looked at");
+    field("z_min", z_min, Range{-10.0, 100.0},
+          "[m] lower bound of the slice above the floor: the robot's ground clearance");
+    field("z_max", z_max, Range{-10.0, 100.0},
+          "[m] upper bound of the slice above the floor: the robot's height");
+    field("floor", floor, Range{-1000.0, 1000.0}, "[m] height of the floor in the map's frame");
+    field("drop_off", drop_off, Range{0.0, 10.0},
+          "[m] where the floor is observed free down to this depth (stairs, kerbs), the cell is an "
+          "obstacle; 0: drop-offs are not detected");
   }
 };
 

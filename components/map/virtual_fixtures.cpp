@@ -53,10 +53,9 @@ Grid grown(const Grid& grid, const Box& box) {
   const Vector2d above = (((box.high - grid.origin) / r) - size).array().ceil().max(0.0);
   if (below.isZero() && above.isZero()) return grid;
   const Vector2d total = below + size + above;
-  if (!(total.prod() <= static_cast<double>(kMostCells)))
+  if (!(total.prod() <= static_cast<double>(kMaxCells)))
     throw std::runtime_error(
-        "a forbidden region is so far off the map that the grid grows beyond "
-        "10⁸ cells");
+        "a forbidden region is so far from the map that the grid would exceed 10⁸ cells");
   const Eigen::Vector2i shift = below.cast<int>();
   Grid out{
       r, grid.origin - r * below, static_cast<int>(total.x()), static_cast<int>(total.y()), {}};
@@ -83,7 +82,7 @@ std::vector<Vector2d> read_points(const YamlReader& reader, const YAML::Node& no
                                   std::size_t least) {
   if (!node.IsSequence() || node.size() < least)
     reader.fail(node, "expected " + std::string{least == 2 ? "two" : "three"} +
-                          " points or more, [[x, y], …]");
+                          " or more points, [[x, y], …]");
   std::vector<Vector2d> points;
   for (const auto& point : node) points.push_back(reader.vector<2>(point));
   return points;

@@ -13,7 +13,7 @@ MapServerNode::MapServerNode(rt::Node& node)
       octomap_{node.create_publisher(topics::octomap_binary)},
       map_{node.create_publisher(topics::map)} {
   if (params_->map.empty())
-    throw std::invalid_argument("map: name an OctoMap (.bt, .ot) or a map's YAML");
+    throw std::invalid_argument("map: give the path of an OctoMap (.bt, .ot) or of a map's YAML");
   const auto tree = load_map(params_->map);
   const auto map_header = header(node.stamp(), params_->frames.map);
   octomap_msgs::msg::Octomap msg;

@@ -42,7 +42,7 @@ TEST(CostToGo, LeadsRoundAWall) {
   EXPECT_LT(cost.downhill({1.0, 0.5}), 1.6);
 }
 
-TEST(CostToGo, IsNeverLessThanTheStraightWayAndAsLongAsAFoundOne) {
+TEST(CostToGo, IsNeverLessThanTheStraightLineAndAsLongAsAFoundPath) {
   const StaticMap map = walled();
   const Eigen::Vector2d goal{3.0, 0.5};
   const CostToGo cost{map, goal, 0.2, 0.0};
@@ -58,7 +58,7 @@ TEST(CostToGo, IsNeverLessThanTheStraightWayAndAsLongAsAFoundOne) {
     }
 }
 
-TEST(CostToGo, IsInfiniteWhereNoWayLeads) {
+TEST(CostToGo, IsInfiniteWhereNoPathLeads) {
   const StaticMap map = walled();
   EXPECT_TRUE(std::isinf(CostToGo(map, {3.0, 0.5}, 0.6, 0.0).at({1.0, 0.5})));  // too wide
   const CostToGo cost{map, {3.0, 0.5}, 0.1};

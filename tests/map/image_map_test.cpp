@@ -134,7 +134,7 @@ TEST_F(ImageMap, TakesTransparentPixelsAsMapServerDoes) {
   EXPECT_EQ(read("scale"), (std::vector<int>{100, -1, -1}));
 }
 
-TEST_F(ImageMap, BecomesTheOctomapWhoseSliceItIs) {
+TEST_F(ImageMap, BecomesAnOctomapWithTheSameSlice) {
   write_pgm();
   const auto file = write_yaml("");
   const Grid grid = slice(*load_map(file), {});
@@ -174,7 +174,7 @@ TEST_F(ImageMap, TurnedByItsYawKeepsEveryWall) {
     }
 }
 
-TEST_F(ImageMap, IsRefusedInOneLineThatNamesWhatIsWrong) {
+TEST_F(ImageMap, ErrorsNameWhatIsWrongInOneLine) {
   write_pgm();
   const auto expect = [&](const fs::path& file, const std::string& part) {
     EXPECT_NE(complaint(file).find(part), std::string::npos) << complaint(file);
@@ -183,7 +183,7 @@ TEST_F(ImageMap, IsRefusedInOneLineThatNamesWhatIsWrong) {
   expect(write_yaml("negate: maybe\n"), "true or false");
   expect(write_yaml("", "missing.pgm"), "missing.pgm: no such file");
   write("comma.yaml", ",image: room.pgm\nresolution: 0.5\n");
-  expect(folder_ / "comma.yaml", "belongs to nothing");
+  expect(folder_ / "comma.yaml", "stray comma or bracket");
   expect(write_yaml("", "room.pgm", "[0, 0]"), "[3 numbers]");
   expect(write_yaml("", "room.pgm", "[0, 0, .nan]"), "outside");
   expect(write_yaml("", "room.yaml"), "neither PGM");
@@ -259,7 +259,7 @@ TEST(Extrude, CostsNoMoreForALargeHallThanItsWallsDo) {
   EXPECT_EQ(slice(*tree, {}).cells, grid.cells);
 }
 
-TEST(Extrude, RefusesWhatIsFartherThanAnOctomapReaches) {
+TEST(Extrude, RefusesMapsBeyondTheRangeOfAnOctomap) {
   const Grid grid{0.05, {1.0e4, 0.0}, 1, 1, {Cell::kOccupied}};
   EXPECT_THROW((void)extrude(grid, 1.0), std::runtime_error);
 }

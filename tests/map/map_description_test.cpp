@@ -84,7 +84,7 @@ TEST(MapDescription, FreeSpaceAndFloorAreFlags) {
 
 TEST(MapDescription, ErrorsNameTheLine) {
   EXPECT_EQ(complaint("resolution: 0.05\nbounds: {low: [0, 0, 0], high: [1, 1, 1]}\nwals: []\n"),
-            "test.yaml:3: unknown key 'wals'; known here: resolution, bounds, free_space, floor, "
+            "test.yaml:3: unknown key 'wals'; valid keys: resolution, bounds, free_space, floor, "
             "walls, boxes, cylinders");
   EXPECT_TRUE(complaint(kHead + "cylinders:\n- {center: [0, 0], diamter: 1, height: 1}\n")
                   .starts_with("test.yaml:4: unknown key 'diamter'"));
@@ -97,7 +97,7 @@ TEST(MapDescription, ErrorsNameTheLine) {
   EXPECT_TRUE(complaint("a: [1\n").starts_with("test.yaml:"));
 }
 
-TEST(MapDescription, RefusesWhatMakesNoMap) {
+TEST(MapDescription, RefusesDescriptionsThatGiveNoMap) {
   const std::string box = "boxes: [{center: [0, 0], size: [1, 1], height: 1}]\n";
   EXPECT_NE(complaint(""), "");
   EXPECT_NE(complaint("- 1\n"), "");

@@ -177,7 +177,7 @@ TEST(OctomapFile, ReadsTheOccupancyOfAStampedTree) {
   EXPECT_EQ(bt_file_bytes(*load_bytes(binary_file(stamped))), bt_file_bytes(tree));
 }
 
-TEST(OctomapFile, ReadsAFileOfBeforeVersionOne) {
+TEST(OctomapFile, ReadsAFileFromBeforeVersionOne) {
   const octomap::OcTree tree = small_tree();
   EXPECT_EQ(bt_file_bytes(*load_bytes(legacy_file(tree))), bt_file_bytes(tree));
   EXPECT_TRUE(*load_bytes(replaced(ot_bytes(tree), "id OcTree", "id 1")) == tree);
@@ -230,12 +230,12 @@ TEST(OctomapFile, RefusesBytesBeyondTheTree) {
   EXPECT_NE(complaint_of_file(ot_bytes(small_tree()) + std::string(5, '\0')), "");
 }
 
-TEST(OctomapFile, RefusesWhatIsNoFile) {
+TEST(OctomapFile, RefusesPathsThatAreNotFiles) {
   EXPECT_THROW((void)load_octomap("/nonexistent/map.bt"), std::runtime_error);
   EXPECT_THROW((void)load_octomap(fs::temp_directory_path()), std::runtime_error);
 }
 
-TEST(OctomapFile, RefusesWhatIsNoOctomap) {
+TEST(OctomapFile, RefusesFilesThatAreNotOctomaps) {
   EXPECT_NE(complaint_of_file("P5 100 100 255\n").find("not an OctoMap file"), std::string::npos);
   EXPECT_NE(complaint_of_file(std::string(3000, '\xff')).find("not an OctoMap file"),
             std::string::npos);

@@ -42,7 +42,7 @@ void expect_both(const Grid& base, const Grid& live, const Grid& out) {
     }
 }
 
-TEST(Overlay, ACellIsWhatTheStrongerOfBothGridsSays) {
+TEST(Overlay, ACellTakesTheStrongerStateOfBothGrids) {
   std::mt19937 random{1};
   for (const double resolution : {0.05, 0.1, 0.025}) {  // of the static map
     const Grid base = random_grid(random, resolution, {-1.0, 0.5});
@@ -53,7 +53,7 @@ TEST(Overlay, ACellIsWhatTheStrongerOfBothGridsSays) {
   }
 }
 
-TEST(Overlay, UnknownCellsAreAllThatIsLeftOfTheGroundThatNobodyKnows) {
+TEST(Overlay, OnlyCellsUnknownToBothGridsStayUnknown) {
   std::mt19937 random{1};
   const Grid grid = random_grid(random, 0.05, {0.0, 0.0});
   const Grid unknown = unknown_cells(grid);

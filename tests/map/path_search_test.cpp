@@ -42,7 +42,7 @@ TEST(Way, TakesTheWideOpeningIfOnlyThatIsWideEnough) {
   EXPECT_TRUE(find_path(map, {0.7, 1.0}, {3.3, 1.0}, 0.7).empty());
 }
 
-TEST(Way, IsNoneFromOutsideOfTheMap) {
+TEST(Way, IsEmptyFromOutsideTheMap) {
   EXPECT_TRUE(find_path(two_openings(), {-1.0, 1.0}, {3.3, 1.0}, 0.1).empty());
 }
 

@@ -24,7 +24,7 @@ RangeScan scan(std::span<const float> ranges) {
           .ranges = ranges};
 }
 
-TEST(RangeScan, EchoesStandOnTheirBeams) {
+TEST(RangeScan, ReturnsLieOnTheirBeams) {
   const std::vector<float> ranges{1.0F, 2.0F, 4.0F};
   const RangeReturns echoes = range_returns_of(scan(ranges));
   ASSERT_EQ(echoes.p_SQ.size(), 3U);
@@ -36,7 +36,7 @@ TEST(RangeScan, EchoesStandOnTheirBeams) {
   }
 }
 
-TEST(RangeScan, NoReturnIsFreeWayAndWhatIsInvalidSaysNothing) {
+TEST(RangeScan, NoReturnMeansFreeSpaceAndInvalidRangesMeanNothing) {
   const std::vector<float> ranges{kInfinity, 9.0F, kNaN, -kInfinity, 0.0F, 0.19F, -1.0F};
   const RangeReturns echoes = range_returns_of(scan(ranges));
   EXPECT_TRUE(echoes.error.empty());
@@ -46,12 +46,12 @@ TEST(RangeScan, NoReturnIsFreeWayAndWhatIsInvalidSaysNothing) {
 }
 
 // A driver may set range_max to the farthest reading: a flat wall must not look like free space.
-TEST(RangeScan, AReadingOfExactlyRangeMaxIsAnEcho) {
+TEST(RangeScan, AReadingOfExactlyRangeMaxIsAReturn) {
   const std::vector<float> ranges{5.0F, 5.0F};
   EXPECT_EQ(range_returns_of(scan(ranges)).p_SQ.size(), 2U);
 }
 
-TEST(RangeScan, NothingInRangeIsWhatNoReturnNames) {
+TEST(RangeScan, NoReturnDefinesWhatMeansNothingInRange) {
   const std::vector<float> ranges{kInfinity, 5.0F, 9.0F, 0.0F, kNaN, 2.0F};
   struct Case {
     std::vector<std::string> names;
@@ -172,7 +172,7 @@ TEST(PointCloud, IsReadByItsFieldsInEitherByteOrderAndPrecision) {
     }
 }
 
-TEST(PointCloud, PointsThatAreNotFiniteSayNothing) {
+TEST(PointCloud, NonFinitePointsAreIgnored) {
   auto points = some_points();
   auto with_bad = points;
   with_bad[3].y() = std::nan("");
@@ -182,14 +182,14 @@ TEST(PointCloud, PointsThatAreNotFiniteSayNothing) {
   expect_points(cloud<float>(with_bad, 4, false, 0), points);
 }
 
-TEST(PointCloud, AnEmptyCloudIsNoError) {
+TEST(PointCloud, AnEmptyCloudIsValid) {
   Cloud empty = cloud<float>(some_points(), 4, false, 0);
   empty.layout.width = empty.layout.height = 0;
   empty.data.clear();
   expect_points(empty, {});
 }
 
-TEST(PointCloud, RefusesALayoutThatIsNotThatOfItsBytes) {
+TEST(PointCloud, RefusesALayoutThatDoesNotMatchItsBytes) {
   const Cloud good = cloud<float>(some_points(), 4, false, 0);
   for (const auto& spoil : std::vector<void (*)(Cloud&)>{
            [](Cloud& c) { c.layout.fields[1].name = "a"; },

@@ -44,7 +44,7 @@ octomap::OcTree random_tree(unsigned seed, double resolution) {
   return tree;
 }
 
-TEST(Slice, EqualsALookAtEveryVoxelOfTheBand) {
+TEST(Slice, MatchesTheStateOfEveryVoxelInTheBand) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     const octomap::OcTree tree = random_tree(seed, seed % 2 == 0 ? 0.1 : 0.07);
     const SliceParams params{.z_min = -0.3 + 0.05 * (seed % 5), .z_max = 0.45, .floor = 0.1};
@@ -68,7 +68,7 @@ TEST(Slice, SpansTheTreesBoundingBox) {
   EXPECT_NEAR(grid.origin.y() + grid.resolution * grid.height, y1, 1e-9);
 }
 
-TEST(Slice, AFaceInCommonWithTheBandIsNoOverlap) {
+TEST(Slice, ASharedFaceIsNotAnOverlap) {
   octomap::OcTree tree(0.1);
   tree.updateNode(octomap::point3d(0.05F, 0.05F, 0.05F), true);  // z from 0 to 0.1
   EXPECT_EQ(slice(tree, {.z_min = 0.1, .z_max = 1.0}).at(0, 0), Cell::kUnknown);
@@ -127,7 +127,7 @@ TEST(Slice, MeasuresADropOffFromTheFloor) {
   EXPECT_EQ(on_stairs({.floor = -0.1, .drop_off = 0.08}, 2.5), Cell::kOccupied);
 }
 
-TEST(Slice, TakesAFloorNobodyMappedForNoDropOff) {
+TEST(Slice, UnmappedFloorIsNotADropOff) {
   octomap::OcTree tree(0.05);
   tree.updateNode(octomap::point3d(0.025F, 0.025F, 0.525F), false);
   EXPECT_EQ(slice(tree, {.drop_off = 0.1}).at(0, 0), Cell::kFree);

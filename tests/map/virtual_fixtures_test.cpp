@@ -64,16 +64,17 @@ TEST_F(FixtureFile, MayGuideToo) {
   EXPECT_EQ(fixtures.guidance[1].reach, 2.0);
 }
 
-TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
+TEST_F(FixtureFile, ErrorsNameTheLine) {
   expect_complaint("forbiden: []\n", ":1: unknown key 'forbiden'");
   expect_complaint("forbidden: []\nforbidden: []\n",
                    ":2: `forbidden` is given twice, first in line 1");
   expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], reach: 1, reach: 2}\n", "given twice");
   expect_complaint("forbidden: 3\n", "expected a list");
-  expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, 0]]}\n", ":2: expected three points");
+  expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, 0]]}\n",
+                   ":2: expected three or more points");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [1, x], [1, 1]]}\n", "expected a number");
   expect_complaint("forbidden:\n  - {polygon: [[0, 0], [.nan, 1], [1, 1]]}\n", "outside");
-  expect_complaint("guidance:\n  - {line: [[0, 0]]}\n", ":2: expected two points");
+  expect_complaint("guidance:\n  - {line: [[0, 0]]}\n", ":2: expected two or more points");
   expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], strength: 2}\n", "outside");
   EXPECT_THROW((void)load_virtual_fixtures("/nowhere.yaml"), std::invalid_argument);
 }

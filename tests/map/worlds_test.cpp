@@ -71,9 +71,9 @@ TEST(BarnWorld, HasTheLengthOfItsReferenceWayFromStartToGoal) {
   EXPECT_EQ(barn_world_number(file.path(), 3), 3);
 }
 
-TEST(BarnWorld, SaysWhatIsWrong) {
-  EXPECT_NE(complaint("", 1).find("not a file of BARN worlds"), std::string::npos);
-  EXPECT_NE(complaint("[1, 2]", 1).find("not a file of BARN worlds"), std::string::npos);
+TEST(BarnWorld, ErrorsNameWhatIsWrong) {
+  EXPECT_NE(complaint("", 1).find("not a BARN world file"), std::string::npos);
+  EXPECT_NE(complaint("[1, 2]", 1).find("not a BARN world file"), std::string::npos);
   EXPECT_NE(complaint("{" + kMeta + R"(, "worlds": {"3": {"cylinders": []}}})", 4)
                 .find("no world 4; it has 1, next to it 3"),
             std::string::npos);
@@ -98,7 +98,7 @@ TEST(BarnWorld, AllOfTheFileCanBePassed) {
         << "world " << numbers[i];
 }
 
-TEST(ClutterWorld, CanBePassedByWhoeverItIsMadeFor) {
+TEST(ClutterWorld, CanBePassedByTheRobotItIsMadeFor) {
   for (unsigned seed = 0; seed < test::samples(10, 2); ++seed)
     for (const double width : {0.5, 0.8}) {
       const StaticMap map = plane(clutter_world(seed, {.width = width}));
@@ -121,7 +121,7 @@ TEST(ClutterWorld, IsClutteredLikeBarn) {
   EXPECT_LT(cylinders, 10 * 350);
 }
 
-TEST(ClutterWorld, SaysIfNothingCanBePassed) {
+TEST(ClutterWorld, FailsIfNoWorldCanBePassed) {
   EXPECT_THROW((void)clutter_world(1, {.fill = 0.6, .width = 1.5}), std::runtime_error);
   EXPECT_THROW((void)clutter_world(1, {.fill = 7.0}), std::invalid_argument);
 }

@@ -85,7 +85,7 @@ TEST_F(MapServerOverDds, ABrokenFileEndsTheProgramWithOneLineThatNamesIt) {
   EXPECT_EQ(program.wait(20.0), 1);
   EXPECT_EQ(log.text(), "tandem: " + system.string() + ": map_server: " + broken +
                             ": truncated or damaged (its tree does not end where the header says); "
-                            "copy it again or rebuild it\n");
+                            "copy it again or rebuild the map\n");
 }
 
 }  // namespace
