@@ -18,7 +18,7 @@ std::optional<double> seconds_of(const Stamp& stamp) {
 }
 
 bool is_tilted(const Eigen::Isometry3d& X) {
-  return X.linear()(2, 2) < std::cos(FramesInput::kMostTilt);
+  return X.linear()(2, 2) < std::cos(FramesInput::kMaxTilt);
 }
 
 }  // namespace
@@ -60,10 +60,10 @@ void FramesInput::hear(const geometry_msgs::msg::TransformStamped& msg, const Fr
 // Reported with a delay, because discovery needs a moment to name the publishers.
 void FramesInput::react(LinkFate fate, const std::string& child, const std::string& parent) {
   if (fate == LinkFate::kFull)
-    node_.log().error_every(10.0, "/tf has more than {} frames: `{}` is dropped", FrameTree::kMost,
-                            child);
+    node_.log().error_every(10.0, "/tf has more than {} frames: `{}` is ignored",
+                            FrameTree::kMaxFrames, child);
   if (fate == LinkFate::kUnnamed || fate == LinkFate::kLoop)
-    node_.log().warn_every(10.0, "/tf puts frame `{}` into `{}`: dropped", child, parent);
+    node_.log().warn_every(10.0, "/tf gives frame `{}` the parent `{}`: dropped", child, parent);
   if (fate != LinkFate::kTwoParents || view_) return;
   view_ = std::make_unique<rt::DomainView>(node_);
   report_ = node_.create_wall_timer(kReport, [this] {
@@ -109,11 +109,11 @@ Placing FramesInput::place(std::string_view a, std::string_view b, const Stamp& 
   const auto found = find(a, b, seconds_of(stamp));
   if (!found) return {.refusal = tree_.why_not(a, b)};
   if (!is_fresh(*found))
-    return {.refusal = fmt::format("what /tf says of `{}` in `{}` is older than transform_timeout, "
-                                   "{} s",
-                                   b, a, timeout_)};
-  if (found->drift > kMostDrift)
-    return {.refusal = fmt::format("`{}` moves in `{}`, and /tf does not say yet where it was then",
+    return {.refusal = fmt::format(
+                "the transform from `{}` to `{}` on /tf is older than transform_timeout, {} s", b,
+                a, timeout_)};
+  if (found->drift > kMaxDrift)
+    return {.refusal = fmt::format("`{}` moves in `{}`, and /tf has no transform for that time yet",
                                    b, a)};
   return {.X_AB = found->X_BF, .is_static = found->is_static(), .moves = found->speed > kMoves};
 }
@@ -140,7 +140,7 @@ std::optional<Pose2> FramesInput::unless_refused(Placing placing,
                                                  const std_msgs::msg::Header& header,
                                                  const char* topic) const {
   if (placing.X_AB && !is_tilted(*placing.X_AB)) return in_plane(*placing.X_AB);
-  if (placing.X_AB) placing.refusal = "it does not lie level";
+  if (placing.X_AB) placing.refusal = "its plane is not horizontal";
   node_.log().write_every(1.0, rt::LogLevel::kWarn, topic,
                           fmt::format("{} is given in frame `{}`, not `{}`: dropped: {}", topic,
                                       header.frame_id(), names_.map, placing.refusal));
@@ -170,7 +170,7 @@ std::string FramesInput::two_parents() const {
   std::string text;
   for (const auto& [child, two] : tree_.two_parents()) {
     if (node_.now() - two.t > kRecently) continue;
-    text += fmt::format("{}frame `{}` has two parents on /tf: `{}` by {}, `{}` by {}",
+    text += fmt::format("{}frame `{}` has two parents on /tf: `{}` from {}, `{}` from {}",
                         text.empty() ? "" : "; ", child, two.parent, name_of(two.sender), two.other,
                         name_of(two.other_sender));
     if (text.size() > 500) return text + "; …";

@@ -117,9 +117,9 @@ std::string fault(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eige
   const double turn = cross(b - a, c - b);
   if (a == b) return "repeats the vertex before it; give each vertex once, the first not again";
   if (turn < 0.0)
-    return "the outline turns right; list the vertices counter-clockwise, and cut an outline with "
-           "a dent into convex parts (footprint_parts)";
-  if (!(turn > 0.0) && b != c) return "lies on one line with its neighbours; remove it";
+    return "the outline turns right; list the vertices counter-clockwise, and split a concave "
+           "outline into convex parts (footprint_parts)";
+  if (!(turn > 0.0) && b != c) return "is collinear with its neighbours; remove it";
   return "";
 }
 
@@ -139,8 +139,8 @@ void check_part(const ConvexPolygon& part, std::size_t index) {
     turned += std::atan2(cross(b - a, c - b), (b - a).dot(c - b));
     if (!(turned < 2.0 * std::numbers::pi + 1e-6))
       refuse(place(index, i, b),
-             "up to here the outline turns by more than one circle, so it crosses itself; list the "
-             "vertices once around");
+             "up to here the outline turns by more than 360°, so it crosses itself; list each "
+             "vertex once");
   }
 }
 
@@ -188,7 +188,7 @@ Footprint rectangle(double length, double width, double center_x) {
 
 Footprint polygons(std::vector<ConvexPolygon> parts) {
   for (std::size_t i = 0; i < parts.size(); ++i) check_part(parts[i], i);
-  if (parts.empty()) throw std::invalid_argument("footprint: has no part");
+  if (parts.empty()) throw std::invalid_argument("footprint: has no parts");
   check_origin(parts);
   return {std::move(parts)};
 }

@@ -62,7 +62,7 @@ LinkFate FrameTree::add(const FrameLink& link, bool is_static) {
   if (parent == child) return LinkFate::kLoop;
   auto known = links_.find(child);
   if (known == links_.end()) {
-    if (links_.size() >= kMost) return LinkFate::kFull;
+    if (links_.size() >= kMaxFrames) return LinkFate::kFull;
     known = links_.emplace(child, Link{.parent = std::string{parent}}).first;
     if (!is_static) known->second.heard = link.heard;
   }
@@ -127,7 +127,7 @@ std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view
   std::erase_if(both, [](const Link* link) { return !link->is_dynamic(); });
   if (!stamp && both.size() > 1) {
     stamp = common_stamp(both);
-    if (stamp && first_stamp(both) - *stamp > kMostApart) return std::nullopt;
+    if (stamp && first_stamp(both) - *stamp > kMaxApart) return std::nullopt;
   }
   FramePose found{.X_BF = composed(*down, stamp).inverse() * composed(*up, stamp)};
   for (const Link* link : both) {
@@ -184,14 +184,15 @@ std::string FrameTree::why_not(std::string_view base, std::string_view frame) co
   if (links_.empty())
     text = "no transform has arrived on /tf or /tf_static";
   else if (!knows(base) || !knows(frame))
-    text = quoted(knows(base) ? frame : base) + " is not on /tf, which has " + listing();
+    text = quoted(knows(base) ? frame : base) + " is not on /tf; frames there: " + listing();
   else if (!down || !up)
-    text = "the links of /tf form a ring: " + listing();
+    text = "the transforms on /tf form a cycle: " + listing();
   else if (root_of(*down, base) != root_of(*up, frame))
-    text = "/tf does not join " + quoted(base) + " and " + quoted(frame) + ": " + listing();
+    text =
+        "no transform on /tf connects " + quoted(base) + " and " + quoted(frame) + ": " + listing();
   else
-    text = "the stamps in the chain " + quoted(base) + " … " + quoted(frame) +
-           " are too far apart: a sender's clock is wrong";
+    text = "the stamps along the chain " + quoted(base) + " … " + quoted(frame) +
+           " are too far apart: check the publishers' clocks";
   if (!two_parents_.empty()) {
     const auto& [child, parents] = *two_parents_.begin();
     text += "; " + quoted(child) + " has two parents, " + quoted(parents.parent) + " and " +
@@ -215,9 +216,9 @@ std::string FrameTree::listing() const {
   std::string text;
   std::size_t listed = 0;
   for_each([&](const std::string& child, const std::string& parent, bool, const FrameSender&) {
-    if (++listed <= kMostListed) text += (text.empty() ? "" : ", ") + parent + " → " + child;
+    if (++listed <= kMaxListed) text += (text.empty() ? "" : ", ") + parent + " → " + child;
   });
-  if (listed > kMostListed) text += " and " + std::to_string(listed - kMostListed) + " more";
+  if (listed > kMaxListed) text += " and " + std::to_string(listed - kMaxListed) + " more";
   return text;
 }
 

@@ -47,7 +47,7 @@ enum class LinkFate {
   kTwoParents,  ///< accepted, but the child had another parent before
   kUnnamed,     ///< refused: a name is empty or longer than kLongest
   kLoop,        ///< refused: a frame is not its own parent
-  kFull,        ///< refused: the tree already holds kMost frames
+  kFull,        ///< refused: the tree already holds kMaxFrames frames
 };
 
 /// Pose of one frame F in another frame B.
@@ -78,12 +78,12 @@ struct TwoParents {
 /// this one's.
 class FrameTree {
  public:
-  static constexpr std::size_t kMost = 2'000;   ///< frames; further ones are refused
-  static constexpr std::size_t kLongest = 255;  ///< longest name [bytes]
-  static constexpr std::size_t kSamples = 64;   ///< samples kept of a dynamic link …
-  static constexpr double kSpacing = 0.03;      ///< … at least this far apart [s]
-  static constexpr double kMostApart = 0.5;     ///< [s] lag of a link behind the samples of another
-  static constexpr std::size_t kMostListed = 12;  ///< links listed in a text
+  static constexpr std::size_t kMaxFrames = 2'000;  ///< frames; further ones are refused
+  static constexpr std::size_t kLongest = 255;      ///< longest name [bytes]
+  static constexpr std::size_t kSamples = 64;       ///< samples kept of a dynamic link …
+  static constexpr double kSpacing = 0.03;          ///< … at least this far apart [s]
+  static constexpr double kMaxApart = 0.5;  ///< [s] lag of a link behind the samples of another
+  static constexpr std::size_t kMaxListed = 12;  ///< links listed in a text
 
   /// Adds a static link, valid forever.
   LinkFate set_static(const FrameLink& link);
@@ -95,7 +95,7 @@ class FrameTree {
   }
 
   /// Pose of `frame` in `base`; nullopt if they are not connected or one link lags by more than
-  /// kMostApart. At `stamp` [s], or at the newest time that all links have reached. A stamp beyond
+  /// kMaxApart. At `stamp` [s], or at the newest time that all links have reached. A stamp beyond
   /// the samples uses the nearest sample.
   [[nodiscard]] std::optional<FramePose> find(std::string_view base, std::string_view frame,
                                               std::optional<double> stamp = {}) const;
@@ -108,7 +108,7 @@ class FrameTree {
 
   /// Why find() returns nullopt, with a list of the known frames.
   [[nodiscard]] std::string why_not(std::string_view base, std::string_view frame) const;
-  /// "map → odom, odom → base_link", at most kMostListed of them; "no frame" if there are none.
+  /// "map → odom, odom → base_link", at most kMaxListed of them; "no frame" if there are none.
   [[nodiscard]] std::string listing() const;
 
   /// Children that were given two parents, by name.

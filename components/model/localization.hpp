@@ -25,11 +25,12 @@ struct LocalizationParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("odom_timeout", odom_timeout, Range{0.01, 5.0}, "[s] silence of odom that stops");
+    field("odom_timeout", odom_timeout, Range{0.01, 5.0},
+          "[s] the robot stops when odom has been silent for this long");
     field("transform_timeout", transform_timeout, Range{0.05, 60.0},
-          "[s] age of the transform map → odom that stops");
+          "[s] the robot stops when the transform map → odom is older than this");
     field("map_is_odom", map_is_odom,
-          "true: the two frames are one, for a robot without localiser");
+          "true: the two frames are the same, for a robot without a localiser");
   }
 };
 

@@ -32,33 +32,36 @@ struct RobotParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("length", length, Range{0.05, 5.0}, "[m] of the rectangle, unless footprint is given");
-    field("width", width, Range{0.05, 5.0}, "[m] of the rectangle, unless footprint is given");
-    field("center_x", center_x, Range{-2.0, 2.0}, "[m] rectangle's centre ahead of base_link");
-    field(
-        "footprint", footprint, Range{-5.0, 5.0},
-        "[m] x1, y1, x2, y2, … of a convex outline, counter-clockwise, or of several convex parts, "
-        "one after the other; empty: the rectangle");
+    field("length", length, Range{0.05, 5.0},
+          "[m] of the rectangular outline; ignored when footprint is given");
+    field("width", width, Range{0.05, 5.0},
+          "[m] of the rectangular outline; ignored when footprint is given");
+    field("center_x", center_x, Range{-2.0, 2.0},
+          "[m] distance of the rectangle's centre ahead of base_link");
+    field("footprint", footprint, Range{-5.0, 5.0},
+          "[m] x1, y1, x2, y2, … of a convex outline, counter-clockwise, or of several convex "
+          "parts in succession; empty: the rectangle");
     field("footprint_parts", footprint_parts, Range{3.0, 100.0},
-          "[1] how many vertices of footprint each part has, in their order; empty: all are one "
-          "part");
-    field("wheel_separation", wheel_separation, Range{0.05, 3.0}, "[m] between the wheels");
-    field("v_max", v_max, Range{0.0, 5.0}, "[m/s] fastest forward");
-    field("v_min", v_min, Range{-5.0, 0.0}, "[m/s] fastest backward (negative)");
-    field("w_max", w_max, Range{0.05, 10.0}, "[rad/s] fastest turn");
-    field("a_max", a_max, Range{0.05, 10.0}, "[m/s²] comfortable change of speed");
-    field("alpha_max", alpha_max, Range{0.05, 30.0}, "[rad/s²] comfortable change of turn rate");
-    field("a_brake", a_brake, Range{0.1, 10.0}, "[m/s²] braking that the drive always achieves");
+          "[1] number of vertices of each part of footprint, in order; empty: one part");
+    field("wheel_separation", wheel_separation, Range{0.05, 3.0},
+          "[m] distance between the wheels");
+    field("v_max", v_max, Range{0.0, 5.0}, "[m/s] maximum forward speed");
+    field("v_min", v_min, Range{-5.0, 0.0}, "[m/s] maximum backward speed (negative)");
+    field("w_max", w_max, Range{0.05, 10.0}, "[rad/s] maximum turn rate");
+    field("a_max", a_max, Range{0.05, 10.0}, "[m/s²] comfortable acceleration");
+    field("alpha_max", alpha_max, Range{0.05, 30.0}, "[rad/s²] comfortable angular acceleration");
+    field("a_brake", a_brake, Range{0.1, 10.0},
+          "[m/s²] deceleration that the drive always achieves");
     field("alpha_brake", alpha_brake, Range{0.1, 60.0},
-          "[rad/s²] braking of the turn rate that the drive always achieves");
-    field("motor_lag", motor_lag, Range{0.0, 1.0}, "[s] bound on the motors' time constant");
+          "[rad/s²] angular deceleration that the drive always achieves");
+    field("motor_lag", motor_lag, Range{0.0, 1.0}, "[s] upper bound on the motors' time constant");
     field("command_delay", command_delay, Range{0.0, 1.0},
-          "[s] bound on the time from command to motor");
+          "[s] upper bound on the delay from command to motor");
     field("sensor_delay", sensor_delay, Range{0.0, 1.0},
-          "[s] bound on the age of odometry on arrival");
+          "[s] upper bound on the age of odometry on arrival");
     field("base_timeout", base_timeout, Range{0.0, 10.0},
-          "[s] silence after which the base itself stops; 0: never, and then the filter needs "
-          "survive_silence: false");
+          "[s] the base stops by itself after this long without a command; 0: never, which "
+          "requires survive_silence: false in the filter");
   }
 };
 

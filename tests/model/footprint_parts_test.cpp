@@ -226,7 +226,7 @@ TEST(RefusedFootprint, IsAPentagramThoughAllItsTurnsAreLeft) {
   for (int i = 0; i < 5; ++i) star.emplace_back(std::cos(2.4 * i), std::sin(2.4 * i));
   star[3] = {-0.3, 0.9};  // not symmetric, as if typed by hand
   EXPECT_EQ(complaint({kBody, {{0, 0}, {1, 0}, {0, 1}}}), "");
-  expect_refused(star, "part 2, vertex ", "crosses itself; list the vertices once around");
+  expect_refused(star, "part 2, vertex ", "crosses itself; list each vertex once");
   EXPECT_TRUE(complaint({star}).starts_with("part 1, vertex "));
 }
 
@@ -240,8 +240,8 @@ TEST(RefusedFootprint, IsOneThatRunsClockwise) {
 }
 
 TEST(RefusedFootprint, HasADent) {
-  expect_refused({{0, 0}, {1, 0}, {0.3, 0.3}, {0, 1}}, "part 2, vertex 3 at (0.3, 0.3): ",
-                 "cut an outline with a dent into convex parts");
+  expect_refused({{0, 0}, {1, 0}, {0.3, 0.3}, {0, 1}},
+                 "part 2, vertex 3 at (0.3, 0.3): ", "split a concave outline into convex parts");
 }
 
 TEST(RefusedFootprint, RepeatsAVertex) {
@@ -250,8 +250,8 @@ TEST(RefusedFootprint, RepeatsAVertex) {
 }
 
 TEST(RefusedFootprint, HasAVertexOnAnEdge) {
-  expect_refused({{0, 0}, {1, 0}, {2, 0}, {0, 1}}, "part 2, vertex 2 at (1, 0): ", "on one line");
-  expect_refused({{0, 0}, {2, 0}, {1, 0}}, "part 2, vertex 1 at (0, 0): ", "on one line");
+  expect_refused({{0, 0}, {1, 0}, {2, 0}, {0, 1}}, "part 2, vertex 2 at (1, 0): ", "collinear");
+  expect_refused({{0, 0}, {2, 0}, {1, 0}}, "part 2, vertex 1 at (0, 0): ", "collinear");
 }
 
 TEST(RefusedFootprint, HasTwoVertices) {
@@ -259,7 +259,7 @@ TEST(RefusedFootprint, HasTwoVertices) {
   EXPECT_EQ(complaint({}), "has no part");
 }
 
-TEST(RefusedFootprint, HasACoordinateThatIsNoNumber) {
+TEST(RefusedFootprint, HasACoordinateThatIsNotANumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_refused({{0, 0}, {1, 0}, {nan, 1}}, "part 2, vertex 3 at (nan, 1): ", "finite");
   const double huge = 1e300;  // finite, but overflows in arithmetic

@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-TEST(Localization, ComposesWhatIsFreshAndKnowsNothingElse) {
+TEST(Localization, ComposesFreshPartsOnly) {
   Localization localization{{}};
   EXPECT_FALSE(localization.state(0.0));
   localization.on_odom({1.0, 0.0, 0.0}, {0.2, 0.0}, 0.0);
@@ -20,7 +20,7 @@ TEST(Localization, ComposesWhatIsFreshAndKnowsNothingElse) {
 }
 
 // static_transform_publisher publishes map → odom once.
-TEST(Localization, AStaticTransformHoldsForEverUntilALocaliserIsHeard) {
+TEST(Localization, AStaticTransformHoldsForeverUntilALocaliserPublishes) {
   Localization localization{{}};
   localization.on_static_transform({0.0, 2.0, 0.0});
   localization.on_odom({1.0, 0.0, 0.0}, {}, 100.0);

@@ -95,7 +95,7 @@ TEST(RobotParams, RefusesPartsWithoutVertices) {
             "footprint_parts: the parts have 4 vertices in all, but footprint gives 0");
 }
 
-TEST(RobotParams, RejectsANumberThatIsNotOne) {
+TEST(RobotParams, RejectsNonFiniteNumbers) {
   RobotParams robot;
   EXPECT_NO_THROW(check(robot));
   robot.v_max = std::nan("");
@@ -141,7 +141,7 @@ TEST(Localization, WhatCameLateHoldsForEarlierAndOvertakesNothing) {
   EXPECT_FALSE(localization.state(3.0));
 }
 
-TEST(Localization, KnowsNothingOfBeforeTheClockWasSetBack) {
+TEST(Localization, ForgetsEverythingFromBeforeAClockReset) {
   Localization localization({});
   localization.on_transform({}, 5.0);
   localization.on_odom({}, {}, 5.0);
@@ -161,7 +161,7 @@ TEST(Localization, NeedsNoTransformIfTheFramesAreOne) {
   EXPECT_EQ(localization.state(0.0)->X_MB.y, 2.0);
 }
 
-TEST(Localization, IgnoresWhatIsNotFinite) {
+TEST(Localization, IgnoresNonFiniteInputs) {
   Localization localization({.map_is_odom = true});
   localization.on_odom({std::nan(""), 0.0, 0.0}, {}, 0.0);
   EXPECT_FALSE(localization.state(0.0));

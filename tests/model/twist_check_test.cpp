@@ -114,7 +114,7 @@ TEST(TwistCheck, SeesATurnRateOfTheWrongSign) {
 }
 
 // The check by poses needs a window of time; until then the commands are compared.
-TEST(TwistCheck, DoubtsATwistAgainstTheCommandUntilThePosesShowTheWay) {
+TEST(TwistCheck, DoubtsATwistAgainstTheCommandUntilThePosesDecide) {
   Rider rider(50.0, 0.0, std::numbers::pi, in_the_world);
   rider.drive({}, 1.0);
   rider.drive({0.8, 0.0}, 0.02);
@@ -136,7 +136,7 @@ TEST(TwistCheck, ComparesNothingAcrossASilence) {
   EXPECT_FALSE(check.is_contradicted());
 }
 
-TEST(TwistCheck, TellsTheSpeedThatThePosesProve) {
+TEST(TwistCheck, ReportsTheSpeedProvenByThePoses) {
   TwistCheck check(kBounds);
   for (int i = 0; i <= 10; ++i) check.on_odometry({-0.3 * i, 0.0, 0.0}, {}, 0.1 * i);
   EXPECT_GT(check.least_speed().v, 2.5);
