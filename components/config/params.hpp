@@ -30,9 +30,9 @@ struct RetiredName {
 };
 inline constexpr RetiredName kRetiredNames[]{
     {"command_timeout",
-     "base_timeout is the silence after which the base itself stops, arbitrated_timeout the "
-     "silence of cmd_vel_arbitrated after which safety_filter stops, in_force_timeout the age of "
-     "cmd_vel after which local_planner takes it as zero"}};
+     "base_timeout: the base itself stops after this long without a command; arbitrated_timeout: "
+     "safety_filter stops after this long without cmd_vel_arbitrated; in_force_timeout: "
+     "local_planner treats a cmd_vel older than this as zero"}};
 
 /// The replacement for a retired name; null if the name is not retired.
 [[nodiscard]] constexpr const char* instead_of(std::string_view name) {
@@ -61,7 +61,7 @@ struct Checker {
       if (choice == value) return;
       all += (all.empty() ? "" : ", ") + choice;
     }
-    throw std::invalid_argument(std::string(name) + " = '" + value + "' is none of {" + all +
+    throw std::invalid_argument(std::string(name) + " = '" + value + "' is not one of {" + all +
                                 "}: " + meaning);
   }
   void operator()(const char* name, const std::vector<double>& values, const Range& range,

@@ -18,9 +18,10 @@ constexpr std::size_t kMaxBytes = 16U << 20U;
 constexpr std::size_t kMaxValues = 1'000'000;
 constexpr int kMaxDepth = 64;
 
-constexpr const char* kTooDeep = "nested deeper than 64 levels; is there an alias in its anchor?";
-constexpr const char* kTooMany = "more than a million values; are there aliases of aliases?";
-constexpr const char* kTooLong = "longer than 16 MiB";
+constexpr const char* kTooDeep =
+    "nested deeper than 64 levels; does an anchor contain its own alias?";
+constexpr const char* kTooMany = "more than a million values; do aliases refer to other aliases?";
+constexpr const char* kTooLong = "larger than 16 MiB";
 
 // Counts events without storing them. yaml-cpp (jbeder/yaml-cpp, up to 0.8) yields endless
 // documents where a line starts with a comma or a closing bracket, and YAML::LoadAll would store
@@ -29,8 +30,7 @@ class EventCounter : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override {
     constexpr int kMaxDocuments = 100;
-    if (++documents_ > kMaxDocuments)
-      throw YAML::Exception(mark, "a comma or bracket that belongs to nothing");
+    if (++documents_ > kMaxDocuments) throw YAML::Exception(mark, "a stray comma or bracket");
   }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
@@ -93,9 +93,9 @@ class ValueCounter {
 // Also reads files that are not regular, such as pipes. Reads at most one block more than allowed.
 std::string read_text(const std::string& file) {
   if (std::filesystem::is_directory(file))
-    throw std::invalid_argument(file + " is a folder; name a file in it");
+    throw std::invalid_argument(file + " is a folder; give the path of a file in it");
   std::ifstream stream{file, std::ios::binary};
-  if (!stream) throw std::invalid_argument(file + ": no such file, or it cannot be read");
+  if (!stream) throw std::invalid_argument(file + ": no such file, or it is not readable");
   std::string text;
   std::array<char, 65536> block;
   while (text.size() <= kMaxBytes) {
@@ -116,8 +116,8 @@ YAML::Node parse_document(const std::string& text) {
   for (std::size_t i = 1; i < documents.size(); ++i)
     if (!documents[i].IsNull())
       throw YAML::Exception(documents[i].Mark(),
-                            "a second document begins here and would not be read; bring both "
-                            "together and take out the `---` between them");
+                            "a second document begins here and would be ignored; merge the two and "
+                            "remove the `---` between them");
   ValueCounter{}.visit(documents.front());
   return documents.front();
 }

@@ -30,12 +30,12 @@ void YamlReader::each_once(const YAML::Node& map) const {
   if (!map.IsMap()) fail(map, "expected `key: value` pairs");
   std::map<std::string, int> lines;
   for (const auto& entry : map) {
-    if (!entry.first.IsScalar()) fail(entry.first, "a key must be a word");
+    if (!entry.first.IsScalar()) fail(entry.first, "a key must be a single word");
     const auto& key = entry.first.Scalar();
     const auto [first, is_new] = lines.emplace(key, entry.first.Mark().line + 1);
     if (!is_new)
       fail(entry.first, "`" + key + "` is given twice, first in line " +
-                            std::to_string(first->second) + "; bring both together");
+                            std::to_string(first->second) + "; merge the two");
   }
 }
 
@@ -46,7 +46,7 @@ void YamlReader::allow(const YAML::Node& map, std::initializer_list<const char*>
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     std::string all;
     for (const char* name : keys) all += (all.empty() ? "" : ", ") + std::string(name);
-    fail(entry.first, "unknown key '" + key + "'; known here: " + all);
+    fail(entry.first, "unknown key '" + key + "'; valid keys: " + all);
   }
 }
 

@@ -66,7 +66,7 @@ TEST(YamlDocument, RefusesTextThatWouldTakeAllMemoryOrTheStack) {
   EXPECT_THROW((void)parse_document(std::string((16U << 20U) + 1, ' ')), YAML::Exception);
 }
 
-TEST(YamlDocument, ReadsWhatIsLargeButSound) {
+TEST(YamlDocument, ReadsLargeValidText) {
   EXPECT_EQ(parse_document(repeated("- 1\n", 100'000)).size(), 100'000U);
   EXPECT_EQ(parse_document(repeated("[", 60) + repeated("]", 60)).size(), 1U);
   EXPECT_EQ(parse_document("a: &a 1\nb: *a\n")["b"].as<int>(), 1);
@@ -86,10 +86,10 @@ TEST(YamlDocument, NamesFileAndLineInOneLine) {
   fs::remove(file);
 }
 
-TEST(YamlDocument, NamesAFileThatIsNone) {
+TEST(YamlDocument, NamesAPathThatIsNotAFile) {
   for (const auto& [file, what] :
        {std::pair{"/nowhere.yaml", "no such file"}, std::pair{"/tmp", "is a folder"},
-        std::pair{"/dev/zero", "longer than 16 MiB"}}) {
+        std::pair{"/dev/zero", "larger than 16 MiB"}}) {
     try {
       (void)load_document(file);
       FAIL() << file << " was read";
@@ -157,14 +157,14 @@ INSTANTIATE_TEST_SUITE_P(
                  [](const auto& file) { (void)rt::read_parameter_file(file, "/local_planner"); }}),
     [](const auto& tested) { return std::string{tested.param.name}; });
 
-TEST(YamlText, AParameterThatIsNoYamlIsNotSet) {
+TEST(YamlText, AParameterThatIsNotYamlIsNotSet) {
   for (const auto& text : hostile_texts()) {
     EXPECT_EQ(rt::value_from_yaml(text).type(), 0) << text.substr(0, 40);
   }
   EXPECT_EQ(rt::value_from_yaml(", a").type(), 0);
 }
 
-TEST(YamlText, AProfileThatIsNoYamlSaysNothingOfARecordedTopic) {
+TEST(YamlText, AQosProfileThatIsNotYamlIsIgnored) {
   const rt::QoS unsaid = recorded_qos("/odom", "");
   for (const auto& text : hostile_texts()) {
     const rt::QoS qos = recorded_qos("/odom", text);
