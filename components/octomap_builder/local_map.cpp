@@ -18,7 +18,7 @@ constexpr double kInside = 0.001;  // [m] a return lies on the surface, the obst
 // Maximum number of rays of a look that clear space, and of voxels cleared. A camera facing a wall
 // needs half of that; a cloud of noise would take minutes, during which no message is handled.
 // Returns beyond the limit still mark obstacles.
-constexpr std::size_t kMostWays = 30'000, kMostFree = 1'000'000;
+constexpr std::size_t kMaxWays = 30'000, kMaxFree = 1'000'000;
 
 // Poses farther apart than this are a jump; the ground between them was not swept [m].
 constexpr double kJump = 1.0;
@@ -37,7 +37,8 @@ const LocalMapParams& checked(const LocalMapParams& params) {
   if (!(params.min_range < params.max_range))
     throw std::invalid_argument("min_range must be below max_range");
   if (octomap::logodds(params.hit) + octomap::logodds(params.clamp_min) <= 0.0F)
-    throw std::invalid_argument("hit must be above 1 - clamp_min: one echo is an obstacle");
+    throw std::invalid_argument(
+        "hit must be above 1 - clamp_min, so that a single return marks an obstacle");
   return params;
 }
 
@@ -201,7 +202,7 @@ void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, doub
 void LocalMap::clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ) {
   octomap::OcTreeKey end;
   if (!p_MQ.allFinite() || !tree_.coordToKeyChecked(to_octomap(p_MQ), end)) return;
-  if (ends_.size() >= kMostWays || free_.size() >= kMostFree || !ends_.insert(end).second) return;
+  if (ends_.size() >= kMaxWays || free_.size() >= kMaxFree || !ends_.insert(end).second) return;
   if (!tree_.computeRayKeys(to_octomap(p_MS), to_octomap(p_MQ), ray_)) return;
   for (const octomap::OcTreeKey& key : ray_)
     if (window_.contains(key)) free_.insert(key);

@@ -32,25 +32,30 @@ struct LocalMapParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("resolution", resolution, Range{0.01, 0.5}, "[m] side of a voxel");
+    field("resolution", resolution, Range{0.01, 0.5}, "[m] edge length of a voxel");
     field("window", window, Range{2.0, 100.0},
-          "[m] side of the square round the robot that is remembered");
-    field("min_range", min_range, Range{0.0, 5.0}, "[m] what is nearer to the sensor is ignored");
-    field("max_range", max_range, Range{0.5, 100.0}, "[m] what is farther only clears the way");
+          "[m] side of the square around the robot that is kept in the map");
+    field("min_range", min_range, Range{0.0, 5.0}, "[m] returns nearer to the sensor are ignored");
+    field("max_range", max_range, Range{0.5, 100.0},
+          "[m] returns farther away mark no obstacle; they only clear space along the beam");
     field("point_cloud_min_z", point_cloud_min_z, Range{-10.0, 100.0},
-          "[m] in the map: what is lower only clears the way");
+          "[m] height in the map; lower returns mark no obstacle; they only clear space along the "
+          "beam");
     field("point_cloud_max_z", point_cloud_max_z, Range{-10.0, 100.0},
-          "[m] in the map: what is higher only clears the way");
-    field(
-        "decay", decay, Range{0.0, 3600.0},
-        "[s] an obstacle not looked at for so long becomes unseen ground; 0: it stays until it is "
-        "seen to be gone");
+          "[m] height in the map; higher returns mark no obstacle; they only clear space along the "
+          "beam");
+    field("decay", decay, Range{0.0, 3600.0},
+          "[s] an obstacle that no beam has measured for this long becomes unseen ground; 0: it "
+          "stays until a beam shows it is gone");
     field("coverage_timeout", coverage_timeout, Range{0.5, 3600.0},
-          "[s] free ground that no beam has covered for so long becomes unseen ground");
-    field("hit", hit, Range{0.5, 0.999}, "[1] probability that an echo means an obstacle");
-    field("miss", miss, Range{0.001, 0.5}, "[1] probability of an obstacle on a beam's way");
-    field("clamp_min", clamp_min, Range{0.001, 0.499}, "[1] least probability of a voxel");
-    field("clamp_max", clamp_max, Range{0.501, 0.999}, "[1] greatest probability of a voxel");
+          "[s] free ground that no beam has covered for this long becomes unseen ground");
+    field("hit", hit, Range{0.5, 0.999}, "[1] probability that a voxel with a return is occupied");
+    field("miss", miss, Range{0.001, 0.5},
+          "[1] probability that a voxel a beam passed through is occupied");
+    field("clamp_min", clamp_min, Range{0.001, 0.499},
+          "[1] lower limit of a voxel's occupancy probability");
+    field("clamp_max", clamp_max, Range{0.501, 0.999},
+          "[1] upper limit of a voxel's occupancy probability");
   }
 };
 

@@ -19,7 +19,7 @@ namespace tandem {
                                                                const std::vector<double>& numbers) {
   if (numbers.empty()) return std::nullopt;
   if (numbers.size() != 6)
-    throw std::invalid_argument(name + ": needs six numbers, x, y, z, roll, pitch, yaw");
+    throw std::invalid_argument(name + ": expected six numbers: x, y, z, roll, pitch, yaw");
   return Eigen::Translation3d(numbers[0], numbers[1], numbers[2]) *
          Eigen::AngleAxisd(numbers[5], Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(numbers[4], Eigen::Vector3d::UnitY()) *

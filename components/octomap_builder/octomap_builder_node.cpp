@@ -53,7 +53,7 @@ void OctomapBuilderNode::subscribe() {
     scanner_.watch.forget();
     camera_.watch.forget();
     response.success(true);
-    response.message("all that was seen is forgotten");
+    response.message("the local map was cleared");
   });
 }
 
@@ -104,8 +104,8 @@ std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(
   const std::string& frame = sensor_header.frame_id();
   if (robot_.frames().is_world(frame)) {
     const std::string why = fmt::format(
-        "it is given in frame `{}`, in which the robot moves, and does not say where the sensor "
-        "is; publish it in the sensor's frame",
+        "it is given in frame `{}`, which does not move with the robot, so the sensor's position "
+        "is unknown; publish it in the sensor's frame",
         frame);
     sensor.watch.on_trouble("is dropped: " + why, node_.now());
     node_.log().error_every(5.0, "{} dropped: {}", sensor.topic, why);
@@ -120,7 +120,7 @@ std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(
   if (!sensor.unplaced) sensor.unplaced = node_.steady_now();
   const std::string why = fmt::format(
       "/tf_static does not say where its frame `{}` is on `{}`, nor does /tf ({}); publish that "
-      "(robot_state_publisher, static_transform_publisher), or set the parameter {}",
+      "transform (robot_state_publisher, static_transform_publisher), or set the parameter {}",
       frame, base, on_robot.refusal, sensor.parameter);
   sensor.watch.on_trouble("is dropped: " + why, node_.now());
   if (node_.steady_now() - *sensor.unplaced > kPatience)
@@ -142,11 +142,12 @@ void OctomapBuilderNode::give_up(Sensor& sensor, const char* what, const std::st
 void OctomapBuilderNode::check_oddities(RangeScan& scan) {
   if (const auto name = reader_.missing_name(scan))
     node_.log().warn(
-        "scan: most beams have been {0} for many scans; if the driver sends that where nothing is "
+        "scan: most beams have been {0} for many scans; if the driver sends that when nothing is "
         "in range, add {0} to the parameter no_return",
         *name);
   if (const std::string error = time_error_of(scan); !error.empty()) {
-    node_.log().warn_every(kReminder, "scan: {}: its beams count as taken at one moment", error);
+    node_.log().warn_every(
+        kReminder, "scan: {}; all beams are treated as measured at the same instant", error);
     scan.time_increment = 0.0;
   }
 }
@@ -155,9 +156,9 @@ void OctomapBuilderNode::note_own_body(Sensor& sensor, std::size_t echoes) {
   sensor.own_body = echoes;
   if (echoes == 0 || std::exchange(sensor.own_body_told, true)) return;
   node_.log().warn(
-      "{}: {} echoes of a look lie inside the robot's outline and are dropped, from now on without "
-      "a word: they are of the robot itself (if not, its length, width or footprint is wrong, or "
-      "where the sensor sits: {}, /tf_static)",
+      "{}: {} returns of one measurement lie inside the robot's outline and are dropped, from now "
+      "on without a log line: they hit the robot itself (if not, length, width, footprint or the "
+      "sensor's mounting is wrong: {}, /tf_static)",
       sensor.topic, echoes, sensor.parameter);
 }
 
@@ -195,8 +196,8 @@ std::string OctomapBuilderNode::why_no_pose(const Stamp& stamp) {
     return "not localized: odom, or the transform from map to odom, is silent";
   const double ahead = rt::to_seconds(stamp) - *newest;
   return fmt::format(
-      "no odometry of its time: its stamp is {:.1f} s {} odometry's; set the clock of the "
-      "computer that stamps it, or restart its driver if it sends old data",
+      "no odometry of its time: its stamp is {:.1f} s {} odometry's; set the clock of the computer "
+      "that stamps it, or restart its driver if it sends old data",
       std::abs(ahead), ahead > 0.0 ? "ahead of" : "behind");
 }
 
@@ -222,7 +223,7 @@ void OctomapBuilderNode::publish_status() {
 // Sensors that have not sent anything yet may still be starting. Counts in brackets change from
 // look to look and do not make a new reason.
 void OctomapBuilderNode::warn_of(const std::string& reason) {
-  const std::string text = "the robot must stand: " + reason;
+  const std::string text = "the robot must stand still: " + reason;
   if (!scanner_.watch.is_heard() && !camera_.watch.is_heard())
     return node_.log().missing_every(kReminder, "{}", text);
   node_.log().write_every(kReminder, rt::LogLevel::kError, reason.substr(0, reason.find('(')),
@@ -240,8 +241,8 @@ void OctomapBuilderNode::diagnose(const std::string& reason) {
       return diagnostics_.report_trouble(warning);
     }
   diagnostics_.report_well(
-      fmt::format("all sensors see; inside the outline are {} echoes of scan, "
-                  "{} of cloud_in, and are dropped",
+      fmt::format("all sensors deliver valid data; returns inside the outline, dropped: {} of "
+                  "scan, {} of cloud_in",
                   scanner_.own_body, camera_.own_body));
 }
 

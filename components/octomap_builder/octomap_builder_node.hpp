@@ -39,12 +39,12 @@ struct OctomapBuilderNodeParams {
     watch.visit(field);
     input.visit(field);
     field("scan_pose", scan_pose, Range{-100.0, 100.0},
-          "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `scan` in base_link; empty: by "
-          "/tf_static or /tf and the frame of its header");
+          "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `scan` in base_link; empty: from "
+          "/tf_static or /tf, by the frame in its header");
     field("cloud_pose", cloud_pose, Range{-100.0, 100.0},
-          "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `cloud_in` in base_link; empty: by "
-          "/tf_static or /tf and the frame of its header");
-    field("period", period, Range{0.01, 1.0}, "[s] at least, between two maps");
+          "[m, rad] x, y, z, roll, pitch, yaw of the sensor of `cloud_in` in base_link; empty: "
+          "from /tf_static or /tf, by the frame in its header");
+    field("period", period, Range{0.01, 1.0}, "[s] minimum period between two published maps");
   }
 };
 

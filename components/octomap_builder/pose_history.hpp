@@ -13,8 +13,8 @@ namespace tandem {
 /// that turns at 1 rad/s a wall 5 m away moves by 0.25 m in 50 ms.
 class PoseHistory {
  public:
-  static constexpr double kKept = 1.0;       ///< [s]
-  static constexpr double kMostAhead = 0.3;  ///< [s] longest extrapolation of a pose
+  static constexpr double kKept = 1.0;      ///< [s]
+  static constexpr double kMaxAhead = 0.3;  ///< [s] longest extrapolation of a pose
 
   void add(const Pose2& X_MB, const Twist2& twist, double stamp) {
     if (!samples_.empty() && stamp < samples_.back().stamp) samples_.clear();  // clock set back
@@ -23,11 +23,11 @@ class PoseHistory {
   }
 
   /// The last pose before the stamp, extrapolated by its twist; nullopt without a pose within
-  /// kMostAhead.
+  /// kMaxAhead.
   [[nodiscard]] std::optional<Pose2> at(double stamp) const {
     for (auto it = samples_.rbegin(); it != samples_.rend(); ++it)
       if (it->stamp <= stamp)
-        return stamp - it->stamp <= kMostAhead
+        return stamp - it->stamp <= kMaxAhead
                    ? std::optional{integrate(it->X_MB, it->twist, stamp - it->stamp)}
                    : std::nullopt;
     return std::nullopt;

@@ -74,8 +74,9 @@ std::string ScanReader::range_max_error(const RangeScan& scan) {
   if (!range_max_) range_max_ = scan.range_max;
   if (scan.range_max != *range_max_) varies_ = true;
   if (!varies_) return {};
-  return "its range_max varies, and no_return names range_max: the farthest echo would count as a "
-         "free way; take range_max out of no_return (or call ~/reset if it was changed on purpose)";
+  return "its range_max varies, and no_return names range_max: the farthest return would count as "
+         "free space; remove range_max from no_return (or call ~/reset if it was changed on "
+         "purpose)";
 }
 
 std::optional<std::string> ScanReader::missing_name(const RangeScan& scan) {

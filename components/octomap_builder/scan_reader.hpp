@@ -19,8 +19,8 @@ struct ScanReaderParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("no_return", no_return, OneOf{kNoReturnNames},
-          "what the driver sends where nothing is in range; anything else up to range_max is an "
-          "echo, and what is NaN, 0 or beyond range_max says nothing");
+          "what the driver sends when nothing is in range; any other value up to range_max is a "
+          "return, and NaN, 0 and values beyond range_max carry no information");
   }
 };
 

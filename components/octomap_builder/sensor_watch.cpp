@@ -79,8 +79,8 @@ void SensorWatch::on_trouble(std::string why, double t) {
 LookUse SensorWatch::judge(const JudgedLook& look, const std::string& composition, double t) {
   if (!(look.valid_share > 0.0 && look.valid_share >= params_.min_valid_share)) {
     on_trouble("gives no valid range (" + composition +
-                   "): is it covered or broken? If these values mean that nothing is in range, "
-                   "name them in no_return",
+                   "): is it covered or broken? If these values mean that nothing is in range, add "
+                   "them to no_return",
                t);
     return LookUse::kNone;
   }
@@ -130,8 +130,8 @@ std::string SensorWatch::reason(double now) {
                      : std::string{};
   if (is_frozen())
     return topic_ +
-           " is frozen: its echoes are the same to the bit though odometry moved; restart its "
-           "driver (if the wheels slip, free the robot and call octomap_builder's ~/reset)";
+           " is frozen: its measurements are identical although odometry moved; restart its driver "
+           "(if the wheels slip, free the robot and call octomap_builder's ~/reset)";
   if (now - std::max(looked_, *heard_since_) <= params_.sensor_timeout) return {};
   if (now - heard_ > params_.sensor_timeout || trouble_.empty())
     return topic_ +

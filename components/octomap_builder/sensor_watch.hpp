@@ -23,12 +23,14 @@ struct SensorWatchParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("sensor_timeout", sensor_timeout, Range{0.05, 60.0},
-          "[s] a sensor that was heard, or is required, must give a look within this time, else "
-          "the robot stands");
+          "[s] a sensor that has delivered data, or is required, must deliver a valid measurement "
+          "within this time, or the robot stops");
     field("min_valid_share", min_valid_share, Range{0.0, 1.0},
-          "[1] share of a scan's beams that must be usable, else it is no look");
+          "[1] fraction of a scan's beams that must be usable for it to count as a valid "
+          "measurement");
     field("required_sensors", required_sensors, OneOf{{"scan", "cloud_in"}},
-          "must give looks from the start; others only once they have been heard");
+          "sensors that must deliver valid data from the start; others are watched from their "
+          "first message on");
   }
 };
 

@@ -11,13 +11,13 @@ namespace {
 
 constexpr double kTurn = 0.01;  // [rad]
 constexpr double kWay = 0.02;   // [m]
-constexpr double kMostParts = 100.0;
+constexpr double kMaxParts = 100.0;
 
 std::size_t parts_between(const Pose2& first, const Pose2& last) {
   const double turn = std::abs(wrap_angle(last.theta - first.theta));
   const double way = (last.position() - first.position()).norm();
   return static_cast<std::size_t>(
-      std::clamp(std::ceil(std::max(turn / kTurn, way / kWay)), 1.0, kMostParts));
+      std::clamp(std::ceil(std::max(turn / kTurn, way / kWay)), 1.0, kMaxParts));
 }
 
 RangeScan part_of(const RangeScan& scan, std::size_t begin, std::size_t end) {

@@ -72,7 +72,7 @@ void insert(LocalMap& map, const RangeReturns& echoes, const Pose2& X, double t)
 }
 
 // A way through random worlds, a look from each place, other things there each time.
-TEST(LocalMap, EveryEchoIsAnObstacleWhateverWasThereBefore) {
+TEST(LocalMap, EveryReturnIsAnObstacleWhateverWasThereBefore) {
   std::mt19937 random{1};
   std::uniform_real_distribution<double> metres(-0.4, 0.4), angle(-3.0, 3.0);
   LocalMap map({});
@@ -91,7 +91,7 @@ TEST(LocalMap, EveryEchoIsAnObstacleWhateverWasThereBefore) {
 
 // The map's slice, as the filter and the extractor get it, has the world's cells where range
 // returns came from, and none where the world is free by more than the rounding of a range.
-TEST(LocalMap, ShowsTheWorldThatIsSeen) {
+TEST(LocalMap, ShowsTheObservedWorld) {
   std::mt19937 random{2};
   for (int n = 0; n < 8; ++n) {
     const StaticMap world = random_world(random);
@@ -166,7 +166,7 @@ TEST(LocalMap, RangesAndHeightsHaveTheirLimits) {
   EXPECT_TRUE(is_free(map, {-0.5, 0.0, kHeight + 0.5}));
 }
 
-TEST(LocalMap, TakesNothingFromNowhere) {
+TEST(LocalMap, RefusesLooksWithoutAValidPose) {
   LocalMap map({});
   Eigen::Isometry3d X = at({});
   X.translation().x() = std::nan("");
@@ -200,7 +200,7 @@ TEST(LocalMap, MemoryIsThatOfItsWindowHoweverFarTheRobotDrives) {
   }
 }
 
-TEST(LocalMap, BeginsAnewWhenTheRobotIsPutElsewhere) {
+TEST(LocalMap, StartsOverWhenTheRobotIsMovedElsewhere) {
   LocalMap map({});
   insert(map, one_echo(2.0, 0.0), {}, 0.0);
   insert(map, one_echo(2.0, 0.0), {300.0, 0.0, 0.0}, 0.1);
@@ -241,7 +241,7 @@ TEST(LocalMap, FreeGroundIsUnknownOnceNoBeamHasCoveredItForTheTimeout) {
   EXPECT_TRUE(is_occupied(map, {2.01, 0.0, kHeight})) << "an obstacle stays without a decay";
 }
 
-TEST(LocalMap, ABeamDoesNotCoverWhatLiesBehindItsEcho) {
+TEST(LocalMap, ABeamDoesNotCoverWhatLiesBehindItsReturn) {
   LocalMap map({});
   insert(map, one_echo(2.0, 0.0), {}, 0.0);
   EXPECT_TRUE(is_free(map, {1.9, 0.0, kHeight}));
@@ -279,7 +279,7 @@ TEST(LocalMap, TheOutlineClearsNoObstacle) {
   EXPECT_TRUE(is_occupied(map, {-0.79, 0.0, kHeight}));
 }
 
-TEST(LocalMap, WhatTheOutlineSweptIsForgottenLikeABeamsWayButForWhereItStands) {
+TEST(LocalMap, GroundSweptByTheOutlineExpiresLikeABeamsExceptWhereItStands) {
   LocalMap map({.coverage_timeout = 2.0});
   insert(map, one_echo(0.0, 3.0), {}, 0.0);
   map.stand(kOutline, {}, 0.12, 0.0);
@@ -302,7 +302,7 @@ TEST(LocalMap, AJumpOfThePoseSweepsNothing) {
   map.stand(kOutline, {1e9, 0.0, 0.0}, 0.12, 0.3);
 }
 
-TEST(LocalMap, NothingStaysCoveredWhenTheClockIsSetBack) {
+TEST(LocalMap, NothingStaysCoveredAfterAClockReset) {
   LocalMap map({.coverage_timeout = 5.0});
   insert(map, one_echo(2.0, 0.0), {}, 1000.0);
   insert(map, one_echo(0.0, 3.0), {}, 1.0);
@@ -336,10 +336,10 @@ TEST(PoseHistory, CarriesTheLastPoseOnToTheStamp) {
   EXPECT_FALSE(poses.at(0.9));
   EXPECT_NEAR(poses.at(1.05)->x, 0.05, 1e-12);
   EXPECT_NEAR(poses.at(1.2)->theta, 0.05, 1e-12);
-  EXPECT_FALSE(poses.at(1.1 + PoseHistory::kMostAhead + 0.01));
+  EXPECT_FALSE(poses.at(1.1 + PoseHistory::kMaxAhead + 0.01));
 }
 
-TEST(PoseHistory, BeginsAnewWhenTimeDoes) {
+TEST(PoseHistory, StartsOverWhenTimeGoesBack) {
   PoseHistory poses;
   poses.add({5.0, 0.0, 0.0}, {}, 100.0);
   poses.add({1.0, 0.0, 0.0}, {}, 0.5);

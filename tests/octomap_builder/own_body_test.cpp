@@ -17,7 +17,7 @@ const Eigen::Isometry3d kLookingBack =
 
 RangeReturns echoes_at(std::vector<Eigen::Vector3d> p_SQ) { return {std::move(p_SQ), {}, {}}; }
 
-TEST(OwnBody, EchoesInsideTheOutlineAreDroppedWhereverTheSensorSits) {
+TEST(OwnBody, ReturnsInsideTheOutlineAreDroppedWhereverTheSensorIs) {
   const OwnBody body{rectangle(0.9, 0.6, 0.0)};
   RangeReturns echoes = echoes_at({{0.3, 0.2, 0.0},     // a post
                                    {0.1, 0.0, 0.9},     // an arm above it

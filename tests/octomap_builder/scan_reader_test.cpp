@@ -28,7 +28,7 @@ ScanReading reading_of(const std::vector<float>& ranges,
   return reader.read(all_around(ranges), Eigen::Isometry3d::Identity(), kSmallRobot);
 }
 
-TEST(ScanReader, BeamsThatSayNothingAreNotValid) {
+TEST(ScanReader, BeamsWithoutInformationAreNotValid) {
   EXPECT_EQ(reading_of({0.0F, 0.0F, 0.0F, 0.0F}).valid_share, 0.0);
   EXPECT_EQ(reading_of({kNotANumber, kNotANumber}).valid_share, 0.0);
   EXPECT_EQ(reading_of({}).valid_share, 0.0);
@@ -43,7 +43,7 @@ TEST(ScanReader, NothingInRangeIsValidIfTheDriverSendsIt) {
   EXPECT_EQ(reading_of({kEndless, kEndless}, {"zero"}).valid_share, 0.0);
 }
 
-TEST(ScanReader, SaysWhatTheBeamsAre) {
+TEST(ScanReader, DescribesTheBeams) {
   const std::string text =
       reading_of({0.0F, 0.0F, kNotANumber, 0.15F, 3.0F, 10.0F, kEndless}).composition;
   for (const char* part : {"7 beams: ", "2 zero", "1 nan", "1 inf", "1 range_max or more",

@@ -48,9 +48,9 @@ class Watched : public testing::Test {
   SensorWatch watch_{"scan", {}, kVoxel};
 };
 
-TEST_F(Watched, ASensorThatWasNeverHeardNeedNotSee) { EXPECT_EQ(watch_.reason(100.0), ""); }
+TEST_F(Watched, ASensorThatNeverPublishedIsNotRequired) { EXPECT_EQ(watch_.reason(100.0), ""); }
 
-TEST_F(Watched, ARequiredSensorMustBeHeard) {
+TEST_F(Watched, ARequiredSensorMustPublish) {
   watch_ = SensorWatch{"scan", {.required_sensors = {"cloud_in", "scan"}}, kVoxel};
   expect_reason("scan is silent", 0.0);
   EXPECT_EQ(look(in_a_room(0.0), 1.0), LookUse::kTake);
@@ -84,7 +84,7 @@ TEST_F(Watched, ASensorThatWasBlindFromTheStartIsNamed) {
   expect_reason("gives no valid range", 1.6);
 }
 
-TEST_F(Watched, WhyItsMessagesAreNoLooksIsNamed) {
+TEST_F(Watched, ReportsWhyItsMessagesAreNotLooks) {
   look(in_a_room(0.0), 1.0);
   watch_.on_trouble("is refused: angle_min must be finite", 1.6);
   expect_reason("scan is refused: angle_min must be finite", 1.6);
@@ -98,7 +98,7 @@ TEST_F(Watched, ACloudWithoutPointsIsALook) {
   }
 }
 
-TEST_F(Watched, AFrozenSensorIsNamedOnceItsEchoesShouldHaveMovedByTwoVoxels) {
+TEST_F(Watched, AFrozenSensorIsNamedOnceItsReturnsShouldHaveMovedByTwoVoxels) {
   const RangeReturns frozen = in_a_room(0.0);
   EXPECT_EQ(look(frozen, 1.0, 0.0), LookUse::kTake);
   for (int i = 1; i <= 9; ++i) {
@@ -125,14 +125,14 @@ TEST_F(Watched, ForgettingGivesAFrozenSensorAnotherChance) {
   EXPECT_EQ(watch_.reason(1.9), "");
 }
 
-TEST_F(Watched, ARobotThatStandsSeesTheSameForEver) {
+TEST_F(Watched, AStandingRobotMaySeeTheSameForever) {
   for (int i = 0; i < 1000; ++i) {
     EXPECT_EQ(look(in_a_room(0.0), 1.0 + 0.1 * i, 0.003 * std::sin(i)), LookUse::kTake);
     EXPECT_EQ(watch_.reason(1.0 + 0.1 * i), "");
   }
 }
 
-TEST_F(Watched, OneEchoThatDiffersByABitIsEnough) {
+TEST_F(Watched, OneReturnThatDiffersIsEnough) {
   RangeReturns echoes = in_a_room(0.0);
   for (int i = 0; i < 100; ++i) {
     echoes.p_SQ[7].x() = std::nextafter(echoes.p_SQ[7].x(), i % 2 == 0 ? 10.0 : -10.0);
@@ -141,7 +141,7 @@ TEST_F(Watched, OneEchoThatDiffersByABitIsEnough) {
   }
 }
 
-TEST_F(Watched, AHallWithoutEchoesIsNotFrozen) {
+TEST_F(Watched, AHallWithoutReturnsIsNotFrozen) {
   for (int i = 0; i < 100; ++i) {
     EXPECT_EQ(look({{}, {{8.0, 0.0, 0.0}}, {}}, 1.0 + 0.1 * i, 0.08 * i), LookUse::kTake);
     EXPECT_EQ(watch_.reason(1.0 + 0.1 * i), "");
@@ -158,7 +158,7 @@ TEST_F(Watched, TwoWallsWithoutAnEndAreNotFrozen) {
   expect_reason("frozen", 3.1);  // nobody knows any more
 }
 
-TEST_F(Watched, BeamsThatGetLostAreWarnedOf) {
+TEST_F(Watched, WarnsOfLostBeams) {
   for (int i = 0; i < 100; ++i) look(in_a_room(0.0), 1.0 + 0.1 * i, 0.0, 0.0, 0.98);
   EXPECT_EQ(watch_.warning(), "");
   for (int i = 0; i < 20; ++i) look(in_a_room(0.0), 11.0 + 0.1 * i, 0.0, 0.0, 0.45);
@@ -168,7 +168,7 @@ TEST_F(Watched, BeamsThatGetLostAreWarnedOf) {
   EXPECT_EQ(watch_.warning(), "");
 }
 
-TEST_F(Watched, AClockThatIsSetBackMakesNothingFresh) {
+TEST_F(Watched, AClockResetMakesNothingFresh) {
   look(in_a_room(0.0), 100.0);
   EXPECT_EQ(watch_.reason(1.0), "");
   expect_reason("scan is silent", 1.6);

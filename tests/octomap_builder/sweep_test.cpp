@@ -66,7 +66,7 @@ double worst(const std::vector<Look>& looks) {
   return most;
 }
 
-TEST(Sweep, EchoesLieOnTheWallHoweverTheRobotMoves) {
+TEST(Sweep, ReturnsLieOnTheWallHoweverTheRobotMoves) {
   const StaticMap room = round_room();
   std::mt19937 random{1};
   std::uniform_real_distribution<double> metres(-2.0, 2.0), angle(-3.0, 3.0), speed(-1.0, 1.0);
@@ -83,7 +83,7 @@ TEST(Sweep, EchoesLieOnTheWallHoweverTheRobotMoves) {
   EXPECT_GT(as_one_moment, 0.3);  // without the correction the error is large
 }
 
-TEST(Sweep, IsOneLookOfARobotThatStandsAndAllBeamsAreInTheParts) {
+TEST(Sweep, IsOneLookForAStandingRobotAndThePartsContainAllBeams) {
   Sweep sweep{{}, {}, Eigen::Isometry3d::Identity(), std::vector<float>(kSweepBeams, 2.0F)};
   EXPECT_EQ(sweep.looks().size(), 1U);
   sweep.twist = {0.5, 1.0};

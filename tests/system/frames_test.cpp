@@ -92,24 +92,25 @@ TEST_F(FramesOverDds, AMapInAFrameThatIsShiftedForEverIsShiftedToTheBit) {
   EXPECT_NEAR(there, kWall - 0.51, 0.08);
 }
 
-TEST_F(FramesOverDds, AMapInAFrameThatNobodyKnowsIsRefusedAndWaitsForTf) {
+TEST_F(FramesOverDds, AMapInAnUnknownFrameIsRefusedUntilTfProvidesIt) {
   map_.publish(wall("cellar"));
   ASSERT_TRUE(
       wait_for_reason("octomap_binary is given in frame `cellar`, not `map`: not used: "
-                      "`cellar` is not on /tf, which has "))
+                      "`cellar` is not on /tf; frames there: "))
       << reason_;
   tf_static_.publish(message_of({link("odom", "cellar", {})}));
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.2; })) << reason_;
 }
 
-TEST_F(FramesOverDds, SaysWhichFramesThereAreWhenItIsNotLocalised) {
+TEST_F(FramesOverDds, ReportsTheKnownFramesWhenNotLocalised) {
   map_.publish(wall("map"));
   tf_links_ = {link("map", "odom_combined", {})};
-  EXPECT_TRUE(wait_for_reason("not localized: `odom` is not on /tf, which has map → odom_combined"))
+  EXPECT_TRUE(
+      wait_for_reason("not localized: `odom` is not on /tf; frames there: map → odom_combined"))
       << reason_;
   tf_links_.push_back(link("odom", "wheel", {}));
   EXPECT_TRUE(
-      wait_for_reason("/tf does not join `map` and `odom`: map → odom_combined, "
+      wait_for_reason("no transform on /tf connects `map` and `odom`: map → odom_combined, "
                       "odom → wheel"))
       << reason_;
 }
@@ -245,7 +246,7 @@ class BuilderInFrames : public FramesOverDds {
   std::string sensor_ = "laser";
 };
 
-TEST_F(BuilderInFrames, ASensorWhoseMountIsOnTfIsPlaced) {
+TEST_F(BuilderInFrames, ASensorMountedByATfTransformIsPlaced) {
   EXPECT_TRUE(wait_until([&] { return is_occupied(-2.52, 0.0); }));
   EXPECT_FALSE(is_occupied(1.52, 0.0));
 }
@@ -258,7 +259,7 @@ TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
     tf_links_ = {link("odom_combined", "base_link", {})};
     EXPECT_TRUE(wait_until([&] {
       return log_.lines("scan dropped: it is given in frame `" + sensor_ +
-                        "`, in which the robot moves") > 0;
+                        "`, which does not move with the robot") > 0;
     })) << frame;
   }
   EXPECT_FALSE(tree_);

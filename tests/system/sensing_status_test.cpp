@@ -8,7 +8,7 @@
 namespace tandem::test {
 namespace {
 
-TEST_F(BuilderOverDds, TellsHowItsSensorsAreFromTheStartAndWithoutThem) {
+TEST_F(BuilderOverDds, ReportsSensorStatusFromTheStartEvenWithoutSensors) {
   ASSERT_TRUE(wait_until([&] { return says("nothing is heard on scan or cloud_in"); }));
   ASSERT_TRUE(wait_for_maps(1));
   ASSERT_TRUE(wait_until([&] { return says("scan is silent"); }));
@@ -32,7 +32,7 @@ TEST_F(BuilderOverDds, ABlindScannerIsNamedBesideACameraThatSees) {
                               [&] { return says("scan gives no valid range (no beams)"); }));
   const long before = maps_;
   EXPECT_TRUE(wait_until([&] { return maps_ > before; }));  // by the camera
-  EXPECT_GT(log_.lines("the robot must stand: scan gives no valid range"), 0);
+  EXPECT_GT(log_.lines("the robot must stand still: scan gives no valid range"), 0);
 }
 
 TEST_F(BuilderOverDds, ADeadCameraIsNamedBesideAScannerThatSees) {
@@ -59,7 +59,7 @@ TEST_F(BuilderOverDds, ACameraThatSeesNothingClearsAndStopsNothing) {
   EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
 }
 
-TEST_F(BuilderOverDds, AScannerThatTellsItsFarthestReadingAsRangeMaxShowsAWall) {
+TEST_F(BuilderOverDds, AScannerThatReportsItsFarthestReadingAsRangeMaxShowsAWall) {
   const long before = maps_;
   ASSERT_TRUE(
       wait_with_scans([](auto& msg) { msg.range_max(3.0F); }, [&] { return maps_ > before + 2; }));
@@ -76,7 +76,7 @@ TEST_F(BuilderOverDds, NothingInRangeIsAskedForByItsName) {
   }));
 }
 
-TEST_F(BuilderOverDds, EchoesOfTheRobotItselfAreNoObstacles) {
+TEST_F(BuilderOverDds, ReturnsFromTheRobotItselfAreNotObstacles) {
   const auto posts = [](auto& msg) {
     for (std::size_t i = 0; i < 10; ++i) msg.ranges()[i] = 0.3F;
   };
@@ -87,7 +87,7 @@ TEST_F(BuilderOverDds, EchoesOfTheRobotItselfAreNoObstacles) {
   EXPECT_EQ(log_.lines("scan: 10 echoes of a look lie inside the robot's outline"), 1);
 }
 
-TEST_F(BuilderOverDds, RangeMaxWithoutAnEndAndAnOddTimeIncrementAreTaken) {
+TEST_F(BuilderOverDds, InfiniteRangeMaxAndAnOddTimeIncrementAreAccepted) {
   const auto odd = [](auto& msg) {
     msg.range_max(std::numeric_limits<float>::infinity());
     msg.time_increment(153333.0F);
@@ -122,7 +122,7 @@ class BuilderThatNeedsACamera : public BuilderOverDds {
   BuilderThatNeedsACamera() : BuilderOverDds{{{"required_sensors", "[cloud_in]"}}} {}
 };
 
-TEST_F(BuilderThatNeedsACamera, NamesItUntilItIsHeard) {
+TEST_F(BuilderThatNeedsACamera, NamesItUntilItDelivers) {
   ASSERT_TRUE(wait_with_scans(
       [](auto&) {}, [&] { return says("cloud_in is silent, and required_sensors names it"); }));
   const auto camera = camera_that_sees(false);
