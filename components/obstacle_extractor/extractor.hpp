@@ -29,19 +29,22 @@ struct ExtractorParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("range", range, Range{0.5, 50.0}, "[m] obstacles are fitted this near to the robot");
+    field("range", range, Range{0.5, 50.0},
+          "[m] obstacles are fitted within this distance of the robot");
     field("max_excess", max_excess, Range{0.01, 1.0},
-          "[m] how far a shape may reach into free space; in narrow ways at most 0.05, unless it "
-          "is crowded");
+          "[m] how far a shape may extend into free space; in narrow passages at most 0.05, except "
+          "in crowded tiles");
     field("smallest_gap", smallest_gap, Range{0.0, 2.0},
-          "[m] gaps narrower than this may be filled; no more than the robot's width counts");
+          "[m] gaps narrower than this may be filled; capped at the robot's width");
     field("space_per_shape", space_per_shape, Range{0.001, 10.0},
-          "[m²] free space that one shape less may take; less: more and tighter shapes");
-    field("tile", tile, Range{1.0, 20.0}, "[m] side of the squares that the map is fitted in");
+          "[m²] free space that may be given up to save one shape; smaller values give more and "
+          "tighter shapes");
+    field("tile", tile, Range{1.0, 20.0},
+          "[m] side of the square tiles in which the map is fitted");
     field("shapes_per_tile", shapes_per_tile, Range{1.0, 1000.0},
-          "[-] a tile that needs more is crowded: its shapes get coarser until it does not, or "
-          "space_per_shape is nine times as large; a way that was 0.15 m wider than the robot "
-          "stays 0.09 m wider");
+          "[-] shapes per tile above which a tile is crowded: its shapes are coarsened until it is "
+          "not, or until space_per_shape is nine times as large; a passage 0.15 m wider than the "
+          "robot stays at least 0.09 m wider");
   }
 };
 

@@ -50,7 +50,7 @@ void ObstacleExtractorNode::report_none(const std::string& why, const char* wait
 
 void ObstacleExtractorNode::publish(const std::vector<Obstacle>& shapes) {
   none_for_.clear();
-  diagnostics_.report_well("lists what is near");
+  diagnostics_.report_well("publishing nearby obstacles");
   const auto map_header = header(node_.stamp(), params_->input.frames.map);
   obstacles_.publish(to_msg(shapes, map_header));
   if (markers_.matched() == 0 || lists_++ % kMarkersEvery != 0) return;

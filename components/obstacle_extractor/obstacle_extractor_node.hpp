@@ -32,10 +32,12 @@ struct ObstacleExtractorNodeParams {
     extractor.visit(field);
     map.visit(field);
     input.visit(field);
-    field("period", period, Range{0.01, 1.0}, "[s] between two obstacle lists");
+    field("period", period, Range{0.01, 1.0}, "[s] period of the obstacle lists");
     field("people", people,
-          "true: who walks about is listed with what stands, and nothing while `people` is silent");
-    field("people_timeout", people_timeout, Range{0.02, 5.0}, "[s] silence of people, if needed");
+          "true: people are listed together with static obstacles, and no list is published while "
+          "`people` is silent");
+    field("people_timeout", people_timeout, Range{0.02, 5.0},
+          "[s] `people` counts as silent after this long without a message");
   }
 };
 

@@ -124,7 +124,7 @@ TEST(ChangingMap, ShapesStayWhereTheyAreWhileTheWindowMovesWithTheRobot) {
 }
 
 // A removed object that stood alone disappears from the list immediately.
-TEST(ChangingMap, AThingThatIsGoneIsNoObstacle) {
+TEST(ChangingMap, ARemovedObjectIsNotAnObstacle) {
   Grid grid{0.05, {0.0, 0.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
   const auto empty = std::make_shared<const StaticMap>(grid);
   for (int i = 0; i < 10; ++i) grid.cells[grid.index(100 + i, 120)] = Cell::kOccupied;

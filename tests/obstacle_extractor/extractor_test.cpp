@@ -166,7 +166,7 @@ TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
 }
 
 // Poles 0.7 m apart: a Jackal fits between any two, but one shape could span two poles.
-TEST(Extractor, RatherFitsTooManyShapesThanCloseAWay) {
+TEST(Extractor, PrefersTooManyShapesToClosingAPassage) {
   Grid grid{0.05, {0.0, 0.0}, 80, 80, std::vector<Cell>(6400, Cell::kFree)};
   for (int iy = 4; iy < 80; iy += 14)
     for (int ix = 4; ix < 80; ix += 14) grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
@@ -192,7 +192,7 @@ StaticMap map_of(const std::vector<Obstacle>& shapes, const Grid& like) {
 
 // Among many poles the shapes get coarser and a passage may get narrower, but not below this width.
 // In world 115 it would shrink to 0.55 m without the protection of passages.
-TEST(Extractor, LeavesTheWayThroughTheMostCrowdedWorldsOpen) {
+TEST(Extractor, KeepsThePassageThroughTheMostCrowdedWorldsOpen) {
   if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
   for (const auto& [number, wide] : {std::pair{115, 0.58}, {181, 0.50}, {206, 0.50}}) {
     SCOPED_TRACE(number);

@@ -59,7 +59,7 @@ TEST(Passages, ADoorThatCoarserShapesCloseIsFound) {
   EXPECT_EQ(cells[ways.window().index(10, 40)], 0);  // in a room
 }
 
-TEST(Passages, ADoorThatIsOnlyNarrowerIsNot) {
+TEST(Passages, ADoorThatOnlyGetsNarrowerIsNotReported) {
   const Hall hall(0.8);
   const std::vector<Obstacle> fine{across(-0.6, 0.55), across(1.25, 4.0)};
   const std::vector<Obstacle> coarse{across(-0.6, 0.60), across(1.25, 4.0)};
@@ -74,19 +74,19 @@ TEST(Passages, AWiderRobotNeedsAWiderDoor) {
   EXPECT_FALSE(hall.ways(0.60).closed(fine, coarse).empty());
 }
 
-TEST(Passages, WhatWasTooNarrowBeforeIsNoWay) {
+TEST(Passages, AGapThatWasAlreadyTooNarrowIsNotAPassage) {
   const Hall hall(0.5);
   EXPECT_TRUE(
       hall.ways().closed({across(-0.6, 0.5), across(1.0, 4.0)}, {across(-0.6, 4.0)}).empty());
 }
 
-TEST(Passages, AWayRoundIsAWay) {
+TEST(Passages, ADetourCountsAsAPassage) {
   const Hall hall(0.8, {0.5, 2.5});
   EXPECT_TRUE(hall.ways().closed({across(-0.6, 0.5)}, {across(-0.6, 1.5)}).empty());
 }
 
 // Without the wall the shape would close a way that is there before.
-TEST(Passages, WhatTheShapesDoNotCoverIsInTheWay) {
+TEST(Passages, UncoveredCellsBlockThePassage) {
   const Hall hall(0.55);
   EXPECT_TRUE(hall.past({}, 0.43).closed({}, {across(0.3, 1.4)}).empty());
 }
