@@ -29,16 +29,17 @@ struct DiffDriveSimParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     drive.visit(field);
-    field("max_step", max_step, Range{0.0005, 0.02}, "[s] longest step of integration");
+    field("max_step", max_step, Range{0.0005, 0.02}, "[s] maximum integration step");
     field("sensor_delay_fraction", sensor_delay_fraction, Range{0.0, 1.0},
-          "[1] of the robot's sensor_delay");
+          "[1] actual sensor delay as a fraction of the robot's sensor_delay");
     field("odometry_noise", odometry_noise, Range{0.0, 0.5},
-          "[1] scale error of each wheel in the odometry, constant, drawn by seed");
+          "[1] constant scale error of each wheel's odometry, drawn from the seed");
     field("episode_clearance", episode_clearance, Range{0.0, 1.0},
-          "[m] a contact ends when clear by this much …");
+          "[m] a contact ends when the clearance exceeds this …");
     field("episode_time", episode_time, Range{0.0, 10.0}, "[s] … for this long");
     field("standing_speed", standing_speed, Range{0.0, 1.0},
-          "[m/s] a robot whose fastest point moves no faster stands, and is walked into");
+          "[m/s] a robot whose fastest point moves no faster counts as standing; a contact is then "
+          "the person's");
   }
 };
 

@@ -14,13 +14,13 @@ namespace {
 
 Pose2 start_of(const DiffDriveSimNodeParams& params) {
   if (params.start.size() != 3)
-    throw std::invalid_argument("start: needs three numbers, x, y and heading");
+    throw std::invalid_argument("start: expected three numbers: x, y and heading");
   return {params.start[0], params.start[1], params.start[2]};
 }
 
 DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
   if (params.map.empty())
-    throw std::invalid_argument("map: name an OctoMap (.bt, .ot) or a map's YAML");
+    throw std::invalid_argument("map: give the path of an OctoMap (.bt, .ot) or of a map's YAML");
   auto map = std::make_shared<const StaticMap>(slice(*load_map(params.map), params.slice),
                                                params.unknown_is_obstacle);
   DiffDriveSim sim{params.sim, params.robot, std::move(map), static_cast<unsigned>(params.seed)};
@@ -52,7 +52,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       cmd_vel_{node, topics::cmd_vel, params_->input,
                [this](const Twist2& twist) { on_command(twist); }} {
   cmd_vel_.set_frames(params_->frames);
-  cmd_vel_.judge_stamps_by([this] { return sim_.state().t; });
+  cmd_vel_.check_stamps_by([this] { return sim_.state().t; });
   subscribe();
   publish_frames();
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
@@ -65,9 +65,10 @@ void DiffDriveSimNode::on_command(const Twist2& twist) {
       source_.on_command(cmd_vel_.sender(), cmd_vel_.is_stamped() ? kTwistStamped : kTwist, now);
   if (alone || !params_->single_source) return sim_.command(twist, now);
   sim_.command({}, now);
-  node_.log().warn_every(1.0,
-                         "two programs publish cmd_vel, so the base stands: end the one that is no "
-                         "safety filter (`tandem doctor` names them), or set single_source: false");
+  node_.log().warn_every(
+      1.0,
+      "two programs publish cmd_vel, so the base stands: stop the one that is not the safety "
+      "filter (`tandem doctor` names both), or set single_source: false");
 }
 
 void DiffDriveSimNode::subscribe() {

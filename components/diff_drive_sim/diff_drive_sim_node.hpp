@@ -43,26 +43,27 @@ struct DiffDriveSimNodeParams {
     frames.visit(field);
     field("map", map,
           "OctoMap file (.bt, .ot), map of Nav2's map_server (.yaml) or description (.yaml)");
-    field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen stop the robot");
-    field("start", start, Range{-1e5, 1e5}, "[m, m, rad] x, y, heading in the map");
+    field("unknown_is_obstacle", unknown_is_obstacle,
+          "true: unknown cells stop the robot like occupied ones");
+    field("start", start, Range{-1e5, 1e5}, "[m, m, rad] initial x, y and heading in the map");
     field("people", people, Range{-1e5, 1e5},
-          "who walks there, for each: radius [m], speed [m/s], number of points, x1, y1, … [m] of "
-          "the way, which they walk to and fro");
+          "simulated people, for each: radius [m], speed [m/s], number of points, x1, y1, … [m] of "
+          "the path that they walk back and forth");
     field("people_acceleration", people_acceleration, Range{0.01, 100.0},
-          "[m/s²] with which people change their velocity");
-    field("seed", seed, Range{0, 2147483647}, "of slip and odometry noise");
-    field("step", step, Range{0.001, 0.1}, "[s] of simulated time between two /clock");
-    field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated per real time");
-    field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] of odom, tf and ground truth");
-    field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz] turns of the scanner");
-    field("scan_beams", scan_beams, Range{1, 10000}, "rays of a scan");
-    field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] farthest echo");
+          "[m/s²] acceleration with which people change their velocity");
+    field("seed", seed, Range{0, 2147483647}, "seed of slip and odometry noise");
+    field("step", step, Range{0.001, 0.1}, "[s] simulated time between two /clock messages");
+    field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated time per real time");
+    field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] rate of odom, tf and ground truth");
+    field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz] scan rate");
+    field("scan_beams", scan_beams, Range{1, 10000}, "beams per scan");
+    field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] maximum range of a return");
     field("scan_angle", scan_angle, Range{0.01, 6.2832},
-          "[rad] width of a scan, of which the middle is straight ahead; 2π: all around");
-    field("scan_frame", scan_frame, "name of the scanner's frame, 0.3 m above base_link's");
+          "[rad] field of view of a scan, centred straight ahead; 2π: all around");
+    field("scan_frame", scan_frame, "name of the scanner's frame, 0.3 m above base_link");
     field("single_source", single_source,
-          "the base stands while commands of two programs arrive within base_timeout, of which one "
-          "bypasses the safety filter");
+          "the base stands while commands of two programs arrive within base_timeout, because one "
+          "of them bypasses the safety filter");
     input.visit(field);
   }
 };

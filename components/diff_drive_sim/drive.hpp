@@ -24,17 +24,20 @@ struct DriveParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("a_drive", a_drive, Range{0.05, 50.0}, "[m/s²] the drive speeds up no faster");
-    field("alpha_drive", alpha_drive, Range{0.05, 200.0}, "[rad/s²] the drive turns up no faster");
+    field("a_drive", a_drive, Range{0.05, 50.0}, "[m/s²] maximum acceleration of the drive");
+    field("alpha_drive", alpha_drive, Range{0.05, 200.0},
+          "[rad/s²] maximum angular acceleration of the drive");
     field("brake_factor", brake_factor, Range{1.0, 10.0},
-          "[1] real braking per the robot's a_brake");
+          "[1] actual deceleration as a multiple of the robot's a_brake");
     field("turn_brake_factor", turn_brake_factor, Range{1.0, 10.0},
-          "[1] real braking of the turn per the robot's alpha_brake");
-    field("lag_fraction", lag_fraction, Range{0.0, 1.0}, "[1] of the robot's motor_lag");
+          "[1] actual angular deceleration as a multiple of the robot's alpha_brake");
+    field("lag_fraction", lag_fraction, Range{0.0, 1.0},
+          "[1] actual motor lag as a fraction of the robot's motor_lag");
     field("command_delay_fraction", command_delay_fraction, Range{0.0, 1.0},
-          "[1] of the robot's command_delay");
-    field("slip", slip, Range{0.0, 0.5}, "[1] each wheel's travel is off by up to this fraction");
-    field("slip_time", slip_time, Range{0.01, 60.0}, "[s] how long one slip lasts");
+          "[1] actual command delay as a fraction of the robot's command_delay");
+    field("slip", slip, Range{0.0, 0.5},
+          "[1] maximum slip: each wheel's travel deviates by up to this fraction");
+    field("slip_time", slip_time, Range{0.01, 60.0}, "[s] duration of one slip");
   }
 };
 

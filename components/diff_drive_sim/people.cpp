@@ -11,7 +11,7 @@ namespace tandem {
 namespace {
 
 constexpr std::uint32_t kFirstId = 0xFFFF0000;  // practically never the id of a static obstacle
-constexpr int kMostDraws = 100;
+constexpr int kMaxDraws = 100;
 
 // Desired velocity of a walker at p_MP.
 Eigen::Vector2d wanted(const Walker& walker, const Eigen::Vector2d& p_MP, std::size_t next) {
@@ -40,10 +40,11 @@ std::vector<Walker> walkers_of(std::span<const double> numbers) {
     if (rest < 5.0 || !(numbers[i + 2] >= 1.0 && 3.0 + 2.0 * numbers[i + 2] <= rest) ||
         numbers[i + 2] != std::floor(numbers[i + 2]))
       throw std::invalid_argument(
-          "people: each needs radius, speed, number of points, x1, y1, … of the way");
+          "people: each needs radius, speed, number of points, x1, y1, … of the path");
     Walker walker{numbers[i], numbers[i + 1], {}};
     if (!(walker.radius > 0.0 && walker.speed >= 0.0))
-      throw std::invalid_argument("people: a radius must be above 0 and a speed not below");
+      throw std::invalid_argument(
+          "people: a radius must be positive and a speed must not be negative");
     const std::size_t end = i + 3 + 2 * static_cast<std::size_t>(numbers[i + 2]);
     for (i += 3; i < end; i += 2) walker.p_MW.emplace_back(numbers[i], numbers[i + 1]);
     walkers.push_back(std::move(walker));
@@ -60,7 +61,7 @@ std::vector<Walker> crossing_people(const Crossings& crossings, unsigned seed,
   std::vector<Walker> walkers;
   for (int i = 0; i < crossings.count; ++i) {
     Walker walker{crossings.radius, between(crossings.slowest, crossings.fastest), {}};
-    for (int draw = 0; draw < kMostDraws; ++draw) {
+    for (int draw = 0; draw < kMaxDraws; ++draw) {
       const auto& low = crossings.low;
       const auto& high = crossings.high;
       Eigen::Vector2d from{low.x(), between(low.y(), high.y())};

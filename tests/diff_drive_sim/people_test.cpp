@@ -126,7 +126,7 @@ TEST_F(AmongPeople, DrivingIntoSomebodyIsACollision) {
   EXPECT_FALSE(contacts().in_contact);
 }
 
-TEST_F(AmongPeople, BeingWalkedIntoIsNone) {
+TEST_F(AmongPeople, BeingWalkedIntoIsNotACollision) {
   put({0.25, 1.0, {{2.5, 0.0}, {-2.5, 0.0}}});
   drive(0.0, 5.0);
   EXPECT_EQ(contacts().count, 0U);

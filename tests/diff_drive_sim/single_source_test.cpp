@@ -25,7 +25,7 @@ TEST(SingleSource, OneWriterDrives) {
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.02 * i));
 }
 
-TEST(SingleSource, WhileTwoWritersAreHeardNeitherDrives) {
+TEST(SingleSource, NeitherDrivesWhileTwoWritersPublish) {
   SingleSource source{kTimeout};
   EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.0));
   for (int i = 1; i < 100; ++i) {
@@ -64,14 +64,14 @@ TEST(SingleSource, TwistAndTwistStampedOfOneEnclaveAreOneSource) {
   EXPECT_FALSE(source.on_command(secured(2, 4), kTwistStamped, 0.03));
 }
 
-TEST(SingleSource, AWriterThatIsSilentForTheTimeoutIsNone) {
+TEST(SingleSource, AWriterThatIsSilentForTheTimeoutDoesNotCount) {
   SingleSource source{kTimeout};
   EXPECT_TRUE(source.on_command(kFilter, kTwist, 0.0));
   EXPECT_FALSE(source.on_command(writer(2, 0, 1), kTwist, 0.1));
   EXPECT_TRUE(source.on_command(writer(2, 0, 1), kTwist, 0.11));
 }
 
-TEST(SingleSource, AClockThatWasSetBackLocksNobodyOut) {
+TEST(SingleSource, AClockResetLocksNoWriterOut) {
   SingleSource source{kTimeout};
   EXPECT_TRUE(source.on_command(kFilter, kTwist, 100.0));
   EXPECT_TRUE(source.on_command(writer(2, 0, 1), kTwist, 1.0));
