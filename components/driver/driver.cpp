@@ -31,9 +31,9 @@ DriverName::DriverName(const std::string& text) {
     const std::size_t end = std::min(text.find('+', begin), text.size());
     const std::string part = text.substr(begin, end - begin);
     if (!holds(first ? all_drivers() : all_modifiers(), part))
-      throw std::invalid_argument("driver `" + text + "`: `" + part + "` is none of " +
+      throw std::invalid_argument("driver `" + text + "`: `" + part + "` is not one of " +
                                   joined(first ? all_drivers() : all_modifiers()) +
-                                  (first ? "; modifiers follow after +" : ""));
+                                  (first ? "; modifiers are appended with +" : ""));
     if (first)
       driver = part;
     else

@@ -28,16 +28,19 @@ struct DriverParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("driver", driver,
-          "navigator, pointer, script, reckless, adversary or replay, then its modifiers: "
+          "navigator, pointer, script, reckless, adversary or replay, followed by modifiers: "
           "navigator+tremor+dropouts");
     navigator.visit(field);
     hand.visit(field);
-    field("reckless_time", reckless_time, Range{1.0, 1e6}, "[s] then reckless lets go");
-    field("script", script, "phases of driver `script`, one a line: path, turn, hold, push");
+    field("reckless_time", reckless_time, Range{1.0, 1e6},
+          "[s] time after which reckless releases the stick");
+    field("script", script, "phases of driver `script`, one per line: path, turn, hold, push");
     robot.visit(field);
-    field("replay_t", replay_t, Range{-1e12, 1e12}, "[s] of each sample that replay plays");
-    field("replay_linear", replay_linear, Range{-1.0, 1.0}, "[1] stick forward at replay_t");
-    field("replay_angular", replay_angular, Range{-1.0, 1.0}, "[1] stick left at replay_t");
+    field("replay_t", replay_t, Range{-1e12, 1e12}, "[s] times of the samples that replay plays");
+    field("replay_linear", replay_linear, Range{-1.0, 1.0},
+          "[1] forward stick deflection at replay_t");
+    field("replay_angular", replay_angular, Range{-1.0, 1.0},
+          "[1] stick deflection to the left at replay_t");
   }
 };
 

@@ -22,8 +22,9 @@ struct DriverNodeParams {
     driver.visit(field);
     input.visit(field);
     map.visit(field);
-    field("steers_leader", steers_leader, "watches the leader, not the robot, where there is one");
-    field("seed", seed, Range{0, 2147483647}, "of the hand's and the eye's noise");
+    field("steers_leader", steers_leader,
+          "true: watches the leader instead of the robot, if there is one");
+    field("seed", seed, Range{0, 2147483647}, "seed of the noise of hand and eye");
   }
 };
 

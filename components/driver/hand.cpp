@@ -27,7 +27,7 @@ HandModel::HandModel(const HandParams& params, const std::set<std::string>& modi
   for (const auto& modifier : modifiers_)
     if (std::find(all_modifiers().begin(), all_modifiers().end(), modifier) ==
         all_modifiers().end())
-      throw std::invalid_argument("`" + modifier + "` modifies no driver");
+      throw std::invalid_argument("`" + modifier + "` is not a modifier of drivers");
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   tremor_frequency_ = kTremorLow + unit(random_) * (kTremorHigh - kTremorLow);
   if (params_.tremor_frequency > 0.0) tremor_frequency_ = params_.tremor_frequency;

@@ -49,23 +49,26 @@ struct HandParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("tremor_frequency", tremor_frequency, Range{0.0, 20.0},
-          "[Hz] 0: drawn from 4 to 12 by the seed");
-    field("tremor_amplitude", tremor_amplitude, Range{0.0, 1.0}, "[1] of the stick's way");
+          "[Hz] tremor frequency; 0: drawn between 4 and 12 from the seed");
+    field("tremor_amplitude", tremor_amplitude, Range{0.0, 1.0},
+          "[1] tremor amplitude as a fraction of the stick's travel");
     field("over_correction_frequency", over_correction_frequency, Range{0.1, 5.0},
-          "[Hz] undamped frequency of the hand");
+          "[Hz] natural frequency of the hand");
     field("over_correction_damping", over_correction_damping, Range{0.05, 1.0},
           "[1] damping ratio of the hand");
     field("neglected_side", neglected_side, OneOf{{"left", "right", "any"}},
-          "any: drawn by the seed");
-    field("neglect", neglect, Range{0.0, 1.0}, "[1] part of a turn to that side that is lost");
+          "side that is neglected; any: drawn from the seed");
+    field("neglect", neglect, Range{0.0, 1.0}, "[1] fraction of a turn to that side that is lost");
     field("neglect_drift", neglect_drift, Range{0.0, 1.0},
-          "[1] of the stick's way to the other side, while driving");
+          "[1] bias to the other side while driving, as a fraction of the stick's travel");
     field("switch_threshold", switch_threshold, Range{0.0, 1.0},
-          "[1] a wish below it does not press the switch");
-    field("pulse_period", pulse_period, Range{0.1, 10.0}, "[s] from one pulse to the next");
-    field("pulse_duration", pulse_duration, Range{0.05, 10.0}, "[s] of a pulse");
-    field("dropouts_per_minute", dropouts_per_minute, Range{0.0, 60.0}, "[1/min] on average");
-    field("dropout_time", dropout_time, Range{0.05, 10.0}, "[s] mean length");
+          "[1] an intended deflection below this does not press the switch");
+    field("pulse_period", pulse_period, Range{0.1, 10.0},
+          "[s] interval between the starts of two pulses");
+    field("pulse_duration", pulse_duration, Range{0.05, 10.0}, "[s] duration of a pulse");
+    field("dropouts_per_minute", dropouts_per_minute, Range{0.0, 60.0},
+          "[1/min] mean rate of dropouts");
+    field("dropout_time", dropout_time, Range{0.05, 10.0}, "[s] mean duration of a dropout");
   }
 };
 

@@ -45,7 +45,7 @@ Navigator::Navigator(const NavigatorParams& params, unsigned seed)
     : params_{params}, random_{seed} {
   check(params_);
   if (params_.route.empty() || params_.route.size() % 2 != 0)
-    throw std::invalid_argument("route: needs points x1, y1, x2, y2, …");
+    throw std::invalid_argument("route: expected points x1, y1, x2, y2, …");
   for (std::size_t i = 0; i < params_.route.size(); i += 2)
     route_.emplace_back(params_.route[i], params_.route[i + 1]);
   if (params_.loop) route_.push_back(route_.front());

@@ -30,19 +30,25 @@ struct NavigatorParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("route", route, Range{-1e4, 1e4}, "[m] x1, y1, x2, y2, … as someone who knows the place");
-    field("loop", loop, "after the last point of the route comes the first");
-    field("rate", rate, Range{1.0, 200.0}, "[Hz] of the joystick");
-    field("reaction_delay", reaction_delay, Range{0.0, 2.0}, "[s] from seeing to steering");
-    field("preview", preview, Range{0.1, 10.0}, "[m] looks this far along the route; cuts corners");
-    field("speed", speed, Range{0.0, 1.0}, "[1] how far the stick is pushed on a free way");
-    field("turn_gain", turn_gain, Range{0.0, 10.0}, "[1/rad] stick per bearing error");
-    field("stick_noise", stick_noise, Range{0.0, 1.0}, "[1] standard deviation of the hand");
+    field("route", route, Range{-1e4, 1e4},
+          "[m] x1, y1, x2, y2, … of the path, as known to someone familiar with the place");
+    field("loop", loop, "true: the last point of the route connects to the first");
+    field("rate", rate, Range{1.0, 200.0}, "[Hz] publishing rate of the joystick");
+    field("reaction_delay", reaction_delay, Range{0.0, 2.0},
+          "[s] reaction time from seeing to steering");
+    field("preview", preview, Range{0.1, 10.0},
+          "[m] look-ahead distance along the route; larger values cut corners");
+    field("speed", speed, Range{0.0, 1.0}, "[1] stick deflection when the path is free");
+    field("turn_gain", turn_gain, Range{0.0, 10.0}, "[1/rad] stick deflection per bearing error");
+    field("stick_noise", stick_noise, Range{0.0, 1.0},
+          "[1] standard deviation of the stick deflection");
     field("aim_noise", aim_noise, Range{0.0, 5.0},
           "[m] standard deviation of the aim across the route");
     field("aim_time", aim_time, Range{0.05, 60.0}, "[s] correlation time of the aim");
-    field("patience", patience, Range{0.1, 60.0}, "[s] pushed without moving before backing out");
-    field("arrive_radius", arrive_radius, Range{0.01, 10.0}, "[m] lets go this near to the end");
+    field("patience", patience, Range{0.1, 60.0},
+          "[s] time of pushing without motion before backing out");
+    field("arrive_radius", arrive_radius, Range{0.01, 10.0},
+          "[m] releases the stick within this distance of the end");
   }
 };
 

@@ -9,10 +9,10 @@
 namespace tandem {
 
 Route::Route(std::vector<Eigen::Vector2d> points) : points_{std::move(points)}, length_{0.0} {
-  if (points_.size() < 2) throw std::invalid_argument("a route needs two points");
+  if (points_.size() < 2) throw std::invalid_argument("a route needs at least two points");
   for (std::size_t i = 1; i < points_.size(); ++i) {
     const double step = (points_[i] - points_[i - 1]).norm();
-    if (!(step > 1e-6)) throw std::invalid_argument("two neighbouring points are the same");
+    if (!(step > 1e-6)) throw std::invalid_argument("two consecutive points are the same");
     length_.push_back(length_.back() + step);
   }
 }

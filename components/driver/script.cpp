@@ -13,8 +13,8 @@ namespace {
 constexpr double kCreeps = 0.1;           // [m] from the end: the stick reaches end_stick,
 constexpr double kSlowsWithin = 0.8;      // [m] over which it falls to that value
 constexpr double kHoldsLeader = 0.3;      // [m] before its maximum lead a leader slows down
-constexpr double kMostBack = 0.5;         // [m] maximum decrease of progress per sample
-constexpr double kMostAhead = 1.0;        // [m] maximum increase
+constexpr double kMaxBack = 0.5;          // [m] maximum decrease of progress per sample
+constexpr double kMaxAhead = 1.0;         // [m] maximum increase
 constexpr double kStandsDistance = 0.03;  // [m] smaller motion counts as standing
 constexpr double kStandsAngle = 0.1;      // [rad]
 constexpr double kEager = 0.4;            // [1] extra stick of an impatient person
@@ -83,7 +83,7 @@ bool Script::is_done(double t) {
 
 bool Script::is_there(const PathPhase& path) {
   const auto along = [&](const Pose2& X, double last) {
-    return path.route.nearest(X.position(), last - kMostBack, last + kMostAhead);
+    return path.route.nearest(X.position(), last - kMaxBack, last + kMaxAhead);
   };
   progress_ = along(seen_.front().X_MB, progress_);
   steered_progress_ = along(seen_.front().X_MS, steered_progress_);

@@ -36,7 +36,7 @@ class PhaseReader {
     if (kind == "turn") return turn();
     if (kind == "hold") return finished({PushPhase{}, number("a time", 0.0, kLongest)});
     if (kind == "push") return push();
-    fail("`" + kind + "` is none of path, turn, hold, push");
+    fail("`" + kind + "` is not one of path, turn, hold, push");
   }
 
  private:
@@ -86,7 +86,7 @@ class PhaseReader {
     return text.empty() || *end != '\0' ? std::nan("") : value;
   }
 
-  double stick() { return number("a share of the stick's way", 0.0, 1.0); }
+  double stick() { return number("a fraction of the stick's travel", 0.0, 1.0); }
   double timeout() { return number("a time", 0.0, kLongest); }
 
   ScriptPhase path() {
@@ -107,7 +107,7 @@ class PhaseReader {
         leader = true;
       else
         fail("`" + word("`via` and the route's points") +
-             "` is none of to, within, for, leader, "
+             "` is not one of to, within, for, leader, "
              "via");
     }
     return {PathPhase{route(), direction == "back" ? -1.0 : 1.0, share, end, tolerance, leader},
@@ -135,7 +135,7 @@ class PhaseReader {
       else if (take("for"))
         phase.time = timeout();
       else
-        fail("`" + word_ + "` is none of stick, within, for");
+        fail("`" + word_ + "` is not one of stick, within, for");
     }
     phase.action = turn;
     return phase;
@@ -143,13 +143,13 @@ class PhaseReader {
 
   ScriptPhase push() {
     PushPhase push;
-    push.linear = number("a share of the stick's way", -1.0, 1.0);
-    push.angular = number("a share of the stick's way", -1.0, 1.0);
+    push.linear = number("a fraction of the stick's travel", -1.0, 1.0);
+    push.angular = number("a fraction of the stick's travel", -1.0, 1.0);
     return finished({push, timeout()});
   }
 
   ScriptPhase finished(const ScriptPhase& phase) const {
-    if (!word_.empty()) fail("`" + word_ + "` is one word too many");
+    if (!word_.empty()) fail("`" + word_ + "` is unexpected; the phase is already complete");
     return phase;
   }
 
@@ -185,7 +185,7 @@ std::vector<ScriptPhase> read_script(const std::string& script, const Footprint&
       fail("script, phase " + std::to_string(phases.size() + 1) + ": " + error.what());
     }
   }
-  if (phases.empty()) fail("script: needs a phase: path, turn, hold or push");
+  if (phases.empty()) fail("script: needs at least one phase: path, turn, hold or push");
   return phases;
 }
 

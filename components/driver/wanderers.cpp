@@ -43,7 +43,7 @@ Pointer::Pointer(const NavigatorParams& params, unsigned seed) : loop_{params.lo
     legs_.emplace_back(leg, seed + static_cast<unsigned>(i));
   }
   if (legs_.empty() || route.size() % 2 != 0)
-    throw std::invalid_argument("route: needs points x1, y1, x2, y2, …");
+    throw std::invalid_argument("route: expected points x1, y1, x2, y2, …");
 }
 
 Hand Pointer::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
@@ -94,9 +94,9 @@ Hand Adversary::steer(const Pose2& X_MB, const Pose2& X_MS, const StaticMap* map
 Replay::Replay(Recording recording) : recording_{std::move(recording)} {
   const auto& r = recording_;
   if (r.t.empty() || r.linear.size() != r.t.size() || r.angular.size() != r.t.size())
-    throw std::invalid_argument("replay: needs as many times as linear and angular samples");
+    throw std::invalid_argument("replay: needs equal numbers of times, linear and angular samples");
   if (!std::is_sorted(r.t.begin(), r.t.end()))
-    throw std::invalid_argument("replay: its times go back");
+    throw std::invalid_argument("replay: its times must not decrease");
 }
 
 Hand Replay::steer(double t) {

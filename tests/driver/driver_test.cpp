@@ -57,7 +57,7 @@ std::shared_ptr<const StaticMap> one_block() {
   return std::make_shared<const StaticMap>(std::move(grid));
 }
 
-TEST(Driver, IsTheSameForTheSameSeedWhoeverItIs) {
+TEST(Driver, EveryDriverRepeatsItselfForTheSameSeed) {
   for (const auto& name : all_drivers()) {
     if (name == "replay") continue;
     for (const auto& modifier : all_modifiers()) {
@@ -67,7 +67,7 @@ TEST(Driver, IsTheSameForTheSameSeedWhoeverItIs) {
   }
 }
 
-TEST(Driver, AModifierChangesTheHandNotItsOwnersWill) {
+TEST(Driver, AModifierChangesTheHandNotTheIntention) {
   Driver plain{named("navigator"), 3}, trembling{named("navigator+tremor"), 3};
   for (int i = 0; i < 100; ++i) {  // both see the same
     const Pose2 X{0.01 * i, 0.0, 0.0};
@@ -152,7 +152,7 @@ TEST(Driver, ReplayHoldsEachSampleUntilTheNextAndThenLetsGo) {
   EXPECT_TRUE(driver.arrived());
 }
 
-TEST(Driver, RefusesWhatItCannotBe) {
+TEST(Driver, RefusesInvalidParameters) {
   for (const char* name : {"", "pilot", "navigator+", "navigator+hiccup", "tremor"})
     EXPECT_THROW((Driver{named(name), 1}), std::invalid_argument) << name;
   EXPECT_THROW((Driver{named("replay"), 1}), std::invalid_argument);  // without a recording

@@ -84,7 +84,7 @@ TEST(ScriptText, CountsFromTheEdgesOfTheOutline) {
   EXPECT_NEAR(route.point_at(route.length()).y(), 1.675, 1e-12);
 }
 
-TEST(ScriptText, ThatIsMalformedIsRefusedWithThePhasesNumber) {
+TEST(ScriptText, ErrorsNameThePhase) {
   for (const char* wrong :
        {"jump 1", "hold", "hold -1", "hold 1 2", "hold nan", "push 0.5 0", "push 2 0 1",
         "path up 1 via 0 0 1 0", "path forward 0.5 0 0 1 0", "path forward 0.5 via 0 0",
@@ -155,7 +155,7 @@ TEST(Script, GoesOnToTheNextPhaseWhenOneTakesTooLong) {
   EXPECT_NEAR(static_cast<double>(drive.hands.size()) * kTick, 7.0, 0.11);
 }
 
-TEST(Script, PushesHarderWhenNothingMovesThenBacksOutAndTriesAnew) {
+TEST(Script, PushesHarderWhenNothingMovesThenBacksOutAndTriesAgain) {
   const auto wall = [](const Pose2& X, const Twist2& twist) {
     return Twist2{X.x >= 1.0 ? std::min(0.0, twist.v) : twist.v, twist.w};
   };
