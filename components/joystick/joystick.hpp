@@ -18,11 +18,14 @@ struct JoystickParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("deadzone", deadzone, Range{0.0, 0.9}, "[1] part of an axis's way that is rest");
+    field("deadzone", deadzone, Range{0.0, 0.9},
+          "[1] fraction of an axis's travel that counts as rest");
     field("autorepeat_rate", autorepeat_rate, Range{5.0, 1000.0},
-          "[Hz] at which an unchanged joystick is sent again; slower would be a release");
+          "[Hz] rate at which an unchanged joystick is published again; a lower rate would count "
+          "as a release");
     field("only_held", only_held,
-          "silent while no button is held, so that others who send joy are not let go");
+          "true: nothing is published while no button is held, so that other publishers of joy are "
+          "not released");
   }
 };
 

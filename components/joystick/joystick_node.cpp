@@ -20,7 +20,7 @@ std::shared_ptr<void> start_sdl() {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
   SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
   if (SDL_InitSubSystem(SDL_INIT_JOYSTICK) != 0)
-    throw std::runtime_error(std::string{"SDL finds no joysticks: "} + SDL_GetError());
+    throw std::runtime_error(std::string{"SDL cannot access joysticks: "} + SDL_GetError());
   SDL_JoystickEventState(SDL_IGNORE);  // states are polled; the event queue is not read
   static int token = 0;
   return {&token, [](void*) { SDL_QuitSubSystem(SDL_INIT_JOYSTICK); }};
@@ -87,14 +87,14 @@ JoystickNode::JoystickNode(rt::Node& node)
     if (device_ && rumbles) device_->rumble(msg.intensity());
   });
   look();
-  if (!device_) node.log().info("no joystick yet: waiting for one");
+  if (!device_) node.log().info("no joystick found; waiting for one");
   timer_ = node.create_wall_timer(kPoll, [this] { poll(); });
 }
 
 void JoystickNode::poll() {
   SDL_JoystickUpdate();
   if (device_ && !device_->attached()) {
-    node_.log().warn("the joystick is gone");
+    node_.log().warn("the joystick was disconnected");
     device_.reset();
     looked_ = node_.steady_now();  // search later, so that a release is sent first
   }

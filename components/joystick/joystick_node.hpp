@@ -18,8 +18,9 @@ struct JoystickNodeParams {
   void visit(Visitor&& field) {
     joystick.visit(field);
     field("device_id", device_id, Range{0, 63},
-          "which of the devices, unless device_name is given");
-    field("device_name", device_name, "part of the device's name; empty: device_id counts");
+          "index of the device; ignored when device_name is given");
+    field("device_name", device_name,
+          "part of the device's name; empty: device_id selects the device");
   }
 };
 

@@ -42,7 +42,7 @@ TEST(Joystick, IsSentAtEachChangeAndRepeatedInBetween) {
   EXPECT_TRUE(joystick.update(&device, 0.02 + 1.1 * kPeriod));
 }
 
-TEST(Joystick, MaySendOnlyWhatIsHeld) {
+TEST(Joystick, CanPublishOnlyWhileAButtonIsHeld) {
   Joystick joystick{{.only_held = true}};
   RawJoystick device{{0}, {false}, {}};
   EXPECT_TRUE(joystick.update(&device, 0.0));
@@ -56,7 +56,7 @@ TEST(Joystick, MaySendOnlyWhatIsHeld) {
   EXPECT_FALSE(joystick.update(&device, 4.0));
 }
 
-TEST(Joystick, LetsGoOfEverythingWhenTheDeviceGoes) {
+TEST(Joystick, ReleasesEverythingWhenTheDeviceDisconnects) {
   Joystick joystick{{}};
   RawJoystick device{{0}, {false}, {}};
   (void)joystick.update(&device, 0.0);
@@ -68,7 +68,7 @@ TEST(Joystick, LetsGoOfEverythingWhenTheDeviceGoes) {
   EXPECT_FALSE(joystick.update(nullptr, 0.3));
 }
 
-TEST(Joystick, AButtonThatIsDownWhenTheDeviceComesCountsFromItsNextPressOn) {
+TEST(Joystick, AButtonHeldAtConnectionCountsFromItsNextPress) {
   Joystick joystick{{}};
   RawJoystick device{{}, {true, false}, {}};
   for (int plugged = 0; plugged < 2; ++plugged) {
