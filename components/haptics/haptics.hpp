@@ -17,11 +17,12 @@ struct HapticsParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("near", near, Range{0.01, 10.0}, "[m] clearance below which nearness is felt");
+    field("near", near, Range{0.01, 10.0}, "[m] clearance below which proximity is felt");
     field("disagreement", disagreement, Range{0.01, 10.0},
-          "[m/s, rad/s] between person and robot that is felt in full");
+          "[m/s, rad/s] disagreement between person and robot that gives full strength");
     field("deadband", deadband, Range{0.0, 0.99},
-          "[1] part of the disagreement that is not felt: the planner is never quite of one mind");
+          "[1] fraction of the disagreement that is not felt, because the planner never agrees "
+          "exactly");
   }
 };
 

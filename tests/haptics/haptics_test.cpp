@@ -19,7 +19,7 @@ double felt(const std::optional<Twist2>& user, const Twist2& robot, double clear
   return haptics.feel(user, robot, clearance, kDt);
 }
 
-TEST(Haptics, AreNoneWhereAllAgreeAndNothingIsNear) {
+TEST(Haptics, AreZeroWhenAllAgreeAndNothingIsNear) {
   EXPECT_EQ(felt(Twist2{0.5, 0.2}, {0.5, 0.2}, kFar), 0.0);
   EXPECT_EQ(felt(Twist2{0.5, 0.2}, {0.45, 0.2}, kFar), 0.0);  // the deadband
 }
@@ -44,12 +44,12 @@ TEST(Haptics, GrowWithNearness) {
   EXPECT_EQ(felt(Twist2{0.5, 0.0}, {0.5, 0.0}, -0.1), 1.0);
 }
 
-TEST(Haptics, AreNotFeltByWhoLetsGo) {
+TEST(Haptics, AreNotFeltAfterReleasingTheStick) {
   EXPECT_EQ(felt(std::nullopt, {0.5, 0.0}, 0.0), 0.0);
   EXPECT_EQ(felt(Twist2{}, {0.5, 0.0}, 0.0), 0.0);
 }
 
-TEST(Haptics, OfWhatIsNotFiniteAreNone) {
+TEST(Haptics, AreZeroForNonFiniteInputs) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(felt(Twist2{kNaN, 0.0}, {}, kInf), 0.0);
