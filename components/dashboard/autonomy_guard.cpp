@@ -52,8 +52,9 @@ void AutonomyGuard::on_leave(ClientId client) {
     if (robot.responsible != client) continue;
     robot.responsible.reset();
     node_.log().warn(
-        "web client {}, who let the robot in {} drive by itself, is gone: policy shared", client,
-        space + "/");
+        "web client {} disconnected after starting autonomous driving of the robot in {}: policy "
+        "set to shared",
+        client, space + "/");
     SetPolicy::Request request;
     request.policy("shared");
     robot.set_policy.call(request, [](const auto&) {});

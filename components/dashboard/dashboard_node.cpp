@@ -52,10 +52,10 @@ DashboardNode::DashboardNode(rt::Node& node)
       params_{node.declare_parameters<DashboardParams>()},
       web_{params_->web, foxglove::kSubprotocol, page_files(),
            [&node](const std::string& line) { node.log().warn_every(1.0, "{}", printable(line)); }},
-      topics_{
-          node,
-          web_,
-          {seat_channel(node.fully_qualified_name()), trial_channel(node.fully_qualified_name())}},
+      topics_{node,
+              web_,
+              {driver_channel(node.fully_qualified_name()),
+               trial_channel(node.fully_qualified_name())}},
       services_{node, web_, node.fully_qualified_name() + "/take_wheel",
                 [this](ClientId client) { return take_wheel(client); }},
       parameters_{node, web_},
@@ -74,18 +74,18 @@ DashboardNode::DashboardNode(rt::Node& node)
     for (const ClientId client : clients_) tell_time(client);
     tell_trial();
   });
-  node.log().info("the page is at {} ; Foxglove and Lichtblick connect there too (ws://)",
+  node.log().info("the page is at {} ; Foxglove and Lichtblick connect to the same address (ws://)",
                   web_.url());
   // The token is printed to the terminal only, not to /rosout. A token from a file is known
   // already.
   if (const auto& token = web_.token(); !token.empty() && params_->web.token_file.empty())
-    std::cerr << "    Open it with its token: " << web_.url() << "?token=" << token << std::endl;
+    std::cerr << "    Open it with the token: " << web_.url() << "?token=" << token << std::endl;
 }
 
 // Each lane has its own time share of a tick; a single event may exceed it.
 void DashboardNode::tick() {
   parameters_.begin_beat();
-  for (int i = 0; i < kMostUrgent && serve(Lane::kUrgent); ++i) {
+  for (int i = 0; i < kMaxUrgent && serve(Lane::kUrgent); ++i) {
   }
   serve_for(kLastWords, Lane::kLastWords);
   while (serve(Lane::kLeft)) {
@@ -154,7 +154,7 @@ void DashboardNode::on_join(ClientId client) {
   topics_.greet(client);
   services_.greet(client);
   told_.clear();
-  node_.log().info("web client {} is here ({} in all)", client, clients_.size());
+  node_.log().info("web client {} connected ({} in total)", client, clients_.size());
 }
 
 void DashboardNode::tell_time(ClientId client) {
@@ -174,7 +174,7 @@ void DashboardNode::on_leave(ClientId client) {
   refused_.erase(client);
   publish_.forget(client);
   told_.clear();
-  node_.log().info("web client {} is gone ({} left)", client, clients_.size());
+  node_.log().info("web client {} disconnected ({} left)", client, clients_.size());
 }
 
 void DashboardNode::on_advertise(ClientId client, const foxglove::Advertise& request) {
@@ -220,7 +220,7 @@ std_srvs::srv::Trigger::Response DashboardNode::take_wheel(ClientId client) {
   driver_lock_.take(client, now);
   std_srvs::srv::Trigger::Response response;
   response.success(true);
-  response.message("you drive");
+  response.message("you are driving");
   return response;
 }
 
@@ -253,7 +253,7 @@ PublishRelay::Outcome DashboardNode::begin_trial(ClientId client,
   const double now = node_.steady_now();
   if (!driver_lock_.may_write(client, now)) return PublishRelay::Outcome::kOtherDrives;
   if (now - trial_began_ < kTrialPeriod) {
-    complain(client, "not begun: a trial began a moment ago");
+    complain(client, "trial not started: another one started a moment ago");
     return PublishRelay::Outcome::kPublished;
   }
   try {

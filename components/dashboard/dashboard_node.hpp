@@ -30,10 +30,10 @@ struct DashboardParams {
   void visit(Visitor&& field) {
     web.visit(field);
     field("seat_timeout", seat_timeout, Range{0.2, 3600.0},
-          "[s] a driver that was silent for so long has left the seat");
+          "[s] a driver that has sent nothing for this long loses the driver lock");
     field("max_age", max_age, Range{0.0, 60.0},
-          "[s] a client's joy with an older stamp is not carried out; 0: whatever its age");
-    field("user_tests", user_tests, "folder for what people do in the page's user test");
+          "[s] a client's joy with an older stamp is ignored; 0: no limit");
+    field("user_tests", user_tests, "folder for the results of the page's user test");
     input.visit(field);
   }
 };
@@ -48,7 +48,7 @@ class DashboardNode {
   static constexpr double kTick = 0.005;  // [s] between two ticks, which handle the clients' events
   static constexpr double kUsual = 0.0015;      // [s] of a tick for frames of connected clients
   static constexpr double kLastWords = 0.0005;  // [s] of a tick for frames of clients that left
-  static constexpr int kMostUrgent = 64;        // emergency stop messages handled per tick
+  static constexpr int kMaxUrgent = 64;         // emergency stop messages handled per tick
   static constexpr double kLook = 0.5;          // [s] between two looks at the domain
   static constexpr double kTimePeriod = 0.05;   // [s]
   static constexpr double kSavePeriod = 1.0;    // [s] minimum interval of two saved user tests

@@ -12,7 +12,7 @@ namespace tandem {
 inline constexpr std::uint32_t kSeatChannel = 1, kTrialChannel = 2;
 
 /// The driver as seen by the receiving client; `node` is the dashboard's full name.
-[[nodiscard]] inline foxglove::Channel seat_channel(const std::string& node) {
+[[nodiscard]] inline foxglove::Channel driver_channel(const std::string& node) {
   constexpr const char* kSchema =
       R"({"type":"object","properties":{"driver":{"type":"string"},"clients":{"type":"integer"}}})";
   return {kSeatChannel, node + "/seat", "json", "tandem.Seat", kSchema, "jsonschema"};

@@ -279,7 +279,7 @@ class Person(Client):
 
     def time_wheel(self):
         begin = time.monotonic()
-        assert b"you drive" in self.call("/dashboard/take_wheel", b"\0\1\0\0\0")
+        assert b"you are driving" in self.call("/dashboard/take_wheel", b"\0\1\0\0\0")
         return time.monotonic() - begin
 
     def as_driver(self, service, payload, wanted):

@@ -64,7 +64,7 @@ class AutonomyGuardOverDds : public testing::Test {
       topics::arbitration_status, [this](const auto& msg) { heard_ = msg.policy(); });
 };
 
-TEST_F(AutonomyGuardOverDds, EndsItWhenTheClientThatLetItIsGone) {
+TEST_F(AutonomyGuardOverDds, EndsItWhenTheClientThatStartedItDisconnects) {
   let_drive_itself(kFirst);
   hear("autonomous");
   guard_.on_leave(kSecond);
@@ -72,7 +72,7 @@ TEST_F(AutonomyGuardOverDds, EndsItWhenTheClientThatLetItIsGone) {
   EXPECT_TRUE(asked_for({"shared"}));
 }
 
-TEST_F(AutonomyGuardOverDds, EndsItThoughTheStatusOfBeforeIsHeardAfterTheCall) {
+TEST_F(AutonomyGuardOverDds, EndsItEvenIfAnEarlierStatusArrivesAfterTheCall) {
   let_drive_itself(kFirst);
   hear("manual");
   guard_.on_leave(kFirst);
@@ -85,14 +85,14 @@ TEST_F(AutonomyGuardOverDds, LeavesThePolicyThatAnotherNodeSetSince) {
   hear("autonomous");
   hear("manual");
   guard_.on_leave(kFirst);
-  EXPECT_EQ(log.lines("is gone: policy shared"), 0);
+  EXPECT_EQ(log.lines("policy set to shared"), 0);
   let_drive_itself(kSecond);
   guard_.on_leave(kSecond);
-  EXPECT_EQ(log.lines("is gone: policy shared"), 1);
+  EXPECT_EQ(log.lines("policy set to shared"), 1);
   EXPECT_TRUE(asked_for({"shared"}));
 }
 
-TEST_F(AutonomyGuardOverDds, TellsRobotsApart) {
+TEST_F(AutonomyGuardOverDds, TreatsRobotsSeparately) {
   let_drive_itself(kFirst);
   call(kSecond, "/b", "manual");
   guard_.on_leave(kFirst);

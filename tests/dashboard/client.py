@@ -371,8 +371,8 @@ def hostile(robot):
 
 
 def token(robot):
-    robot.until_heard("Open it with its token: ")
-    secret = next(found[1] for line in robot.lines if (found := re.search(r"its token: \S+\?token=(\w+)", line)))
+    robot.until_heard("Open it with the token: ")
+    secret = next(found[1] for line in robot.lines if (found := re.search(r"the token: \S+\?token=(\w+)", line)))
     client = Client(robot.port, "?token=" + secret)
     client.subscribe("/rosout")
     client.until(lambda: any("the page is at" in line.msg for line in client.messages.get("/rosout", [])))
@@ -454,8 +454,8 @@ def slow(robot):
     for topic in ("/odom", "/scan", "/map", "/octomap_binary"):
         lazy.subscribe(topic)  # and never hears it
     other.until(lambda: "/dashboard/seat" in other.channels)
-    seat_channel = other.channels["/dashboard/seat"]
-    other.say(op="subscribe", subscriptions=[{"id": 7, "channelId": seat_channel["id"]}])
+    driver_channel = other.channels["/dashboard/seat"]
+    other.say(op="subscribe", subscriptions=[{"id": 7, "channelId": driver_channel["id"]}])
     end, clients = time.monotonic() + LONG, []
     while clients[-1:] != [1]:
         assert time.monotonic() < end, "the slow client is still there"

@@ -71,9 +71,9 @@ void expect_client_passes(const std::string& check) {
 TEST(WebClient, SeesTopicsDrivesAndCallsServices) { expect_client_passes("drive"); }
 TEST(WebClient, DrivesAloneUntilAnotherTakesTheWheel) { expect_client_passes("seat"); }
 TEST(WebClient, ThatLeavesWithTheStickHeldMustBeSeenAtRestAgain) { expect_client_passes("leave"); }
-TEST(WebClient, WhoDrivesHasATrialMeasured) { expect_client_passes("trial"); }
-TEST(WebClient, IsKeptOutWhereItHasNoBusiness) { expect_client_passes("door"); }
-TEST(WebClient, NeedsTheTokenWhereOthersCanReachTheDoor) { expect_client_passes("token"); }
+TEST(WebClient, ThatDrivesHasATrialMeasured) { expect_client_passes("trial"); }
+TEST(WebClient, IsRefusedWhereItHasNoAccess) { expect_client_passes("door"); }
+TEST(WebClient, NeedsTheTokenIfOthersCanReachTheServer) { expect_client_passes("token"); }
 TEST(WebClient, ThatIsHostileChangesNothingForTheRobot) { expect_client_passes("hostile"); }
 TEST(WebClient, SeesWhatItCanOfOthersWithOddNamesAndTypes) {
   rt::Node odd{"my__node"};

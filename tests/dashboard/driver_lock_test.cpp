@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kTimeout = 5.0;
 
-TEST(DriverLock, BelongsToTheFirstWhoDrives) {
+TEST(DriverLock, BelongsToTheFirstClientThatDrives) {
   DriverLock driver_lock{kTimeout};
   EXPECT_TRUE(driver_lock.may_write(1, 0.0));
   EXPECT_TRUE(driver_lock.drive(1, 0.0));

@@ -157,7 +157,7 @@ ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
     made.get = client.template operator()<rcl_interfaces::srv::GetParameters>("/get_parameters");
     made.set = client.template operator()<rcl_interfaces::srv::SetParameters>("/set_parameters");
   } catch (const std::exception& error) {  // other software may use these names with other types
-    node_.log().warn_every(10.0, "no parameters of {}: {}", node, error.what());
+    node_.log().warn_every(10.0, "cannot read the parameters of {}: {}", node, error.what());
     return nullptr;
   }
   return &(clients_[node] = std::move(made));
@@ -175,7 +175,7 @@ const std::set<std::string>& ParameterRelay::nodes() {
 
 bool ParameterRelay::too_many(ClientId client, std::size_t names) {
   if (names <= kMaxNames) return false;
-  const std::string what = std::to_string(names) + " parameters in one request; no more than " +
+  const std::string what = std::to_string(names) + " parameters in one request; at most " +
                            std::to_string(kMaxNames) + " are answered";
   web_.answer(client, {true, foxglove::status(foxglove::Level::kError, what)});
   return true;
@@ -227,7 +227,8 @@ void ParameterRelay::set(ClientId client, const foxglove::SetParameters& request
     const auto [node, name] = split(parameter.name);
     const auto value = from_json(parameter);
     if (node.empty() || !value) {
-      answer->complain(parameter.name.substr(0, 100) + " is no parameter, or its value is none");
+      answer->complain(parameter.name.substr(0, 100) +
+                       " is not a parameter, or its value is not a parameter value");
       continue;
     }
     auto& one = by_node[node].parameters().emplace_back();

@@ -30,9 +30,9 @@ const char* PublishRelay::text(Outcome outcome) {
     case Outcome::kOtherDrives:
       return "someone else is driving";
     case Outcome::kMalformed:
-      return "a message that is none of its type";
+      return "a message that is not of the channel's type";
     case Outcome::kOld:
-      return "a stick from the past: the connection stalls, or the clocks differ";
+      return "an outdated joystick message: the connection stalls, or the clocks differ";
   }
   return "?";
 }
@@ -89,7 +89,7 @@ std::string PublishRelay::advertise(std::map<std::uint32_t, const Inlet*>& chann
   if (encoding != inlet->second.encoding || type != inlet->second.type)
     return topic + " takes " + inlet->second.type + " in " + inlet->second.encoding;
   if (channels.size() >= kMaxChannels)
-    return "no more than " + std::to_string(kMaxChannels) + " channels";
+    return "at most " + std::to_string(kMaxChannels) + " channels";
   channels[channel] = &inlet->second;
   return {};
 }

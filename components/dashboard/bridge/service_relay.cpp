@@ -92,11 +92,11 @@ void ServiceRelay::call(ClientId client, const foxglove::ServiceCall& call) {
   if (relayed == nullptr)
     fail(client, call, "there is no service " + std::to_string(call.service));
   else if (call.encoding != "cdr")
-    fail(client, call, "the encoding is cdr, not '" + call.encoding.substr(0, 40) + "'");
+    fail(client, call, "the encoding must be cdr, not '" + call.encoding.substr(0, 40) + "'");
   else if (call.service == kOwn)
     answer(client, call, rt::encode(on_own_(client)));
   else if (waiting_[client] >= kMaxCalls)
-    fail(client, call, "too many calls wait for their answers");
+    fail(client, call, "too many calls are waiting for an answer");
   else
     ask(client, call, *relayed);
 }

@@ -11,8 +11,8 @@
 namespace tandem {
 namespace {
 
-constexpr int kDepth = 10;       // queued messages per topic
-constexpr int kMostKept = 1000;  // of a latched topic: one per publisher
+constexpr int kDepth = 10;      // queued messages per topic
+constexpr int kMaxKept = 1000;  // of a latched topic: one per publisher
 
 // A name with a part that starts with '_' is hidden.
 bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
@@ -85,7 +85,7 @@ void TopicRelay::subscribe(ClientId client, const foxglove::Subscribe& request) 
                 [&](const auto& entry) { return find(entry.second) == nullptr; });
   Complaints complaints;
   if (request.all.size() > kMaxSubscriptions)
-    complaints.add("no more than " + std::to_string(kMaxSubscriptions) +
+    complaints.add("at most " + std::to_string(kMaxSubscriptions) +
                    " subscriptions in one request");
   else
     for (const auto& one : request.all) complaints.add(subscribe(client, one));
@@ -99,12 +99,12 @@ std::string TopicRelay::subscribe(ClientId client, const foxglove::Subscribe::On
   auto& channels = channels_[client];
   if (relayed == nullptr) return "there is no channel " + std::to_string(wanted.channel);
   if (channels.contains(wanted.subscription))
-    return "subscription " + std::to_string(wanted.subscription) + " is in use";
+    return "subscription " + std::to_string(wanted.subscription) + " is already in use";
   if (channels.size() >= kMaxSubscriptions)
-    return "no more than " + std::to_string(kMaxSubscriptions) + " subscriptions";
+    return "at most " + std::to_string(kMaxSubscriptions) + " subscriptions";
   if (std::count_if(channels.begin(), channels.end(),
                     [&](const auto& entry) { return entry.second == wanted.channel; }) >= kMaxOfOne)
-    return "no more than " + std::to_string(kMaxOfOne) + " subscriptions of one channel";
+    return "at most " + std::to_string(kMaxOfOne) + " subscriptions of one channel";
   if (!relayed->listening) web_.charge(client, kReaderCost);
   channels[wanted.subscription] = wanted.channel;
   relayed->listeners.push_back({client, wanted.subscription});
@@ -151,7 +151,7 @@ void TopicRelay::listen_to_next() {
 void TopicRelay::listen(Relayed& relayed) {
   rt::QoS qos = rt::request_for(relayed.publishers, kDepth);
   relayed.latched = qos.durability == rt::Durability::kTransientLocal;
-  if (relayed.latched) qos.depth = kMostKept;
+  if (relayed.latched) qos.depth = kMaxKept;
   relayed.subscription =
       node_.create_generic_subscription(relayed.channel.topic, relayed.channel.schema_name, qos,
                                         [this, id = relayed.channel.id](const auto& bytes) {
@@ -165,7 +165,7 @@ void TopicRelay::relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes)
   if (relayed.latched) {  // keep each publisher's newest message, at the end
     const rt::PublisherId sender = relayed.subscription.sender();
     std::erase_if(relayed.last, [&](const auto& last) { return last.first == sender; });
-    if (relayed.last.size() < kMostKept) relayed.last.emplace_back(sender, body);
+    if (relayed.last.size() < kMaxKept) relayed.last.emplace_back(sender, body);
   }
   for (const auto& listener : relayed.listeners) send(listener, body);
 }

@@ -20,7 +20,7 @@ RegionGoal region_from(const json& from) {
     if (!(std::abs(x) <= 1e4)) throw std::invalid_argument("region: [x0, y0, x1, y1] in m");
   const RegionGoal region{{corners[0], corners[1]}, {corners[2], corners[3]}};
   if (!(region.low.array() < region.high.array()).all())
-    throw std::invalid_argument("region: x0 < x1 and y0 < y1");
+    throw std::invalid_argument("region: needs x0 < x1 and y0 < y1");
   return region;
 }
 

@@ -29,7 +29,7 @@ std::string method_of(const json& from) {
   auto method = from.at("method").get<std::string>();
   for (const char* known : {"manual", "shared", "blend", "adaptive", "autonomous"})
     if (method == known) return method;
-  throw std::invalid_argument("method is none of manual, shared, blend, adaptive, autonomous");
+  throw std::invalid_argument("method is not one of manual, shared, blend, adaptive, autonomous");
 }
 
 UserTrial trial_from(const json& from) {
@@ -46,7 +46,7 @@ UserTrial trial_from(const json& from) {
 void write(const std::filesystem::path& path, const std::string& text, std::ios::openmode mode) {
   std::ofstream file{path, mode};
   file << text;
-  if (!file.flush()) throw std::runtime_error(path.string() + " cannot be written");
+  if (!file.flush()) throw std::runtime_error(path.string() + " is not writable");
 }
 
 }  // namespace

@@ -22,11 +22,12 @@ std::string token_from(const std::string& path) {
   std::string token;
   if (!file || !std::getline(file, token))
     throw std::invalid_argument("token_file = \"" + path +
-                                "\" cannot be read or is empty: its first line is the token");
+                                "\" is not readable or is empty: its first line must be the token");
   if (token.size() < kShortest || token.size() > kLongest ||
       !std::all_of(token.begin(), token.end(), fits_an_address))
-    throw std::invalid_argument("token_file = \"" + path +
-                                "\": the first line is to be 12 to 128 letters, digits, - and _");
+    throw std::invalid_argument(
+        "token_file = \"" + path +
+        "\": the first line must consist of 12 to 128 letters, digits, - and _");
   return token;
 }
 

@@ -53,7 +53,7 @@ TrustedProxies trusted_proxies(const std::string& addresses) {
     const auto address = parse(text);
     if (!address)
       throw std::invalid_argument("trusted_proxies: \"" + text +
-                                  "\" is no IP address (127.0.0.1, ::1, ...)");
+                                  "\" is not an IP address (127.0.0.1, ::1, ...)");
     all.insert(*address);
   }
   return all;

@@ -31,17 +31,17 @@ class RateLimit {
 
 /// Budget of work [s] that one client may cause: kShare of each second, accumulated up to kBurst.
 /// Work is charged after it is done, so the balance can become negative; the client then waits
-/// until it is positive again. The debt never exceeds kMostDebt.
+/// until it is positive again. The debt never exceeds kMaxDebt.
 class ClientBudget {
  public:
   static constexpr double kShare = 0.05;
-  static constexpr double kBurst = 0.5;     // [s]
-  static constexpr double kMostDebt = 2.0;  // [s]
+  static constexpr double kBurst = 0.5;    // [s]
+  static constexpr double kMaxDebt = 2.0;  // [s]
 
   /// A new client starts with half of the burst, so that reconnecting gains nothing.
   explicit ClientBudget(double now) : left_{0.5 * kBurst}, last_{now} {}
 
-  void charge(double work, double now) { left_ = std::max(-kMostDebt, left(now) - work); }
+  void charge(double work, double now) { left_ = std::max(-kMaxDebt, left(now) - work); }
   /// Remaining work [s]; negative: debt.
   [[nodiscard]] double left(double now) {
     left_ = std::min(kBurst, left_ + kShare * std::max(0.0, now - last_));

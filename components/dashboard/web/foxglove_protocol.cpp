@@ -43,21 +43,21 @@ class Reader {
 
 Request parse_message(Reader reader) {
   const auto channel = reader.number();
-  if (!channel) return Malformed{"a message ends within its head"};
+  if (!channel) return Malformed{"a message is shorter than its header"};
   return Message{*channel, reader.rest()};
 }
 
 Request parse_call(Reader reader) {
   const auto service = reader.number(), call = reader.number(), size = reader.number();
   auto encoding = size ? reader.text(*size) : std::nullopt;
-  if (!encoding) return Malformed{"a service call ends within its head"};
+  if (!encoding) return Malformed{"a service call is shorter than its header"};
   return ServiceCall{*service, *call, std::move(*encoding), reader.rest()};
 }
 
 // at() and get() throw if a value is missing or has another type; parse_text() catches.
 std::uint32_t number(const json& value) {
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > 0xffffffffULL)
-    throw std::invalid_argument("a number of 32 bits is wanted");
+    throw std::invalid_argument("expected a 32-bit unsigned number");
   return value.get<std::uint32_t>();
 }
 
@@ -105,7 +105,7 @@ Request parse_request(const json& request) {
   if (op == "setParameters") return set_parameters(request);
   if (op == "subscribeParameterUpdates") return SubscribeParameters{names(request), true};
   if (op == "unsubscribeParameterUpdates") return SubscribeParameters{names(request), false};
-  return Malformed{"no operation '" + op.substr(0, 40) + "' here"};
+  return Malformed{"unknown operation '" + op.substr(0, 40) + "'"};
 }
 
 json schema_of(const std::string& type, const std::string& schema) {
@@ -137,7 +137,7 @@ Request parse_binary(std::span<const std::uint8_t> frame) {
     case ClientFrame::kServiceCall:
       return parse_call(rest);
   }
-  return Malformed{"no binary operation " + std::to_string(frame[0])};
+  return Malformed{"unknown binary operation " + std::to_string(frame[0])};
 }
 
 std::string message_prefix(std::uint32_t channel) {

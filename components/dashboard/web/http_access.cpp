@@ -8,7 +8,7 @@
 
 #include <boost/asio/ip/address.hpp>
 
-namespace tandem::web_door {
+namespace tandem::http_access {
 namespace {
 
 namespace asio = boost::asio;
@@ -75,7 +75,7 @@ asio::ip::address address_of(const WebServerParams& params) {
   const auto address = asio::ip::make_address(params.address, error);
   if (error)
     throw std::invalid_argument("address = \"" + params.address +
-                                "\" is no IP address (127.0.0.1, 0.0.0.0, ::1, …)");
+                                "\" is not an IP address (127.0.0.1, 0.0.0.0, ::1, …)");
   return address;
 }
 
@@ -100,7 +100,7 @@ tcp::acceptor listen(asio::io_context& io, const WebServerParams& params) {
     if (!error) return acceptor;
   }
   throw std::invalid_argument(params.address + ":" + std::to_string(params.port) +
-                              " cannot be listened on, nor the ports after it (" + error.message() +
+                              " is not available, nor are the ports after it (" + error.message() +
                               "): choose another `port`");
 }
 
@@ -113,7 +113,7 @@ std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
     return Refusal{"the host \"" + host + "\" is not this machine"};
   if (!origin.empty() && origin != "http://" + host && origin != "https://" + host &&
       !has_word(params.allowed_origins, origin, ' '))
-    return Refusal{"pages of " + origin + " may not connect (allowed_origins)"};
+    return Refusal{"pages from " + origin + " may not connect (allowed_origins)"};
   if (!rules.token.empty()) {
     const std::string said = query_value(text_of(request.target()), "token");
     if (!same_secret(said, rules.token))
@@ -122,8 +122,8 @@ std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
   if (!has_word(field(http::field::sec_websocket_protocol), rules.subprotocol, ','))
     return Refusal{"the subprotocol " + rules.subprotocol + " is not offered"};
   if (rules.clients >= params.max_clients)
-    return Refusal{"there are " + std::to_string(params.max_clients) +
-                   " clients already (max_clients)"};
+    return Refusal{"already " + std::to_string(params.max_clients) +
+                   " clients connected (max_clients)"};
   return std::nullopt;
 }
 
@@ -153,4 +153,4 @@ Response answer(const Request& request, const std::map<std::string, WebFile>& fi
   return response;
 }
 
-}  // namespace tandem::web_door
+}  // namespace tandem::http_access

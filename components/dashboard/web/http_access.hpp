@@ -13,7 +13,7 @@
 
 #include "tandem/dashboard/web/web_server.hpp"
 
-namespace tandem::web_door {
+namespace tandem::http_access {
 
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 using Response = boost::beast::http::response<boost::beast::http::string_body>;
@@ -44,4 +44,4 @@ struct Refusal {
 /// The requested file, or an error response.
 [[nodiscard]] Response answer(const Request& request, const std::map<std::string, WebFile>& files);
 
-}  // namespace tandem::web_door
+}  // namespace tandem::http_access

@@ -14,7 +14,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
-using web_door::Response;
+using http_access::Response;
 
 constexpr auto kRequestTime = std::chrono::seconds(5);  // limit for the request to arrive
 constexpr auto kSilence = std::chrono::seconds(5);      // silent clients count as gone
@@ -39,7 +39,7 @@ double size_of(const WebFrame& frame) {
 }
 
 // All header fields of that name form one list.
-std::string forwarded_for(const web_door::Request& request) {
+std::string forwarded_for(const http_access::Request& request) {
   std::string all;
   const auto [begin, end] = request.equal_range("X-Forwarded-For");
   for (auto field = begin; field != end; ++field) {
@@ -89,7 +89,7 @@ void WebConnection::send(WebFrame frame) {
   if (over_) return;
   const double most = 1e6 * server_.params.max_backlog;
   if (own_backlog_ > kOwnBacklog * most || backlog_ + size_of(frame) > most)
-    return drop("is too slow");
+    return drop("reads too slowly");
   backlog_ += size_of(frame);
   own_backlog_ += own_size(frame);
   queue_.push_back(std::move(frame));
@@ -108,15 +108,15 @@ void WebConnection::on_request() {
   server_.make_room();
   if (!server_.waiting.contains(place_)) return;  // it was evicted itself
   const bool wants_in = websocket::is_upgrade(request);
-  const auto refusal = wants_in ? web_door::refuse(request, server_.rules()) : std::nullopt;
+  const auto refusal = wants_in ? http_access::refuse(request, server_.rules()) : std::nullopt;
   if (wants_in && !refusal) return upgrade();
   if (!server_.requests.allows(address_, steady_seconds())) return put_off(1.0);
   if (refusal) return refuse(*refusal);
-  reply(web_door::answer(request, server_.files));
+  reply(http_access::answer(request, server_.files));
 }
 
-void WebConnection::refuse(const web_door::Refusal& refusal) {
-  server_.log("a web client is refused: " + refusal.reason);
+void WebConnection::refuse(const http_access::Refusal& refusal) {
+  server_.log("refused a web client: " + refusal.reason);
   if (refusal.wrong_token)
     if (const double wait = server_.wrong_tokens.wrong(address_, steady_seconds()); wait > 0.0)
       return put_off(wait);
@@ -192,13 +192,13 @@ void WebConnection::read() {
 
 void WebConnection::on_part() {
   if (over_) return;
-  if (!parts_.allows(steady_seconds())) return drop("sends frames in too many parts");
+  if (!parts_.allows(steady_seconds())) return drop("splits frames into too many fragments");
   if (web_->is_message_done()) return on_frame();
   read();
 }
 
 void WebConnection::on_frame() {
-  if (!frames_.allows(steady_seconds())) return farewell("says too much at once");
+  if (!frames_.allows(steady_seconds())) return farewell("sends too many frames at once");
   const auto kind = web_->got_text() ? WebEvent::Kind::kText : WebEvent::Kind::kBinary;
   WebEvent event{id_, kind, beast::buffers_to_string(buffer_.data())};
   buffer_.clear();
@@ -207,7 +207,7 @@ void WebConnection::on_frame() {
     const std::lock_guard lock{server_.queues_mutex};
     taken = server_.queues.push(std::move(event));
   }
-  if (!taken) return farewell("asks for more than can be done");
+  if (!taken) return farewell("sends more requests than can be served");
   read();
 }
 
@@ -234,7 +234,7 @@ void WebConnection::leave() {
 // No close frame: a client that is too slow for the robot's state is too slow for that, too.
 void WebConnection::drop(const std::string& why) {
   if (std::exchange(over_, true)) return;
-  server_.log("web client " + std::to_string(id_) + " " + why + ": dropped");
+  server_.log("web client " + std::to_string(id_) + " " + why + ": disconnected");
   leave();
   close();
 }
@@ -242,7 +242,7 @@ void WebConnection::drop(const std::string& why) {
 // The client is removed immediately; the connection ends when it answers, or after kRequestTime.
 void WebConnection::farewell(const std::string& why) {
   if (std::exchange(over_, true)) return;
-  server_.log("web client " + std::to_string(id_) + " " + why + ": dropped");
+  server_.log("web client " + std::to_string(id_) + " " + why + ": disconnected");
   leave();
   const websocket::close_reason reason{websocket::close_code::policy_error, "this client " + why};
   web_->async_close(reason, [self = shared_from_this()](auto) { self->close(); });

@@ -36,9 +36,9 @@ class WebConnection : public std::enable_shared_from_this<WebConnection> {
                                             boost::beast::simple_rate_policy>;
 
   void on_request();
-  void refuse(const web_door::Refusal& refusal);
+  void refuse(const http_access::Refusal& refusal);
   void put_off(double seconds);
-  void reply(web_door::Response response);
+  void reply(http_access::Response response);
   void upgrade();
   void on_control(boost::beast::websocket::frame_type type);
   void join();

@@ -63,7 +63,7 @@ WebServer::State::State(const WebServerParams& wanted, std::string protocol,
       queues{queue_limits(wanted)} {}
 
 void WebServer::State::listen() {
-  acceptor = web_door::listen(io, params);
+  acceptor = http_access::listen(io, params);
   const auto endpoint = acceptor.local_endpoint();
   // Connections through a proxy may come from anywhere.
   loopback = endpoint.address().is_loopback() && proxies.empty();

@@ -31,26 +31,29 @@ struct WebServerParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("address", address, "where to listen; on one that is not loopback clients need a token");
+    field("address", address,
+          "address to listen on; clients need a token unless it is a loopback address");
     field("port", port, Range{0, 65500},
-          "TCP port, or the next free one of ten; 0: any; the log names it");
-    field(
-        "token_file", token_file,
-        "its first line is what clients say as ?token=… ; empty: none on loopback, elsewhere a new "
-        "one at each start, told in the terminal");
+          "TCP port, or the first free one of the ten from it on; 0: any; the log names the port "
+          "in use");
+    field("token_file", token_file,
+          "file whose first line is the token that clients send as ?token=… ; empty: no token on "
+          "loopback, elsewhere a new one at each start, printed in the terminal");
     field("allowed_origins", allowed_origins,
           "other sites whose pages may connect, \"https://a.b https://c.d\"; native programs "
           "always may");
     field("trusted_proxies", trusted_proxies,
-          "addresses of reverse proxies whose X-Forwarded-For is believed, \"127.0.0.1 ::1\"; with "
-          "any, clients need a token on loopback too");
-    field("max_clients", max_clients, Range{1, 1000}, "connections at a time");
-    field("max_message", max_message, Range{1024, 16777216}, "[B] of one frame of a client");
-    field("max_rate", max_rate, Range{1.0, 1e5}, "[Hz] frames of one client; more: it is dropped");
+          "addresses of reverse proxies whose X-Forwarded-For is trusted, \"127.0.0.1 ::1\"; if "
+          "any is given, clients need a token on loopback too");
+    field("max_clients", max_clients, Range{1, 1000}, "maximum number of connections at a time");
+    field("max_message", max_message, Range{1024, 16777216},
+          "[B] maximum size of a client's frame");
+    field("max_rate", max_rate, Range{1.0, 1e5},
+          "[Hz] maximum frame rate of a client; above it the client is disconnected");
     field("max_byte_rate", max_byte_rate, Range{0.01, 1000.0},
-          "[MB/s] that are read of one client; more waits in its socket");
+          "[MB/s] maximum rate at which a client's data is read; more waits in its socket");
     field("max_backlog", max_backlog, Range{1.0, 1000.0},
-          "[MB] that a client may lag behind; more: it is dropped");
+          "[MB] maximum backlog of a client; above it the client is disconnected");
   }
 };
 

@@ -40,7 +40,7 @@ struct WebServer::State {
   void accept_after(std::chrono::milliseconds time);
   /// Closes connections until the pool is within its limits again.
   void make_room();
-  [[nodiscard]] web_door::Rules rules() const {
+  [[nodiscard]] http_access::Rules rules() const {
     return {params, subprotocol, token, loopback, inside};
   }
 

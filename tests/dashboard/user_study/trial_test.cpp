@@ -59,7 +59,7 @@ TEST(Trial, OfTask1TakesItsTimeHoweverFarItGoes) {
   EXPECT_EQ(still.measured().path_length, 0.0);
 }
 
-TEST(Trial, CountsWhatIsHitWhileItGoesOnAndNothingElse) {
+TEST(Trial, CountsOnlyCollisionsDuringTheTrial) {
   Trial trial{parse_trial_request(kTask1)};
   trial.on_collisions(5);  // before it
   drive(trial, 0.0, 0.0, 1.0);
@@ -75,7 +75,7 @@ TEST(Trial, CountsWhatIsHitWhileItGoesOnAndNothingElse) {
   EXPECT_NEAR(trial.measured().time, 4.0, 1e-9);
 }
 
-TEST(Trial, IsAsNearAsTheFilterSaysWhereItLooks) {
+TEST(Trial, TakesItsClearanceFromTheFilterWhenItChecks) {
   Trial trial{parse_trial_request(kTask1)};
   drive(trial, 0.0, 0.0, 0.5);
   EXPECT_EQ(trial.measured().min_clearance, kFarClearance);
@@ -87,7 +87,7 @@ TEST(Trial, IsAsNearAsTheFilterSaysWhereItLooks) {
   EXPECT_EQ(trial.measured().min_clearance, 0.2);
 }
 
-TEST(Trial, TellsThePageHowItGoesAndInTheEndWhatItCameTo) {
+TEST(Trial, ReportsProgressAndFinallyTheResultToThePage) {
   Trial trial{parse_trial_request(kTask1)};
   const auto told = [&] { return nlohmann::json::parse(trial.state()); };
   EXPECT_EQ(told(), nlohmann::json::parse(R"({"id":7,"time":0.0,"collisions":0})"));
@@ -99,7 +99,7 @@ TEST(Trial, TellsThePageHowItGoesAndInTheEndWhatItCameTo) {
   EXPECT_EQ(told().at("trial").at("method"), "manual");
 }
 
-TEST(Trial, RefusesWhatIsNone) {
+TEST(Trial, RefusesInvalidTrials) {
   const std::string good = kTask2;
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = good;

@@ -33,7 +33,7 @@ TEST(UserStudy, IsOneRowForEachTrial) {
   EXPECT_EQ(to_csv(test, false), kRow);
 }
 
-TEST(UserStudy, IsSavedBesideThoseBeforeIt) {
+TEST(UserStudy, IsSavedBesideEarlierOnes) {
   char name[] = "/tmp/tandem_user_test_XXXXXX";
   const fs::path folder = fs::path{mkdtemp(name)} / "new";
   const auto test = parse_user_study(kTest);
@@ -44,11 +44,11 @@ TEST(UserStudy, IsSavedBesideThoseBeforeIt) {
   fs::remove_all(folder.parent_path());
 }
 
-TEST(UserStudy, ThatCannotBeSavedSaysSo) {
+TEST(UserStudy, ReportsThatItCannotBeSaved) {
   EXPECT_THROW((void)save(parse_user_study(kTest), "/proc/nowhere"), std::runtime_error);
 }
 
-TEST(UserStudy, RefusesWhatIsNone) {
+TEST(UserStudy, RefusesInvalidStudies) {
   const std::string good = kTest;
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string changed = good;

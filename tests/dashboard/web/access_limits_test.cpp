@@ -70,7 +70,7 @@ TEST(ConnectionPool, SixtyHalfOpenConnectionsLeaveRoomForEverybody) {
   }
 }
 
-TEST(ConnectionPool, CountsAConnectionOfAProxyOnlyOnceItIsKnownWhoseItIs) {
+TEST(ConnectionPool, CountsAProxiedConnectionOnlyOnceItsClientIsKnown) {
   ConnectionPool pool{{.all = 8, .per_address = 2}};
   std::vector<ConnectionPool::Id> all;
   for (int i = 0; i < 6; ++i) all.push_back(pool.admit(""));

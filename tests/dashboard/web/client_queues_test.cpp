@@ -42,7 +42,7 @@ TEST(ClientBudget, IsPaidBackAtItsShareAndOwesNoMoreThanItsLimit) {
   budget.charge(ClientBudget::kBurst + 1.0, 1e6);
   EXPECT_NEAR(budget.left(1e6 + 10.0), -1.0 + 10.0 * ClientBudget::kShare, 1e-9);
   budget.charge(1e9, 1e6 + 10.0);
-  EXPECT_NEAR(budget.left(1e6 + 10.0), -ClientBudget::kMostDebt, 1e-9);
+  EXPECT_NEAR(budget.left(1e6 + 10.0), -ClientBudget::kMaxDebt, 1e-9);
 }
 
 TEST(ClientQueues, KeepTheOrderOfEachClient) {
@@ -156,7 +156,7 @@ TEST(ClientQueues, LetAClientGoAfterItsPressesAndBeforeTheOthersFrames) {
   EXPECT_FALSE(queues.next(Lane::kLeft, 0.0));
 }
 
-TEST(ClientQueues, ForgetWhatAClientThatIsGoneStillWanted) {
+TEST(ClientQueues, ForgetPendingRequestsOfADisconnectedClient) {
   auto queues = queues_of(1);
   ASSERT_TRUE(queues.push(say(1, "goal")));
   queues.leave(1);

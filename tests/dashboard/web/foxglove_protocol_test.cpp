@@ -53,7 +53,7 @@ TEST(FoxgloveText, ReadsParameterRequests) {
   EXPECT_EQ(set.all[0].value, 1.5);
 }
 
-TEST(FoxgloveText, RefusesWhatIsNoRequest) {
+TEST(FoxgloveText, RefusesInvalidRequests) {
   for (const char* frame :
        {"", "{", "null", "[]", "3", "\"op\"", R"({})", R"({"op":3})", R"({"op":"fly"})",
         R"({"op":"subscribe"})", R"({"op":"subscribe","subscriptions":3})",

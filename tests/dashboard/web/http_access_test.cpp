@@ -7,7 +7,7 @@
 
 #include "dashboard/damaged.hpp"
 
-namespace tandem::web_door {
+namespace tandem::http_access {
 namespace {
 
 namespace http = boost::beast::http;
@@ -30,14 +30,14 @@ bool comes_in(const Visit& visit, const WebServerParams& params = {}, int client
   return !refuse(request(visit), {params, kProtocol, "", true, clients});
 }
 
-TEST(WebDoor, OpensToProgramsAndToItsOwnPage) {
+TEST(HttpAccess, AdmitsProgramsAndItsOwnPage) {
   EXPECT_TRUE(comes_in({}));
   EXPECT_TRUE(comes_in({.origin = "http://127.0.0.1:8765"}));
   EXPECT_TRUE(comes_in({.host = "localhost:1", .origin = "http://localhost:1"}));
   EXPECT_TRUE(comes_in({.host = "[::1]:8765", .protocol = "other, foxglove.websocket.v1"}));
 }
 
-TEST(WebDoor, IsShutToPagesOfOtherSites) {
+TEST(HttpAccess, RefusesPagesOfOtherSites) {
   EXPECT_FALSE(comes_in({.origin = "http://127.0.0.1:8766"}));
   EXPECT_FALSE(comes_in({.origin = "null"}));
   EXPECT_FALSE(comes_in({.host = "evil.example", .origin = "http://evil.example"}));
@@ -48,7 +48,7 @@ TEST(WebDoor, IsShutToPagesOfOtherSites) {
   EXPECT_FALSE(comes_in({.origin = "https://c"}, allowing));
 }
 
-TEST(WebDoor, WantsTheWholeTokenAndNoOther) {
+TEST(HttpAccess, RequiresTheExactToken) {
   const WebServerParams params{.address = "0.0.0.0"};
   const auto says = [&](const std::string& target) {
     return !refuse(request({.target = target, .host = "robot"}),
@@ -61,7 +61,7 @@ TEST(WebDoor, WantsTheWholeTokenAndNoOther) {
     EXPECT_FALSE(says(target)) << target;
 }
 
-TEST(WebDoor, IsShutToOtherProtocolsAndWhenAllPlacesAreTaken) {
+TEST(HttpAccess, RefusesOtherProtocolsAndClientsBeyondTheLimit) {
   EXPECT_FALSE(comes_in({.protocol = ""}));
   EXPECT_FALSE(comes_in({.protocol = "foxglove.websocket.v10"}));
   EXPECT_TRUE(comes_in({}, {.max_clients = 2}, 1));
@@ -69,7 +69,7 @@ TEST(WebDoor, IsShutToOtherProtocolsAndWhenAllPlacesAreTaken) {
 }
 
 // A damaged token is never accepted, and nothing is thrown.
-TEST(WebDoor, TakesAnyRequest) {
+TEST(HttpAccess, TakesAnyRequest) {
   const WebServerParams params{.address = "0.0.0.0"};
   const std::vector<std::string> targets{"/?token=wrong", "/?token", "/?a=b&token=other&c", "?&=?&",
                                          "/app.js"};
@@ -89,4 +89,4 @@ TEST(WebDoor, TakesAnyRequest) {
 }
 
 }  // namespace
-}  // namespace tandem::web_door
+}  // namespace tandem::http_access

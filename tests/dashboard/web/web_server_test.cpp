@@ -66,14 +66,14 @@ TEST(WebServer, ServesThePageAndNothingElse) {
                   .starts_with("HTTP/1.1 405"));
 }
 
-TEST(WebServer, WantsATokenWhereOthersCanReachIt) {
+TEST(WebServer, RequiresATokenIfOthersCanReachIt) {
   EXPECT_EQ(serve({.port = 0})->token(), "");
   const auto token = serve({.address = "0.0.0.0", .port = 0})->token();
   EXPECT_EQ(token.size(), 32U);
   EXPECT_NE(serve({.address = "0.0.0.0", .port = 0})->token(), token) << "a new one at each start";
 }
 
-TEST(WebServer, WantsATokenOnLoopbackTooBehindAProxy) {
+TEST(WebServer, RequiresATokenOnLoopbackTooBehindAProxy) {
   EXPECT_NE(serve({.port = 0, .trusted_proxies = "127.0.0.1"})->token(), "");
   EXPECT_NE(why_not({.port = 0, .trusted_proxies = "proxy"}).find("trusted_proxies"),
             std::string::npos);
@@ -109,7 +109,7 @@ std::string come_in(const WebServer& server, const std::string& token,
 
 int status(const std::string& answer) { return std::stoi(answer.substr(9)); }
 
-TEST(WebServer, PutsOffWrongTokensAndNeverAValidOne) {
+TEST(WebServer, DelaysWrongTokensAndNeverAValidOne) {
   const auto server = serve_with_token();
   std::string last;
   for (int i = 0; i < 20; ++i) {
@@ -128,7 +128,7 @@ TEST(WebServer, PutsOffWrongTokensAndNeverAValidOne) {
   EXPECT_LE(std::stoi(last.substr(retry + 13)), 60);
 }
 
-TEST(WebServer, TellsApartWhoComesThroughATrustedProxy) {
+TEST(WebServer, DistinguishesClientsBehindATrustedProxy) {
   const auto server = serve_with_token("127.0.0.1");
   for (int i = 0; i < 20; ++i) (void)come_in(*server, "wrong", "10.0.0.1");
   EXPECT_EQ(status(come_in(*server, "wrong", "10.0.0.1")), 429);
@@ -137,14 +137,14 @@ TEST(WebServer, TellsApartWhoComesThroughATrustedProxy) {
   EXPECT_EQ(status(come_in(*server, kToken, "10.0.0.1")), 101);
 }
 
-TEST(WebServer, BelievesNoHeaderOfOthers) {
+TEST(WebServer, IgnoresHeadersOfUntrustedPeers) {
   const auto server = serve_with_token();
   for (int i = 0; i < 20; ++i) (void)come_in(*server, "wrong", "10.0.0." + std::to_string(i));
   EXPECT_EQ(status(come_in(*server, "wrong", "10.0.0.99")), 429);
 }
 
 // Each client sends half a request and never finishes it.
-TEST(WebServer, LetsAHolderInPastConnectionsThatSayNothing) {
+TEST(WebServer, AdmitsATokenHolderPastSilentConnections) {
   for (const char* proxies : {"", "127.0.0.1"}) {
     const auto server = serve_with_token(proxies);
     asio::io_context io;
@@ -159,7 +159,7 @@ TEST(WebServer, LetsAHolderInPastConnectionsThatSayNothing) {
   }
 }
 
-TEST(WebServer, AnswersAStrangerOnlySoOften) {
+TEST(WebServer, LimitsAnswersToAStranger) {
   const auto server = serve({.port = 0});
   const std::string request = "GET / HTTP/1.1\r\nHost: a\r\n\r\n";
   int answered = 0;
@@ -183,11 +183,12 @@ TEST(WebServer, TakesItsTokenFromAFile) {
   EXPECT_NE(says(std::string(200, 'a')).find("128"), std::string::npos);
   EXPECT_NE(says("").find("is empty"), std::string::npos);
   std::filesystem::remove(path);
-  EXPECT_NE(why_not({.port = 0, .token_file = path}).find("cannot be read"), std::string::npos);
+  EXPECT_NE(why_not({.port = 0, .token_file = path}).find("is not readable"), std::string::npos);
 }
 
 TEST(WebServer, ListensOnAddressesOnly) {
-  EXPECT_NE(why_not({.address = "localhost", .port = 0}).find("no IP address"), std::string::npos);
+  EXPECT_NE(why_not({.address = "localhost", .port = 0}).find("not an IP address"),
+            std::string::npos);
 }
 
 TEST(WebServer, TakesTheNextPortIfItsOwnIsTaken) {

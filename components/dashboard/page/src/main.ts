@@ -5,7 +5,7 @@ import { Goal } from "./goal";
 import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
 import { polygons, rectangle, Robot } from "./robot";
 import { takeToken } from "./token";
-import { UserTest } from "./user_test";
+import { UserTest } from "./user_study";
 import { drawPlot, View, type ViewMode } from "./view";
 
 const SEAT = "tandem.Seat";
@@ -59,7 +59,7 @@ function findRobot(): void {
   dashboard = seat.slice(0, -"/seat".length);
   namespace = dashboard.slice(0, dashboard.lastIndexOf("/"));
   connection.subscribe(seat, (m) => {
-    if (m.driver === "other") driver.drop(); // who has lost the wheel does not get it back by holding on
+    if (m.driver === "other") driver.drop(); // holding on does not win back a lost wheel
     robot.seat = m;
     showSeat();
   });
@@ -172,7 +172,7 @@ function showSeat(): void {
 // The seat is the pages'; the robot may be driven from a terminal, by a joystick of its own, by itself.
 function besidesPages(): string {
   const arbitration = robot.get("arbitration/status");
-  if (!connection.connected || !arbitration) return "No word from it";
+  if (!connection.connected || !arbitration) return "The robot is silent";
   if (arbitration.source === "none") return "Nobody drives";
   return arbitration.policy === "autonomous" && arbitration.source !== "user" ? "Drives by itself" : "Driven from elsewhere";
 }
@@ -201,11 +201,11 @@ function showNumbers(): void {
   at("clearance").classList.toggle("near", clearance < 0.15);
   write("policy", arbitration?.policy ?? "–");
   write("source", SOURCES[arbitration?.source] ?? arbitration?.source ?? "–");
-  write("reason", arbitration ? (REASONS[arbitration.reason] ?? arbitration.reason) : "no word from arbitration");
+  write("reason", arbitration ? (REASONS[arbitration.reason] ?? arbitration.reason) : "arbitration is silent");
   write("remedy", arbitration?.remedy || "–");
   write("alpha", arbitration ? percent(arbitration.alpha) : "–");
   write("filter", filter ? `${filter.reason}${filter.scale < 0.995 ? ` (${percent(filter.scale)} passes)` : ""}` : "–");
-  write("planner", planner ? `${planner.method}: ${planner.status_text}` : "no word from the planner");
+  write("planner", planner ? `${planner.method}: ${planner.status_text}` : "the planner is silent");
   write("solve", planner ? `${(1000 * planner.solve_time).toFixed(1)} ms` : "–");
   write("missed", planner ? String(planner.overruns) : "–");
   write("collisions", String(robot.collisions));
@@ -233,14 +233,14 @@ function showNotice(stopped: boolean, reason?: string): void {
   write("notice", text);
   at("notice").hidden = text === "";
 }
-const NOT_AT_REST = "stick is not at rest"; // as teleop says it
+const NOT_AT_REST = "stick is not at rest"; // as teleop reports it
 const SOURCES: Record<string, string> = {
   none: "nobody", user: "the person", shared: "the planner, for the person",
   blend: "person and planner", nav: "autonomy",
 };
 const REASONS: Record<string, string> = {
   "cmd_vel_user is silent": "nobody holds a stick", "cmd_vel_shared is silent": "the planner is silent",
-  "follows the source": "the mode says so", "no command": "nobody commands",
+  "follows the source": "the command is passed on", "no command": "nobody steers",
 };
 setInterval(showNumbers, SLOW);
 

@@ -11,7 +11,7 @@ interface Phase {
   task: 0 | 1 | 2; // 0: practice
   allowed: number; // [s]
 }
-/** As the robot's side measures and saves it: see user_test.hpp. */
+/** As the robot's side measures and saves it: see user_study.hpp. */
 interface Trial {
   method: string;
   task: number;
