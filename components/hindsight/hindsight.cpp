@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kAtRest = 0.02;      // [1] a smaller deflection counts as a stick at rest
 constexpr double kLongestStep = 0.2;  // [s] longest time that one sample counts for
-constexpr double kMostDetour = 3.0;   // [s] limits the evidence of one sample against a goal
+constexpr double kMaxDetour = 3.0;    // [s] limits the evidence of one sample against a goal
 constexpr double kCellSlack = 0.08;   // [m] by which a map may underestimate distances
 
 double square(double x) { return x * x; }
 
 std::vector<Pose2> poses(const std::vector<double>& numbers) {
   if (numbers.empty() || numbers.size() % 3 != 0)
-    throw std::invalid_argument("goals: needs x1, y1, heading1, x2, … of at least one goal");
+    throw std::invalid_argument("goals: expected x1, y1, heading1, x2, … of at least one goal");
   std::vector<Pose2> all;
   for (std::size_t i = 0; i < numbers.size(); i += 3)
     all.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
@@ -36,7 +36,8 @@ Hindsight::Hindsight(const HindsightParams& params, const RobotParams& robot)
   check(params_);
   check(robot_);
   if (robot_.v_max <= 0.0)
-    throw std::invalid_argument("v_max: a robot that cannot drive forward comes to no goal");
+    throw std::invalid_argument(
+        "v_max must be positive: a robot that cannot drive forward reaches no goal");
   const Footprint outline = footprint_of(robot_);
   double low = 0.0, high = 0.0;
   for (const auto& part : outline.parts)
@@ -111,8 +112,8 @@ void Hindsight::learn(const std::vector<Option>& options, double dt) {
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     double least = options.front().time_to_go[g];
     for (const Option& option : options) least = std::min(least, option.time_to_go[g]);
-    const double detour = std::isinf(least) ? kMostDetour : options.front().time_to_go[g] - least;
-    belief_[g] *= std::exp(-params_.certainty * std::min(detour, kMostDetour) * dt);
+    const double detour = std::isinf(least) ? kMaxDetour : options.front().time_to_go[g] - least;
+    belief_[g] *= std::exp(-params_.certainty * std::min(detour, kMaxDetour) * dt);
   }
   const double sum = std::accumulate(belief_.begin(), belief_.end(), 0.0);
   const double back = std::min(1.0, params_.change_of_mind * dt);

@@ -23,18 +23,19 @@ struct HindsightParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("goals", goals, Range{-1e4, 1e4},
-          "[m, m, rad] x1, y1, heading1, x2, … of the places people go to here");
-    field("lookahead", lookahead, Range{0.1, 5.0}, "[s] a command is judged by where it leads in");
+          "[m, m, rad] x1, y1, heading1, x2, … of the goals that the person may have");
+    field("lookahead", lookahead, Range{0.1, 5.0},
+          "[s] a command is rated by where it leads within this time");
     field("certainty", certainty, Range{0.0, 100.0},
-          "[1/s²] the log of a goal's odds falls so fast for each second of detour");
+          "[1/s²] rate at which a goal's log-odds fall per second of detour");
     field("change_of_mind", change_of_mind, Range{0.0, 10.0},
-          "[1/s] share of the belief that goes back to all goals alike");
+          "[1/s] rate at which the belief returns to a uniform distribution over the goals");
     field("weight_user", weight_user, Range{0.0, 100.0},
-          "[s] of full disagreement with the person");
+          "[s] cost of full disagreement with the person");
     field("heading_distance", heading_distance, Range{0.05, 5.0},
-          "[m] from a goal its heading begins to count more than the way there");
-    field("v_samples", v_samples, Range{2, 101}, "forward speeds that are compared");
-    field("w_samples", w_samples, Range{2, 101}, "turn rates that are compared");
+          "[m] distance from a goal below which its heading counts more than the path to it");
+    field("v_samples", v_samples, Range{2, 101}, "number of forward speeds that are compared");
+    field("w_samples", w_samples, Range{2, 101}, "number of turn rates that are compared");
   }
 };
 

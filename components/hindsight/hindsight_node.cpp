@@ -26,7 +26,7 @@ HindsightNode::HindsightNode(rt::Node& node)
   on_user_.set_frames(params_->input.frames);
   if (params_->map.map_source != "static")
     throw std::invalid_argument(
-        "map_source: hindsight finds its ways on the finished map, `static`");
+        "map_source: hindsight plans its paths on the complete map; only `static` is supported");
 }
 
 void HindsightNode::on_user(const Twist2& user) {
@@ -36,7 +36,8 @@ void HindsightNode::on_user(const Twist2& user) {
     known_ = map;
   }
   if (!robot || !known_) {
-    node_.log().missing_every(1.0, "no help yet: {}", known_ ? robot_.missing() : map_.missing());
+    node_.log().missing_every(1.0, "no assistance yet: {}",
+                              known_ ? robot_.missing() : map_.missing());
     return assisted_.publish(to_msg(user));
   }
   const Assistance assistance = hindsight_.assist(robot->X_MB, user, node_.now());

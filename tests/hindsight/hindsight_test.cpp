@@ -55,7 +55,7 @@ TEST(Hindsight, BelievesInAllGoalsAlikeAtFirst) {
   for (const double b : belief) EXPECT_DOUBLE_EQ(b, 1.0 / 3.0);
 }
 
-TEST(Hindsight, AStickAtRestRestsAndSaysNothing) {
+TEST(Hindsight, AStickAtRestGivesRestAndNoEvidence) {
   Hindsight hindsight = in_the_hall();
   for (double t = 0.0; t < 5.0; t += kPeriod) {
     const auto [command, belief] = hindsight.assist({}, {}, t);
@@ -116,7 +116,7 @@ TEST(Hindsight, IsNeverMoreVigorousThanThePerson) {
     }
 }
 
-TEST(Hindsight, PassesOnWhatItCannotJudge) {
+TEST(Hindsight, PassesOnCommandsItCannotRate) {
   Hindsight without{three_goals(), kMir};
   EXPECT_EQ(without.assist({}, {0.5, 0.1}, 0.0).command, (Twist2{0.5, 0.1}));
   Hindsight hindsight = in_the_hall();  // and outside of the map
@@ -127,7 +127,7 @@ TEST(Hindsight, PassesOnWhatItCannotJudge) {
   EXPECT_EQ(nowhere.assist({}, {0.5, 0.1}, 0.0).command, (Twist2{0.5, 0.1}));
 }
 
-TEST(Hindsight, AGoalThatNoWayLeadsToDisturbsNoOther) {
+TEST(Hindsight, AnUnreachableGoalDoesNotAffectOthers) {
   HindsightParams params;
   params.goals = {3.0, 2.0, 0.0, 70.0, 0.0, 0.0};
   Hindsight hindsight = in_the_hall(params);
@@ -143,7 +143,7 @@ TEST(Hindsight, ASilenceCountsAsOneSample) {
   EXPECT_DOUBLE_EQ(slow.assist({}, {0.4, 0.6}, 60.0).belief[0], soon);
 }
 
-TEST(Hindsight, RefusesGoalsThatAreNone) {
+TEST(Hindsight, RefusesInvalidGoals) {
   HindsightParams params;
   EXPECT_THROW(Hindsight(params, kMir), std::invalid_argument);
   params.goals = {1.0, 2.0};
