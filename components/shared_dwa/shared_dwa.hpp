@@ -23,18 +23,21 @@ struct SharedDwaParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("control_period", control_period, Range{0.01, 1.0}, "[s] from one choice to the next");
-    field("window", window, Range{0.01, 2.0},
-          "[s] speeds are sampled that braking or driving off reaches in this time");
-    field("v_samples", v_samples, Range{2, 101}, "forward speeds across the window");
-    field("w_samples", w_samples, Range{2, 101}, "turn rates across the window");
-    field("horizon", horizon, Range{0.1, 10.0}, "[s] how far along an arc is looked");
-    field("margin", margin, Range{0.0, 0.5}, "[m] kept to obstacles until the robot stands");
-    field("comfort", comfort, Range{0.01, 2.0}, "[m] clearance below which nearness costs");
-    field("weight_v", weight_v, Range{0.0, 100.0}, "[1] of disagreement in forward speed");
-    field("weight_w", weight_w, Range{0.0, 100.0}, "[1] of disagreement in turn rate");
-    field("weight_way", weight_way, Range{0.0, 100.0}, "[1] of contact within the horizon");
-    field("weight_clearance", weight_clearance, Range{0.0, 100.0}, "[1] of nearness");
+    field("control_period", control_period, Range{0.01, 1.0}, "[s] period of the choice");
+    field(
+        "window", window, Range{0.01, 2.0},
+        "[s] samples are the speeds that can be reached by braking or accelerating for this long");
+    field("v_samples", v_samples, Range{2, 101},
+          "number of forward speeds sampled across the window");
+    field("w_samples", w_samples, Range{2, 101}, "number of turn rates sampled across the window");
+    field("horizon", horizon, Range{0.1, 10.0}, "[s] look-ahead along each arc");
+    field("margin", margin, Range{0.0, 0.5},
+          "[m] distance kept from obstacles until the robot has stopped");
+    field("comfort", comfort, Range{0.01, 2.0}, "[m] clearance below which proximity is penalized");
+    field("weight_v", weight_v, Range{0.0, 100.0}, "[1] weight of disagreement in forward speed");
+    field("weight_w", weight_w, Range{0.0, 100.0}, "[1] weight of disagreement in turn rate");
+    field("weight_way", weight_way, Range{0.0, 100.0}, "[1] weight of contact within the horizon");
+    field("weight_clearance", weight_clearance, Range{0.0, 100.0}, "[1] weight of proximity");
   }
 };
 

@@ -28,7 +28,8 @@ struct SharedDwaNodeParams {
     map.visit(field);
     input.visit(field);
     stamp.visit(field);
-    field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence of cmd_vel_user that stops");
+    field("user_timeout", user_timeout, Range{0.02, 5.0},
+          "[s] the robot stops when cmd_vel_user has been silent for this long");
   }
 };
 

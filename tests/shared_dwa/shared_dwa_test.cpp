@@ -137,7 +137,7 @@ TEST(SharedDwa, WhatItChoosesEndsClearInAnyWorld) {
   EXPECT_GT(kept, 0.9 * drove);
 }
 
-TEST(SharedDwa, NeverTouchesWhoeverPushes) {
+TEST(SharedDwa, NeverTouchesWhateverThePersonDoes) {
   for (unsigned seed = 1; seed <= kDrives; ++seed) {
     Random random(seed);
     const auto map = random_map(random);
