@@ -149,12 +149,12 @@ std::optional<Pose2> Teleop::on_twist(const Twist2& twist, const std::optional<P
 }
 
 // The leader restarts at the robot when another hand takes over and after a silence.
-void Teleop::lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB, double t) {
+void Teleop::lead(Hand hand, const Steering& steering, const std::optional<Pose2>& X_MB, double t) {
   const double before = std::exchange(last_, t);
   const bool goes_on = std::exchange(hand_, hand) == hand && is_recent(before, t);
   if (!goes_on || !X_MB) X_ML_.reset();
-  Wish now = wish;
-  now.rests = push_.rests(wish.twist == Twist2{}, t);
+  Steering now = steering;
+  now.rests = push_.rests(steering.twist == Twist2{}, t);
   if (X_MB) drive_leader(now, *X_MB, goes_on ? t - before : 0.0);
 }
 
@@ -177,22 +177,23 @@ Pose2 Teleop::braking_point(const Pose2& X_MB, const Twist2& measured) const {
 }
 
 // If the stick only turns while the robot stands, the leader turns at the robot's position.
-Pose2 Teleop::driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB, double dt) const {
-  if (wish.rests) return braking_point(X_MB, wish.measured);
-  const bool turns =
-      robot_ && wish.twist.v == 0.0 && wish.twist.w != 0.0 && std::abs(wish.measured.v) < kStands;
-  if (near_) return integrate(X_MB, wish.twist, dt);
+Pose2 Teleop::driven(const Pose2& X_ML, const Steering& steering, const Pose2& X_MB,
+                     double dt) const {
+  if (steering.rests) return braking_point(X_MB, steering.measured);
+  const bool turns = robot_ && steering.twist.v == 0.0 && steering.twist.w != 0.0 &&
+                     std::abs(steering.measured.v) < kStands;
+  if (near_) return integrate(X_MB, steering.twist, dt);
   const Pose2 from = turns ? Pose2{X_MB.x, X_MB.y, X_ML.theta} : X_ML;
-  return integrate(from, robot_ ? limit(wish.twist, *robot_) : wish.twist, dt);
+  return integrate(from, robot_ ? limit(steering.twist, *robot_) : steering.twist, dt);
 }
 
-void Teleop::drive_leader(const Wish& wish, const Pose2& X_MB, double dt) {
+void Teleop::drive_leader(const Steering& steering, const Pose2& X_MB, double dt) {
   if (!X_ML_) {
     X_ML_ = X_MB;
     pushed_ = 0.0;
   }
-  call_leader_back(wish.push, X_MB);
-  X_ML_ = driven(*X_ML_, wish, X_MB, dt);
+  call_leader_back(steering.push, X_MB);
+  X_ML_ = driven(*X_ML_, steering, X_MB, dt);
   X_ML_->theta = wrap_angle(X_ML_->theta);
   const Eigen::Vector2d p_BL_M = X_ML_->position() - X_MB.position();
   if (p_BL_M.norm() <= params_.gains.leash) return;

@@ -27,13 +27,15 @@ struct StickGains {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("scale_linear", scale_linear, Range{-5.0, 5.0}, "[m/s] at full stick");
-    field("scale_angular", scale_angular, Range{-10.0, 10.0}, "[rad/s] at full stick");
-    field("leader_scale_linear", leader_scale_linear, Range{-5.0, 5.0}, "[m/s] leader, full stick");
+    field("scale_linear", scale_linear, Range{-5.0, 5.0}, "[m/s] speed at full stick");
+    field("scale_angular", scale_angular, Range{-10.0, 10.0}, "[rad/s] turn rate at full stick");
+    field("leader_scale_linear", leader_scale_linear, Range{-5.0, 5.0},
+          "[m/s] speed of the leader at full stick");
     field("leader_scale_angular", leader_scale_angular, Range{-10.0, 10.0},
-          "[rad/s] leader, full stick");
-    field("deadzone", deadzone, Range{0.0, 0.9}, "[1] part of the stick's way that is rest");
-    field("leash", leash, Range{0.1, 10.0}, "[m] farthest that the leader gets from the robot");
+          "[rad/s] turn rate of the leader at full stick");
+    field("deadzone", deadzone, Range{0.0, 0.9},
+          "[1] fraction of the stick's travel that counts as rest");
+    field("leash", leash, Range{0.1, 10.0}, "[m] maximum distance of the leader from the robot");
   }
 };
 
@@ -49,17 +51,18 @@ struct TeleopParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("axis_linear", axis_linear, Range{0, 31}, "index in Joy.axes that means forward");
-    field("axis_angular", axis_angular, Range{0, 31}, "index in Joy.axes that means left");
-    field("deadman_button", deadman_button, Range{-1, 63}, "held to drive; -1: none");
-    field("end_button", end_button, Range{-1, 63}, "ends the drive; -1: none");
+    field("axis_linear", axis_linear, Range{0, 31}, "index in Joy.axes of the forward axis");
+    field("axis_angular", axis_angular, Range{0, 31}, "index in Joy.axes of the axis to the left");
+    field("deadman_button", deadman_button, Range{-1, 63},
+          "button that must be held to drive; -1: none");
+    field("end_button", end_button, Range{-1, 63}, "button that ends the drive; -1: none");
     field("axis_range", axis_range, Range{1e-3, 1e6},
-          "[1] what Joy.axes are at full stick; an axis that exceeds it by more than 5 % drives "
-          "nothing");
+          "[1] value of Joy.axes at full stick; an axis that exceeds it by more than 5 % is "
+          "rejected");
     gains.visit(field);
     field("joy_timeout", joy_timeout, Range{0.02, 5.0},
-          "[s] silence of joy, or of another writer of cmd_vel_user, that ends the leader and lets "
-          "another one drive");
+          "[s] when joy, or another publisher of cmd_vel_user, has been silent for this long, the "
+          "leader ends and another publisher may drive");
   }
 };
 
@@ -146,7 +149,7 @@ class Teleop {
 
  private:
   enum class Hand { kNone, kStick, kTwist };
-  struct Wish {
+  struct Steering {
     Twist2 twist;     // desired twist of the leader
     double push;      // [1] deflection of the stick along the linear axis
     Twist2 measured;  // twist of the robot
@@ -156,10 +159,10 @@ class Teleop {
   [[nodiscard]] bool is_recent(double t, double now) const {
     return 0.0 <= now - t && now - t <= params_.joy_timeout;  // false if the clock was set back
   }
-  void lead(Hand hand, const Wish& wish, const std::optional<Pose2>& X_MB, double t);
+  void lead(Hand hand, const Steering& steering, const std::optional<Pose2>& X_MB, double t);
   void call_leader_back(double push, const Pose2& X_MB);
-  void drive_leader(const Wish& wish, const Pose2& X_MB, double dt);
-  [[nodiscard]] Pose2 driven(const Pose2& X_ML, const Wish& wish, const Pose2& X_MB,
+  void drive_leader(const Steering& steering, const Pose2& X_MB, double dt);
+  [[nodiscard]] Pose2 driven(const Pose2& X_ML, const Steering& steering, const Pose2& X_MB,
                              double dt) const;
   [[nodiscard]] Pose2 braking_point(const Pose2& X_MB, const Twist2& measured) const;
 

@@ -39,7 +39,7 @@ TeleopNode::TeleopNode(rt::Node& node)
       diagnostics_{node, {topics::teleop_status.name, topics::cmd_vel_user.name}},
       on_twist_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                 [this](const Twist2& twist) { on_twist(twist); }} {
-  diagnostics_.report_well("no stick is hindered");
+  diagnostics_.report_well("no stick is ignored");
   joy_ = node.create_subscription(topics::joy, topics::kStickInput,
                                   [this](const auto& msg) { on_joy(msg); });
   planner_ = node.create_subscription(topics::planner_status, [this](const auto& msg) {
@@ -58,12 +58,11 @@ void TeleopNode::on_joy(const sensor_msgs::msg::Joy& msg) {
   if (!may_drive(msg, sender, stick)) return;
   if (!holder_.counts(sender, stick.deadman, node_.now())) return;
   if (const auto gap = rhythm_.on_message(stick.deadman, node_.now()))
-    node_.log().warn_every(
-        kReminder,
-        "joy comes every {:.2f} s, which is too seldom for joy_timeout ({} s): the robot stutters; "
-        "let the joystick's driver repeat more often (autorepeat_rate of joy_node), or raise "
-        "joy_timeout",
-        *gap, params_->teleop.joy_timeout);
+    node_.log().warn_every(kReminder,
+                           "joy arrives every {:.2f} s, too rarely for joy_timeout ({} s), so the "
+                           "robot stutters; raise the repeat rate of the joystick's driver "
+                           "(autorepeat_rate of joy_node), or raise joy_timeout",
+                           *gap, params_->teleop.joy_timeout);
   keep_leader_near();
   const auto intent = teleop_.on_stick(stick, robot_pose(), node_.now(), robot_twist());
   if (intent) {
@@ -110,7 +109,7 @@ void TeleopNode::say(const std::string& sender, const std::string& trouble) {
   if (troubles_.size() >= kMaxTroubles) troubles_.clear();
   if (!trouble.empty()) troubles_[sender] = trouble;
   if (troubles_.empty())
-    diagnostics_.report_well("no stick is hindered");
+    diagnostics_.report_well("no stick is ignored");
   else
     diagnostics_.report_trouble(troubles_.begin()->second);
 }

@@ -24,7 +24,7 @@ bool is_too_seldom(double period) {
   return found;
 }
 
-TEST(JoyRhythm, TellsAStickThatSpeaksTooSeldomFromOneThatFellSilent) {
+TEST(JoyRhythm, DistinguishesAStickThatPublishesTooRarelyFromASilentOne) {
   EXPECT_TRUE(is_too_seldom(0.2));
   EXPECT_FALSE(is_too_seldom(0.05));
   EXPECT_FALSE(is_too_seldom(2.0));
@@ -88,7 +88,7 @@ TEST(CheckJoy, SaysWhetherTheStickIsSeenAtRest) {
   EXPECT_TRUE(check_of({4.0f, 4.0f}, {1, 0}, {.axis_range = 100.0}).at_rest);
 }
 
-TEST(CheckJoy, NamesWhatIsMissingOrCannotBe) {
+TEST(CheckJoy, NamesWhatIsMissingOrInvalid) {
   EXPECT_EQ(check_of({0.0f, 1.0f}, {1, 0}).trouble, "");
   EXPECT_EQ(check_of({0.0f, 1.0f}, {1, 0}).remark, "");
   EXPECT_EQ(check_of({0.0f}, {1, 0}).trouble, "joy has no axis 1 (axis_linear)");
@@ -129,7 +129,7 @@ TEST(JoyValues, DriveForwardWhereADeviceOfOthersIsTurnedRound) {
   EXPECT_GT(intent->twist.w, 0.0);
 }
 
-TEST(JoyValues, NameNoButtonThatThereIsNot) {
+TEST(JoyValues, NameOnlyExistingButtons) {
   const auto joy = joy_values({1.0, 1.0, true, false}, {.deadman_button = -1, .end_button = -1});
   EXPECT_TRUE(joy.buttons.empty());
 }
@@ -189,7 +189,7 @@ TEST(Teleop, LeaderNeverLeavesItsLeash) {
   EXPECT_NEAR(intent->X_ML->position().norm(), 0.5, 1e-9);
 }
 
-TEST(Teleop, LeaderComesBackAtOnceForWhoThrowsTheStickRound) {
+TEST(Teleop, LeaderReturnsImmediatelyWhenTheStickIsReversed) {
   for (const double way : {1.0, -1.0}) {
     Teleop teleop{{}};
     const Pose2 X_MB{2.0, 1.0, 0.3};
@@ -305,7 +305,7 @@ TEST(Teleop, LeaderReturnsToTheRobotAfterRelease) {
   EXPECT_EQ(intent->X_ML->x, 0.0);
 }
 
-TEST(Teleop, HasNoLeaderWhileNobodyKnowsWhereTheRobotIs) {
+TEST(Teleop, HasNoLeaderWhileTheRobotIsNotLocalised) {
   Teleop teleop{{}};
   const auto intent = teleop.on_stick({.linear = 1.0, .deadman = true}, std::nullopt, 0.0);
   ASSERT_TRUE(intent);
@@ -315,7 +315,7 @@ TEST(Teleop, HasNoLeaderWhileNobodyKnowsWhereTheRobotIs) {
 
 // --- somebody who has no stick here ------------------------------------------------------------
 
-TEST(Teleop, LeaderFollowsACommandOfSomebodyElse) {
+TEST(Teleop, LeaderFollowsAnotherPublishersCommand) {
   Teleop teleop{{}};
   const Pose2 X_MB{2.0, 1.0, 0.0};
   EXPECT_EQ(teleop.on_twist({0.3, 0.0}, X_MB, 0.0)->x, 2.0);
@@ -369,7 +369,7 @@ TEST(Teleop, AStickThatLiesThereReleasedDisturbsNoCommand) {
 
 // --- whose stick it is, and whether it drives --------------------------------------------------
 
-TEST(StickHolder, FollowsTheOneWhoHolds) {
+TEST(StickHolder, FollowsThePublisherThatHolds) {
   StickHolder holder{0.5};
   EXPECT_TRUE(holder.counts("pad", false, 0.0));
   EXPECT_TRUE(holder.counts("page", true, 0.1));
@@ -381,7 +381,7 @@ TEST(StickHolder, FollowsTheOneWhoHolds) {
   EXPECT_TRUE(holder.counts("page", true, 1.2)) << "the pad has been silent for too long";
 }
 
-TEST(StickHolder, AStickOnTheTableDoesNotLetGoOfOneThatFellSilent) {
+TEST(StickHolder, AnIdleStickDoesNotReleaseOneThatFellSilent) {
   StickHolder holder{0.5};
   EXPECT_TRUE(holder.counts("page", true, 0.0));
   EXPECT_FALSE(holder.counts("pad", false, 9.0));
@@ -407,7 +407,7 @@ class SeenAtRest : public testing::Test {
 };
 
 // A pad that has not reported yet, or a stick that is tilted where it lies.
-TEST_F(SeenAtRest, AStickThatWasNeverDrivesNothing) {
+TEST_F(SeenAtRest, AStickThatNeverWasDrivesNothing) {
   EXPECT_FALSE(frees(kUp, kPushed, 2.0));
   EXPECT_FALSE(frees(kDown, kPushed, 5.0));
   EXPECT_TRUE(frees(kDown, kAtRest));
@@ -437,7 +437,7 @@ TEST_F(SeenAtRest, OneSampleAtRestBeforeEachPressIsEnough) {
   }
 }
 
-TEST_F(SeenAtRest, ASenderThatFellSilentMustBeSeenAgain) {
+TEST_F(SeenAtRest, ASilentPublisherMustBeSeenAgain) {
   (void)frees(kDown, kAtRest);
   ASSERT_TRUE(frees(kDown, kPushed, 1.0));
   t_ += RestCheck::kGone;
@@ -460,7 +460,7 @@ TEST_F(SeenAtRest, SamplesThatComeTooLateToCountAreNoSilence) {
   EXPECT_FALSE(frees(kDown, kPushed)) << "it was silent before";
 }
 
-TEST_F(SeenAtRest, ASenderThatIsGoneMustBeSeenAgain) {
+TEST_F(SeenAtRest, ADisconnectedPublisherMustBeSeenAgain) {
   (void)frees(kDown, kAtRest);
   check_.forget("pad");
   EXPECT_FALSE(frees(kDown, kPushed));
