@@ -106,7 +106,7 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
               .body = body,
               .request = request,
               .start = start,
-              .wish = forecast(request, from, params, robot),
+              .nominal = forecast(request, from, params, robot),
               .costs = {},
               .to_avoid = {},
               .limits = {.margin = params.margin,
@@ -115,7 +115,7 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
                          .dt = params.dt,
                          .max_pairs = params.max_pairs},
               .least_slack = 0.0};
-  cycle.costs = stage_costs(request, cycle.wish, params, robot);
+  cycle.costs = stage_costs(request, cycle.nominal, params, robot);
   for (StageCost& cost : cycle.costs) cost.X_MR = guided(cost.X_MR, request.guidance);
   cycle.to_avoid = passable(body, {.X_MB = start.X_MB, .start = params.delay}, request.obstacles);
   PairLimits here = cycle.limits;
@@ -180,7 +180,7 @@ Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion) {
   out.gaps = clearances(cycle.body, cycle.request.obstacles, std::span(out.motion.X_MB).subspan(1),
                         cycle.limits);
   for (std::size_t k = 0; k < out.gaps.size(); ++k) {
-    const double missed = growth(out.ocp, out.motion.twist[k]) - out.gaps[k];
+    const double missed = speed_margin(out.ocp, out.motion.twist[k]) - out.gaps[k];
     point.z[block(out.ocp) * k + kSlack] = std::max(0.0, missed);
     out.slack = std::max(out.slack, missed);
   }
@@ -229,7 +229,8 @@ int active_rows(const Candidate& candidate) {
   const Forecast& motion = candidate.motion;
   for (std::size_t k = 0; k < motion.twist.size(); ++k)
     for (const Pair& pair : candidate.ocp.stages[k].pairs)
-      if (clearance(pair, motion.X_MB[k + 1]) - growth(candidate.ocp, motion.twist[k]) < kActive)
+      if (clearance(pair, motion.X_MB[k + 1]) - speed_margin(candidate.ocp, motion.twist[k]) <
+          kActive)
         ++active;
   return active;
 }
@@ -245,17 +246,17 @@ bool is_poor(const Cycle& cycle, const Candidate& candidate) {
   // Such a motion tunnels through an obstacle.
   if (candidate.slack > cycle.least_slack + kTolerated) return true;
   const bool is_near = candidate.clearance < cycle.limits.reach;
-  return is_near && is_stuck(cycle.request, cycle.wish, candidate.motion,
+  return is_near && is_stuck(cycle.request, cycle.nominal, candidate.motion,
                              cycle.params.dt * cycle.params.horizon_steps, cycle.robot);
 }
 
 Forecast cold_guess(const Cycle& cycle) {
-  return stopped_in_time(cycle.wish, cycle.body, cycle.request.obstacles, cycle.limits,
+  return stopped_in_time(cycle.nominal, cycle.body, cycle.request.obstacles, cycle.limits,
                          cycle.robot);
 }
 
 std::vector<Forecast> most_promising_first(const Cycle& cycle, std::vector<Forecast> guesses) {
-  const Ocp ocp = problem(cycle, cycle.wish);
+  const Ocp ocp = problem(cycle, cycle.nominal);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < guesses.size(); ++i)
     order.emplace_back(rate(cycle, ocp, guesses[i]).value, i);
@@ -272,14 +273,14 @@ std::vector<Forecast> other_guesses(const Cycle& cycle, unsigned turn, unsigned 
     return forecast_of({v, w}, cycle.request, from, cycle.params, robot);
   };
   std::vector<Forecast> guesses;
-  const auto poses = std::span(cycle.wish.X_MB).subspan(1);
+  const auto poses = std::span(cycle.nominal.X_MB).subspan(1);
   const auto& obstacles = cycle.request.obstacles;
   if (first_miss(cycle.body, obstacles, poses, cycle.limits) < poses.size()) {
-    for (const auto& p_MV : points_beside(cycle.wish, cycle.body, obstacles, cycle.limits))
+    for (const auto& p_MV : points_beside(cycle.nominal, cycle.body, obstacles, cycle.limits))
       guesses.push_back(forecast_via(p_MV, cycle.request, from, cycle.params, robot));
     guesses.push_back(toward(0.0, 0.0));
   }
-  guesses.push_back(cycle.wish);
+  guesses.push_back(cycle.nominal);
   const double w = 0.6 * robot.w_max;
   const std::array<Twist2, 10> twists{{{robot.v_max, w},
                                        {robot.v_max, -w},

@@ -28,7 +28,7 @@ struct Cycle {
   const Body& body;
   const PlanRequest& request;
   Start start;                     ///< predicted for the moment the command acts
-  Forecast wish;                   ///< nominal trajectory: what the person asks for
+  Forecast nominal;                ///< nominal trajectory: what the person asks for
   std::vector<StageCost> costs;    ///< N
   std::vector<Obstacle> to_avoid;  ///< the request's obstacles, see passable()
   PairLimits limits;

@@ -14,7 +14,7 @@ constexpr double kBetweenLooks = 0.5;  // [s] between estimates
 constexpr double kSmoothing = 0.3;     // weight of a new estimate
 constexpr double kExcited = 0.003;     // least variance of the measured twist, in shares of maximum
 constexpr double kUnexplained = 0.15;  // largest residual, as a share of the grid's worst
-constexpr std::size_t kMostSamples = 4000;
+constexpr std::size_t kMaxSamples = 4000;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ void DelayEstimator::on_command(const Twist2& twist, double t) {
   if (!is_finite(twist) || !std::isfinite(t) || (!sent_.empty() && t < sent_.back().t)) return;
   sent_.push_back({twist, t});
   // The last command before the window is still in force at its beginning.
-  while (sent_.size() > kMostSamples ||
+  while (sent_.size() > kMaxSamples ||
          (sent_.size() > 1 && sent_[1].t < t - kWindow - 2.0 * kLongest))
     sent_.pop_front();
 }
@@ -37,8 +37,7 @@ void DelayEstimator::on_measurement(const Twist2& twist, double t) {
   if (!is_finite(twist) || !std::isfinite(t) || (!measured_.empty() && t <= measured_.back().t))
     return;
   measured_.push_back({twist, t});
-  while (measured_.size() > kMostSamples || measured_.front().t < t - kWindow)
-    measured_.pop_front();
+  while (measured_.size() > kMaxSamples || measured_.front().t < t - kWindow) measured_.pop_front();
   if (t < next_look_) return;
   next_look_ = t + kBetweenLooks;
   const bool knows_enough = !sent_.empty() && sent_.front().t <= measured_.front().t - kLongest &&

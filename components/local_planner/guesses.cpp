@@ -16,10 +16,10 @@ struct Blocker {
   Eigen::Vector2d heading;  // of the nominal trajectory there
 };
 
-std::optional<Blocker> first_blocker(const Forecast& wish, const Body& body,
+std::optional<Blocker> first_blocker(const Forecast& nominal, const Body& body,
                                      std::span<const Obstacle> obstacles,
                                      const PairLimits& limits) {
-  const auto poses = std::span(wish.X_MB).subspan(1);
+  const auto poses = std::span(nominal.X_MB).subspan(1);
   const std::size_t k = first_miss(body, obstacles, poses, limits);
   if (k == poses.size()) return std::nullopt;
   PairLimits there = limits;
@@ -71,14 +71,14 @@ Forecast stopped_in_time(const Forecast& motion, const Body& body,
   }
 }
 
-std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& body,
+std::vector<Eigen::Vector2d> points_beside(const Forecast& nominal, const Body& body,
                                            std::span<const Obstacle> obstacles,
                                            const PairLimits& limits) {
   std::vector<Eigen::Vector2d> points;
-  const auto blocker = first_blocker(wish, body, obstacles, limits);
+  const auto blocker = first_blocker(nominal, body, obstacles, limits);
   if (!blocker) return points;
   const double radius = largest_radius(body);
-  const Eigen::Vector2d way = blocker->p_MO - wish.X_MB.front().position();
+  const Eigen::Vector2d way = blocker->p_MO - nominal.X_MB.front().position();
   const Eigen::Vector2d ahead = way.norm() > 0.2 ? way.normalized() : blocker->heading;
   const Eigen::Vector2d left{-ahead.y(), ahead.x()};
   for (const double side : {1.0, -1.0})
@@ -91,13 +91,13 @@ std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& bod
   return points;
 }
 
-bool is_stuck(const PlanRequest& request, const Forecast& wish, const Forecast& motion,
+bool is_stuck(const PlanRequest& request, const Forecast& nominal, const Forecast& motion,
               double horizon, const RobotParams& robot) {
   constexpr double kProgress = 0.6;  // a motion that covers a smaller share of the way is stuck
   constexpr double kAble = 0.3;      // mean speed over v_max, allowing for a turn on the spot first
   const Eigen::Vector2d from = motion.X_MB.front().position(), to = motion.X_MB.back().position();
   if (request.method == Method::kIntention) {
-    const Eigen::Vector2d way = wish.X_MB.back().position() - from;
+    const Eigen::Vector2d way = nominal.X_MB.back().position() - from;
     return way.norm() > 0.3 && (to - from).dot(way) < kProgress * way.squaredNorm();
   }
   const Eigen::Vector2d goal = request.X_MG.position();

@@ -13,7 +13,7 @@ namespace tandem {
 /// Points left and right (in this order) of what first blocks the nominal trajectory, in the map
 /// frame [m]. At each the body's largest disc is clear of all obstacles. A side without such a
 /// point within 3 m is left out; empty if nothing blocks.
-[[nodiscard]] std::vector<Eigen::Vector2d> points_beside(const Forecast& wish, const Body& body,
+[[nodiscard]] std::vector<Eigen::Vector2d> points_beside(const Forecast& nominal, const Body& body,
                                                          std::span<const Obstacle> obstacles,
                                                          const PairLimits& limits);
 
@@ -25,7 +25,7 @@ namespace tandem {
 
 /// Whether the motion makes little progress within `horizon` [s]: along the nominal trajectory for
 /// method intention, toward the leader or goal for the others.
-[[nodiscard]] bool is_stuck(const PlanRequest& request, const Forecast& wish,
+[[nodiscard]] bool is_stuck(const PlanRequest& request, const Forecast& nominal,
                             const Forecast& motion, double horizon, const RobotParams& robot);
 
 }  // namespace tandem

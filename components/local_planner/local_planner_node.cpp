@@ -34,7 +34,7 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
   for (TwistInput* input : {&on_user_, &on_command_}) input->set_frames(params_->input.frames);
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
-    throw std::invalid_argument("goal: needs three numbers, x, y and heading");
+    throw std::invalid_argument("goal: expected three numbers: x, y and heading");
   if (!goal.empty()) X_MG_ = Pose2{goal[0], goal[1], goal[2]};
   status_.method(name(method_));
   subscribe();

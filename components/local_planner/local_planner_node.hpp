@@ -24,7 +24,8 @@ struct LivePlannerParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     nmpc.visit(field);
-    field("method", method, OneOf{{"leader", "intention", "path", "goal"}}, "what the plan is for");
+    field("method", method, OneOf{{"leader", "intention", "path", "goal"}},
+          "what the planner follows");
   }
 };
 
@@ -45,14 +46,14 @@ struct LocalPlannerNodeParams {
     live.visit(field);
     input.visit(field);
     field("goal", goal, Range{-1e5, 1e5},
-          "[m, m, rad] first goal of method goal; /goal_pose later");
+          "[m, m, rad] initial goal of method goal; replaced by each goal_pose");
     field("fixtures", fixtures, "YAML file of guidance lines; empty: none");
     field("user_timeout", user_timeout, Range{0.02, 5.0},
-          "[s] silence of leader_pose or cmd_vel_user that stops");
+          "[s] the robot stops when leader_pose or cmd_vel_user has been silent for this long");
     field("obstacle_timeout", obstacle_timeout, Range{0.02, 5.0},
-          "[s] silence of obstacles that stops");
+          "[s] the robot stops when obstacles has been silent for this long");
     field("in_force_timeout", in_force_timeout, Range{0.02, 5.0},
-          "[s] age of cmd_vel, the command in force, after which it is taken as zero");
+          "[s] age of cmd_vel, the command in force, beyond which it counts as zero");
     stamp.visit(field);
   }
 };

@@ -42,7 +42,7 @@ struct Nmpc::State {
   RobotParams robot;
   Body body;
   Solver explorer;                  // solves from every guess
-  std::optional<Solver> judge;      // verifies the best solution; only with solver "certified"
+  std::optional<Solver> verifier;   // verifies the best solution; only with solver "certified"
   std::optional<Solved> last = {};  // warm start
   Plan good = {};                   // last plan with source kSolution
   DelayEstimator loop{robot};
@@ -170,7 +170,7 @@ Candidate Nmpc::State::attempt(const Cycle& cycle, const Forecast& guess, bool w
 Candidate Nmpc::State::first_candidate(const Cycle& cycle) {
   ++guesses;
   if (!last) return attempt(cycle, cold_guess(cycle), false);
-  const Ocp ocp = problem(cycle, cycle.wish);
+  const Ocp ocp = problem(cycle, cycle.nominal);
   Candidate out = attempt(cycle, shifted_motion(*last, elapsed(cycle), ocp), true);
   const bool failed = out.solution.status == SolveStatus::kFailed ||
                       out.solution.status == SolveStatus::kTimeout || !is_clear(cycle, out);
@@ -205,10 +205,10 @@ void Nmpc::State::explore(const Cycle& cycle, Candidate& best) {
 
 // Solves again from the best solution with the verifier, which compares both solvers' results.
 void Nmpc::State::certify(const Cycle& cycle, Candidate& best) {
-  if (!judge) return;
-  Candidate judged = solve(*judge, cycle, best.ocp, best.solution.point);
-  best.verdict = judged.verdict;
-  if (is_clear(cycle, judged) || !is_clear(cycle, best)) best = std::move(judged);
+  if (!verifier) return;
+  Candidate verified = solve(*verifier, cycle, best.ocp, best.solution.point);
+  best.verdict = verified.verdict;
+  if (is_clear(cycle, verified) || !is_clear(cycle, best)) best = std::move(verified);
 }
 
 // Keeps the point for the next warm start, unless the solve failed or three in a row timed out.
@@ -288,12 +288,12 @@ Plan Nmpc::State::fall_back(const Cycle& cycle, PlanStatus status) const {
 
 // Replaces the plan's motion by the person's twist, within the acceleration limits.
 Plan Nmpc::State::yield(const Twist2& user, const Cycle& cycle, Plan plan) const {
-  const Forecast wish =
+  const Forecast nominal =
       forecast_of(user, cycle.request, {cycle.start.X_MB, cycle.start.moves}, params, robot);
   plan.source = PlanSource::kYielded;
-  plan.command = wish.twist.front();
-  plan.X_MB = wish.X_MB;
-  plan.twist = wish.twist;
+  plan.command = nominal.twist.front();
+  plan.X_MB = nominal.X_MB;
+  plan.twist = nominal.twist;
   return plan;
 }
 

@@ -56,72 +56,87 @@ struct NmpcParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("horizon_steps", horizon_steps, Range{2, 100}, "steps that are planned ahead");
-    field("dt", dt, Range{0.02, 1.0}, "[s] length of a step");
-    field("control_period", control_period, Range{0.005, 1.0}, "[s] between two commands");
+    field("horizon_steps", horizon_steps, Range{2, 100}, "number of steps planned ahead");
+    field("dt", dt, Range{0.02, 1.0}, "[s] duration of a step");
+    field("control_period", control_period, Range{0.005, 1.0}, "[s] time between two commands");
     field("delay", delay, Range{0.0, 1.0},
-          "[s] from the measured pose to the command's effect, motor lag included unless lag_v and "
-          "lag_w tell it");
+          "[s] from the measured pose to the command's effect, including motor lag unless lag_v "
+          "and lag_w model it");
     field("measure_delay", measure_delay,
-          "replace delay by what commands and odometry say of it while the robot drives");
+          "true: estimate the delay from commands and odometry while the robot drives, instead of "
+          "using `delay`");
     field("lag_v", lag_v, Range{0.0, 2.0},
-          "[s] time constant of the speed, for robots that do not follow at once; 0: in the delay");
-    field("lag_w", lag_w, Range{0.0, 2.0}, "[s] time constant of the turn rate; 0: in the delay");
+          "[s] time constant of the speed, for robots that do not follow at once; 0: part of the "
+          "delay");
+    field("lag_w", lag_w, Range{0.0, 2.0},
+          "[s] time constant of the turn rate; 0: part of the delay");
     field("time_budget", time_budget, Range{0.0, 1.0},
-          "[s] wall clock of one planning cycle; 0: unlimited, the result is deterministic");
-    field("max_iterations", max_iterations, Range{1, 1000}, "iterations of one solve");
-    field(
-        "iteration_budget", iteration_budget, Range{0, 100000},
-        "iterations of one planning cycle, a deterministic stand-in for time_budget; 0: no limit");
-    field(
-        "extra_guesses", extra_guesses, Range{0, 10},
-        "sampled arcs a cycle starts from beside the last plan, left and right of what blocks the "
-        "way, the wish and rest, thrice as many if that leads nowhere; 0: the last plan only");
+          "[s] wall-clock limit of one planning cycle; 0: unlimited, and the result is "
+          "deterministic");
+    field("max_iterations", max_iterations, Range{1, 1000}, "maximum iterations of one solve");
+    field("iteration_budget", iteration_budget, Range{0, 100000},
+          "maximum iterations of one planning cycle, a deterministic substitute for time_budget; "
+          "0: no limit");
+    field("extra_guesses", extra_guesses, Range{0, 10},
+          "number of sampled arcs that a cycle starts from, besides the last plan, passages left "
+          "and right of what blocks the path, the nominal trajectory and standing still; three "
+          "times as many if none leads anywhere; 0: only the last plan");
     field("solver", solver, OneOf{{"ipopt", "structured", "certified"}},
-          "structured: far faster than ipopt; certified: structured, confirmed by ipopt");
-    field("model", model, OneOf{{"arc", "euler"}}, "discrete motion: exact arc, or Euler's step");
-    field("weight_x", weight_x, Range{0.0, 1e4}, "leader, goal: position error along x of the map");
-    field("weight_y", weight_y, Range{0.0, 1e4}, "leader, goal: position error along y of the map");
-    field("weight_heading", weight_heading, Range{0.0, 1e4}, "leader, goal, path: heading error");
-    field("weight_v", weight_v, Range{0.0, 1e4}, "leader, goal, path: speed");
-    field("weight_w", weight_w, Range{0.0, 1e4}, "leader, goal, path: turn rate");
+          "structured: Riccati interior point, far faster than ipopt; certified: structured, "
+          "confirmed by ipopt");
+    field("model", model, OneOf{{"arc", "euler"}},
+          "discretization of the motion: exact arc, or Euler step");
+    field("weight_x", weight_x, Range{0.0, 1e4},
+          "leader, goal: weight of the position error along the map's x");
+    field("weight_y", weight_y, Range{0.0, 1e4},
+          "leader, goal: weight of the position error along the map's y");
+    field("weight_heading", weight_heading, Range{0.0, 1e4},
+          "leader, goal, path: weight of the heading error");
+    field("weight_v", weight_v, Range{0.0, 1e4}, "leader, goal, path: weight of the speed");
+    field("weight_w", weight_w, Range{0.0, 1e4}, "leader, goal, path: weight of the turn rate");
     field("weight_smooth", weight_smooth, Range{0.0, 1e4},
-          "leader, goal, path: change of speed and turn rate from step to step");
+          "leader, goal, path: weight of the change of speed and turn rate from step to step");
     field("weight_across", weight_across, Range{0.0, 1e4},
-          "[1/m²] path: error across the trail (contouring error)");
+          "[1/m²] path: weight of the error across the trail (contouring error)");
     field("weight_along", weight_along, Range{0.0, 1e4},
-          "[1/m²] path: error along the trail (lag error); less of it than across lets the robot "
-          "be late rather than cut corners");
+          "[1/m²] path: weight of the error along the trail (lag error); below "
+          "path_contouring_weight the robot prefers being late to cutting corners");
     field("terminal_weight", terminal_weight, Range{0.0, 1e4},
-          "goal: the last pose counts this many times more");
+          "goal: factor by which the last pose counts more");
     field("heading_fade", heading_fade, Range{0.0, 10.0},
-          "[m] leader, goal: at this distance the heading counts half; 0: it always counts");
-    field(
-        "leader_preview", leader_preview, Range{0.0, 10.0},
-        "[s] leader, path: the leader is expected to go on this long as the person drives it now; "
-        "0: to stay where it is");
+          "[m] leader, goal: distance at which the heading counts half; 0: it always counts fully");
+    field("leader_preview", leader_preview, Range{0.0, 10.0},
+          "[s] leader, path: the leader is predicted to keep its current motion for this long; 0: "
+          "to stay where it is");
     field("intention_form", intention_form, OneOf{{"rollout", "atan"}},
-          "heading wish: of the forecast of the person's twist, or Krijnen's atan(w/v)");
-    field("intention_speed", intention_speed, Range{0.0, 1e4}, "C_v: deviation of speed");
-    field("intention_heading", intention_heading, Range{0.0, 1e4}, "C_h: deviation of heading");
+          "intended heading: from the predicted motion of the person's twist, or Krijnen's "
+          "atan(w/v)");
+    field("intention_speed", intention_speed, Range{0.0, 1e4},
+          "C_v: weight of the deviation of speed");
+    field("intention_heading", intention_heading, Range{0.0, 1e4},
+          "C_h: weight of the deviation of heading");
     field("intention_smooth", intention_smooth, Range{0.0, 1e4},
-          "C_c: change of speed and turn rate beyond the person's own");
+          "C_c: weight of changes of speed and turn rate beyond the person's own");
     field("intention_position", intention_position, Range{0.0, 1e4},
-          "rollout form: distance from the forecast path");
-    field("margin", margin, Range{0.0, 1.0}, "[m] gap kept between the discs and obstacles");
+          "rollout form: weight of the distance from the predicted path");
+    field("margin", margin, Range{0.0, 1.0}, "[m] distance kept between the discs and obstacles");
     field("margin_moving", margin_moving, Range{0.0, 2.0},
-          "[m] the gap kept from an obstacle that moves is larger by this");
+          "[m] added to the margin for moving obstacles");
     field("margin_v", margin_v, Range{0.0, 2.0}, "[s²/m] the margin grows by this times v²");
     field("margin_w", margin_w, Range{0.0, 2.0}, "[m s²/rad²] the margin grows by this times w²");
     field("weight_slack", weight_slack, Range{1.0, 1e3},
-          "penalty per metre that the margin is missed, in units of the reference's pull");
+          "penalty per metre of margin violation, in units of the reference's gradient");
     field("disc_overhang", disc_overhang, Range{0.002, 1.0},
-          "[m] how far the discs that cover the footprint may reach beyond its sides; less: more");
+          "[m] how far the discs that cover the footprint may extend beyond its sides; smaller "
+          "values "
+          "need more discs");
     field("disc_radius", disc_radius, Range{0.0, 3.0},
-          "[m] plan and check the robot as this one disc about base_link; 0: the footprint");
-    field("max_pairs", max_pairs, Range{1, 32}, "nearest (disc, obstacle) pairs kept per step");
+          "[m] radius of a single disc about base_link used instead of the footprint for planning "
+          "and checking; 0: use the footprint");
+    field("max_pairs", max_pairs, Range{1, 32},
+          "number of nearest (disc, obstacle) pairs kept per step");
     field("workspace", workspace, Range{0.0, 1e4},
-          "[m] |x|, |y| of base_link stay below it; 0: no bound");
+          "[m] bound on |x| and |y| of base_link; 0: none");
   }
 };
 

@@ -78,7 +78,7 @@ Method method_named(std::string_view text) {
   for (const Method method : {Method::kLeader, Method::kIntention, Method::kPath, Method::kGoal})
     if (text == name(method)) return method;
   throw std::invalid_argument("method = '" + std::string(text) +
-                              "' is none of {leader, intention, path, goal}");
+                              "' is not one of {leader, intention, path, goal}");
 }
 
 Twist2 Plan::at(double t) const {

@@ -94,10 +94,10 @@ StageCost pose_cost(const PlanRequest& request, const Pose2& X_MB, std::size_t k
 }
 
 // (4)
-StageCost trail_cost(const PlanRequest& request, const Forecast& wish, std::size_t k,
+StageCost trail_cost(const PlanRequest& request, const Forecast& nominal, std::size_t k,
                      const NmpcParams& params) {
-  StageCost cost = pose_cost(request, wish.X_MB.front(), k, params);
-  const OnTrail target = along(request.trail, wish.X_MB[k + 1].position(), kLead);
+  StageCost cost = pose_cost(request, nominal.X_MB.front(), k, params);
+  const OnTrail target = along(request.trail, nominal.X_MB[k + 1].position(), kLead);
   cost.X_MR.x = target.p_MT.x();
   cost.X_MR.y = target.p_MT.y();
   const double along_it = target.bridges ? 0.0 : params.weight_along;
@@ -110,10 +110,10 @@ StageCost trail_cost(const PlanRequest& request, const Forecast& wish, std::size
 }
 
 // (2)
-StageCost rollout_cost(const Twist2& user, const Forecast& wish, std::size_t k,
+StageCost rollout_cost(const Twist2& user, const Forecast& nominal, std::size_t k,
                        const Twist2& before, const NmpcParams& params) {
   StageCost cost;
-  cost.X_MR = wish.X_MB[k + 1];
+  cost.X_MR = nominal.X_MB[k + 1];
   cost.twist = user;
   cost.change = {cost.twist.v - before.v, cost.twist.w - before.w};
   cost.q_x = cost.q_y = kIntentionScale * params.intention_position;
@@ -190,22 +190,22 @@ Forecast forecast_of(const Twist2& twist, const PlanRequest& request, const Movi
   return roll_out([&](const Pose2&) { return twist; }, request, from, params, robot);
 }
 
-std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
+std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& nominal,
                                    const NmpcParams& params, const RobotParams& robot) {
   std::vector<StageCost> costs;
   Twist2 before = request.command;
-  for (std::size_t k = 0; k < wish.twist.size(); ++k) {
+  for (std::size_t k = 0; k < nominal.twist.size(); ++k) {
     if (is_far_along(request))
-      costs.push_back(trail_cost(request, wish, k, params));
+      costs.push_back(trail_cost(request, nominal, k, params));
     else if (request.method != Method::kIntention)
-      costs.push_back(pose_cost(request, wish.X_MB.front(), k, params));
+      costs.push_back(pose_cost(request, nominal.X_MB.front(), k, params));
     else if (params.intention_form == "atan")
       costs.push_back(atan_cost(request.user, params));
     else
-      costs.push_back(rollout_cost(limit(request.user, robot), wish, k, before, params));
+      costs.push_back(rollout_cost(limit(request.user, robot), nominal, k, before, params));
     if (request.method == Method::kIntention)
       discount(costs.back(), std::exp(-params.dt * static_cast<double>(k) / kPatience));
-    before = wish.twist[k];
+    before = nominal.twist[k];
   }
   if (request.method == Method::kGoal) {
     for (double* weight : {&costs.back().q_x, &costs.back().q_y, &costs.back().q_theta})

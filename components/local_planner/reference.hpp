@@ -59,8 +59,8 @@ struct Forecast {
 ///                 with Q = R diag(along, across) Rᵀ in the frame R of the trail there:
 ///                 contouring and lag error (Lam, Manzie and Good 2010; Liniger, Domahidi and
 ///                 Morari 2015). Q = 0 where an obstacle interrupts the trail                (4)
-[[nodiscard]] std::vector<StageCost> stage_costs(const PlanRequest& request, const Forecast& wish,
-                                                 const NmpcParams& params,
+[[nodiscard]] std::vector<StageCost> stage_costs(const PlanRequest& request,
+                                                 const Forecast& nominal, const NmpcParams& params,
                                                  const RobotParams& robot);
 
 /// Bound on the cost that one metre of motion at X_MB can save [1/m]: Σ |∂cost/∂p| + |∂cost/∂v| /

@@ -114,13 +114,13 @@ struct Checked {
 // Obstacles that were left out and turn out to matter are added, and the problem is solved again.
 template <class Solver>
 [[gnu::noinline]] Checked solve_checked(Solver& solver, const Recorded& recorded) {
-  constexpr int kMostSolves = 5;
+  constexpr int kMaxSolves = 5;
   Checked out{.solution = solver(recorded.ocp, recorded.guess)};
   while (true) {
     const Ocp& ocp = out.wider ? *out.wider : recorded.ocp;
     const Pairs more = missed(ocp, out.solution.point, recorded.checked);
     out.violates = !more.empty();
-    if (more.empty() || out.solves == kMostSolves) return out;
+    if (more.empty() || out.solves == kMaxSolves) return out;
     auto wider = widened(ocp, more);
     if (!wider) return out;
     const Solved so_far{ocp, std::move(out.solution.point), 0.0};
@@ -224,7 +224,7 @@ Recording record(const World& world, const Plant& at_start, const Person& person
     Cycle cycle = begin_cycle(request, world.params, robot, body);
     if (world.all_pairs) cycle.limits.reach = 1e9, cycle.limits.max_pairs = 1 << 20;
     const Forecast motion =
-        last ? shifted_motion(*last, period, problem(cycle, cycle.wish)) : cold_guess(cycle);
+        last ? shifted_motion(*last, period, problem(cycle, cycle.nominal)) : cold_guess(cycle);
     Ocp ocp = problem(cycle, motion);
     const Iterate guess =
         last ? warm_start(*last, period, ocp) : cold_start(ocp, rate(cycle, ocp, motion).motion);

@@ -62,7 +62,7 @@ class CloseApproachTest : public ::testing::Test {
   CloseApproach approach_;
 };
 
-TEST_F(CloseApproachTest, GivesAPersonWhoPushesOnTheirOwnTwistSlowed) {
+TEST_F(CloseApproachTest, GivesAPersonWhoKeepsPushingTheirOwnTwistSlowedDown) {
   EXPECT_FALSE(next(kPush, {}));  // not for a single plan
   const auto twist = after_a_second({0.8, 0.32}, {});
   ASSERT_TRUE(twist);
@@ -80,7 +80,7 @@ TEST_F(CloseApproachTest, TurnsOnTheSpotAndDrivesBackLikewise) {
   EXPECT_NEAR(back->v, -0.5, 1e-12);
 }
 
-TEST_F(CloseApproachTest, FollowsAPlanThatGetsOn) {
+TEST_F(CloseApproachTest, FollowsAPlanThatMakesProgress) {
   EXPECT_FALSE(after_a_second(kPush, {0.2, 0.0}));
   ASSERT_TRUE(after_a_second(kPush, {0.05, 0.0}));
   EXPECT_TRUE(next(kPush, {0.2, 0.0}));  // not at once, or the robot would go to and fro

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Loops, Delays,
                                          std::array{0.0, 0.0, 0.0}, std::array{0.3, 0.2, 0.1},
                                          std::array{0.05, 0.15, 0.0}));
 
-TEST(DelayEstimator, LearnsAnewWhenTheClockWasSetBack) {
+TEST(DelayEstimator, RelearnsAfterAClockReset) {
   DelayEstimator estimator{RobotParams{}};
   const auto drive = [&](double from, double delay) {
     for (int n = 0; n < 500; ++n) {
@@ -91,7 +91,7 @@ TEST(DelayEstimator, FollowsAChange) {
   EXPECT_NEAR(*estimator.delay(), 0.4, 0.02);
 }
 
-TEST(DelayEstimator, IgnoresWhatIsNoNumberOrComesBackInTime) {
+TEST(DelayEstimator, IgnoresNonFiniteValuesAndTimeGoingBack) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   DelayEstimator estimator{RobotParams{}};
   for (int n = 0; n < 1000; ++n) {

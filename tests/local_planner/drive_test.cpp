@@ -147,7 +147,7 @@ TEST(Drive, LeaderBehindAWallOfPolesIsReachedByALocalDetour) {
   EXPECT_LT(distance(result, 5.0, 0.0), 0.2);
 }
 
-TEST(Drive, WallWithoutAWayRoundIsWaitedAtCalmly) {
+TEST(Drive, WaitsCalmlyAtAWallWithoutAWayAround) {
   const std::vector<Obstacle> wall{{1, {2, 0}, 4.0, 0.1, std::numbers::pi / 2, {0, 0}}};
   for (const double v : {0.6, 0.8}) {
     const Drive result = drive(lockstep(), {{0, 0, 0}, {}, 0.02, 0.05}, wall, 12.0, twist(v, 0.0));
@@ -157,7 +157,7 @@ TEST(Drive, WallWithoutAWayRoundIsWaitedAtCalmly) {
   }
 }
 
-TEST(Drive, LeaderBehindAWallWithoutAWayRoundIsWaitedForCalmly) {
+TEST(Drive, WaitsCalmlyForALeaderBehindAWallWithoutAWayAround) {
   const std::vector<Obstacle> wall{{1, {2, 0}, 4.0, 0.1, std::numbers::pi / 2, {0, 0}}};
   for (const Method method : {Method::kLeader, Method::kPath}) {
     const auto leader = [&](double t, const Plant&, PlanRequest& request) {
@@ -307,7 +307,7 @@ double beside_lane(double strength, double seconds, double turn) {
   return result.path.back().y;
 }
 
-TEST(GuidanceLines, DrawAPersonInWhoComesNear) {
+TEST(GuidanceLines, DrawInAPersonWhoComesNear) {
   EXPECT_NEAR(beside_lane(0.0, 10.0, 0.0), 0.3, 1e-6);
   const double drawn = std::abs(beside_lane(0.5, 10.0, 0.0));
   EXPECT_LT(drawn, 0.1);

@@ -16,7 +16,7 @@
 namespace tandem::test {
 namespace {
 
-TEST(Nmpc, ObstacleThatPopsUpInFrontMakesItBrakeAtOnce) {
+TEST(Nmpc, BrakesImmediatelyForAnObstacleThatAppearsInFront) {
   Nmpc planner(unlimited(), RobotParams{});
   PlanRequest request = goal_request({4, 0, 0});
   request.command = request.measured = {0.8, 0.0};

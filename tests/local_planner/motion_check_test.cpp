@@ -30,7 +30,7 @@ TEST(MotionCheck, FollowsTheArcNotTheChord) {
   EXPECT_TRUE(is_clear(kMir, quarter, on_chord, 1.0));
 }
 
-TEST(MotionCheck, LooksNoFurtherThanAsked) {
+TEST(MotionCheck, ChecksNoFurtherThanRequested) {
   const Motion motion{.X_MB = {0, 0, 0}, .dt = 1.0, .twist = {{1.0, 0.0}, {1.0, 0.0}}};
   const std::vector<Obstacle> ahead{pole(2.0, 0.0, 0.1)};
   EXPECT_TRUE(is_clear(kMir, motion, ahead, 1.0));

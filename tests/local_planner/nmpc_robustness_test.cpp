@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-TEST(Nmpc, RefusesWhatIsNotFiniteAndBrakes) {
+TEST(Nmpc, RefusesNonFiniteRequestsAndBrakes) {
   const RobotParams robot;
   Nmpc planner(unlimited(), robot);
   PlanRequest good = goal_request({3, 0, 0});

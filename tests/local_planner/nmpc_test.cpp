@@ -42,7 +42,7 @@ TEST(Nmpc, PlanObeysTheDynamicsAndEveryLimit) {
   }
 }
 
-TEST(Nmpc, GoesOnWithOtherParametersOrAsBeforeIfTheyContradict) {
+TEST(Nmpc, AppliesNewParametersAndKeepsTheOldIfTheyContradict) {
   NmpcParams params = unlimited();
   Nmpc planner(params, {});
   PlanRequest request = goal_request({3, 0, 0});
@@ -106,7 +106,7 @@ TEST(Nmpc, PoleStraightAheadIsPassedOnOneSide) {
   EXPECT_GT(std::abs(plan.X_MB.back().y), 0.3);
 }
 
-TEST(Nmpc, EveryCycleStartsFromManyGuessesAndSaysWhatItFound) {
+TEST(Nmpc, EveryCycleStartsFromManyGuessesAndReportsTheResult) {
   Nmpc planner(unlimited(), RobotParams{});
   PlanRequest request = goal_request({4, 0, 0});
   const std::vector<Obstacle> obstacles{pole(1.5, 0.0)};
@@ -149,7 +149,7 @@ TEST(Nmpc, RefusesALeaderWhosePersonIsNotANumber) {
 }
 
 // Passing on the left costs as much as on the right: the planner must choose one side and keep it.
-TEST(Nmpc, DoesNotDitherBetweenTwoEqualWays) {
+TEST(Nmpc, DoesNotDitherBetweenTwoEqualPaths) {
   Nmpc planner(unlimited(), RobotParams{});
   PlanRequest request = goal_request({4, 0, 0});
   const std::vector<Obstacle> obstacles{pole(1.8, 0.0)};

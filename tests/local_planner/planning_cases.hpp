@@ -135,7 +135,7 @@ inline StartingPoint first_problem(const PlanningCase& c, bool blind) {
   const Cycle cycle = begin_cycle(request, c.params, c.robot, body);
   const Forecast guess = cold_guess(cycle);
   Ocp ocp = problem(cycle, guess);
-  Iterate point = cold_start(ocp, rate(cycle, ocp, blind ? cycle.wish : guess).motion);
+  Iterate point = cold_start(ocp, rate(cycle, ocp, blind ? cycle.nominal : guess).motion);
   return {std::move(ocp), std::move(point)};
 }
 
@@ -170,8 +170,8 @@ inline StartingPoint next_problem(const PlanningCase& c, const Solved& last, boo
   const std::vector<Eigen::Vector2d> trail = trail_of(c, request, body);
   request.trail = trail;
   const Cycle cycle = begin_cycle(request, c.params, c.robot, body);
-  const Ocp wished = problem(cycle, cycle.wish);
-  Ocp ocp = problem(cycle, shifted_motion(last, period, wished));
+  const Ocp nominal = problem(cycle, cycle.nominal);
+  Ocp ocp = problem(cycle, shifted_motion(last, period, nominal));
   Iterate point = warm_start(last, period, ocp);
   return {std::move(ocp), std::move(point)};
 }

@@ -17,8 +17,8 @@ std::vector<StageCost> costs_along(double direction, const NmpcParams& params) {
                             .X_MG = {3.0 * ahead.x(), 3.0 * ahead.y(), direction},
                             .trail = trail};
   const RobotParams robot;
-  const Forecast wish = forecast(request, {{0.0, 0.0, direction}, {}}, params, robot);
-  return stage_costs(request, wish, params, robot);
+  const Forecast nominal = forecast(request, {{0.0, 0.0, direction}, {}}, params, robot);
+  return stage_costs(request, nominal, params, robot);
 }
 
 // Of the position alone.

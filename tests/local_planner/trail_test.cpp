@@ -21,7 +21,7 @@ Trail ahead(double end) {
   return trail;
 }
 
-TEST(Trail, IsTheLeadersWayFromTheRobotOn) {
+TEST(Trail, IsTheLeadersPathFromTheRobotOn) {
   Trail trail = ahead(1.0);
   EXPECT_NEAR(length(trail.free_points(kDisc, {}, {})), 1.0, 0.06);
   trail.extend({1.0, 0.0}, {0.6, 0.1});
@@ -38,7 +38,7 @@ TEST(Trail, IsTakenBackByALeaderThatComesBack) {
   for (const auto& p : points) EXPECT_LT(p.x(), 0.5);
 }
 
-TEST(Trail, BeginsAnewWhenTheLeaderJumps) {
+TEST(Trail, StartsOverWhenTheLeaderJumps) {
   Trail trail = ahead(1.0);
   trail.extend({-0.2, 2.0}, {0.0, 0.0});
   const auto points = trail.free_points(kDisc, {}, {});
@@ -46,7 +46,7 @@ TEST(Trail, BeginsAnewWhenTheLeaderJumps) {
   EXPECT_NEAR(length(points), std::hypot(0.2, 2.0), 0.06);
 }
 
-TEST(Trail, SkipsWhatStandsInTheWayAndSaysSo) {
+TEST(Trail, SkipsBlockedPointsAndReportsIt) {
   const std::vector<Obstacle> pole{{1, {0.8, 0.0}, 0.1, 0.1, 0.0, {0, 0}}};
   const auto points = ahead(2.0).free_points(kDisc, pole, {.margin = 0.05});
   for (const auto& p : points) EXPECT_GE((p - pole.front().p_MO).norm(), 0.45 - 1e-9);

@@ -44,7 +44,7 @@ double clearance(const Pair& pair, const Pose2& X_MB) {
   return signed_distance(pair.obstacle, transform(X_MB, pair.p_BC)).value - pair.gap;
 }
 
-double growth(const Ocp& ocp, const Twist2& twist) {
+double speed_margin(const Ocp& ocp, const Twist2& twist) {
   return ocp.gap_v * twist.v * twist.v + ocp.gap_w * twist.w * twist.w;
 }
 
@@ -112,7 +112,8 @@ void row_values(const Ocp& ocp, std::span<const double> z, std::span<double> val
       row[6] = at(ocp, z, k, kMotionW) - expected.twist.w;
     }
     for (const Pair& pair : ocp.stages[k].pairs)
-      values[pair_row++] = clearance(pair, X) - growth(ocp, u) + at(ocp, z, k, kSlack);  // (4)
+      values[pair_row++] =
+          clearance(pair, X) - speed_margin(ocp, u) + at(ocp, z, k, kSlack);  // (4)
   }
 }
 

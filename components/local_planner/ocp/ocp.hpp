@@ -151,7 +151,7 @@ void hessian_values(const Ocp& ocp, std::span<const double> z, double sigma,
 [[nodiscard]] double clearance(const Pair& pair, const Pose2& X_MB);
 
 /// Speed-dependent margin g_v v² + g_w w² of (4) [m].
-[[nodiscard]] double growth(const Ocp& ocp, const Twist2& twist);
+[[nodiscard]] double speed_margin(const Ocp& ocp, const Twist2& twist);
 
 /// f of (3), by (5); the heading is not wrapped.
 [[nodiscard]] Pose2 advance(const Ocp& ocp, const Pose2& X_MB, const Twist2& mean);

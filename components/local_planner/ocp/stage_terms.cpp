@@ -23,13 +23,13 @@ Sinc sinc(double b, const Heading& turn) {
 // Krijnen's direction term as a smooth function of the twist: 2 (1 − (v cos δ + w sin δ) / r) with
 // r² = v² + w² + ε². For v > 0 the direction of (v, w) is his atan(w / v); up to ε both terms
 // vanish at the same twists.
-struct Wish {
+struct DirectionCost {
   double value;
   Vector2d gradient;
   double vv, vw, ww;
 };
 
-Wish wish(const Twist2& u, double direction) {
+DirectionCost direction_cost(const Twist2& u, double direction) {
   constexpr double kEpsilon2 = 0.05 * 0.05;  // [m²/s²] near standstill (v, w) has no direction
   const double c = std::cos(direction), s = std::sin(direction);
   const double r2 = u.v * u.v + u.w * u.w + kEpsilon2, r = std::sqrt(r2);
@@ -41,8 +41,8 @@ Wish wish(const Twist2& u, double direction) {
           2.0 * (2.0 * s * u.w + along - k * u.w * u.w) / r3};
 }
 
-void add_wish(const StageCost& c, const Twist2& u, CostTerms& terms) {
-  const Wish toward = wish(u, c.direction);
+void add_direction_cost(const StageCost& c, const Twist2& u, CostTerms& terms) {
+  const DirectionCost toward = direction_cost(u, c.direction);
   terms.value += c.c_dir * toward.value;
   terms.u += c.c_dir * toward.gradient;
   terms.vv += c.c_dir * toward.vv;
@@ -86,7 +86,7 @@ CostTerms cost_terms(const StageCost& c, const Twist2& u, const Twist2& change,
                   .change2 = {2.0 * c.c_v, 2.0 * c.c_w},
                   .X2 = {2.0 * c.q_x, 2.0 * c.q_y, 2.0 * c.q_theta * error.c},
                   .xy = 2.0 * c.q_xy};
-  if (c.c_dir > 0.0) add_wish(c, u, terms);
+  if (c.c_dir > 0.0) add_direction_cost(c, u, terms);
   return terms;
 }
 

@@ -92,7 +92,7 @@ void IpIterate<n>::evaluate(const Ocp& ocp, const Box& box) {
       s.gap.template tail<2>() << end.v - motion.v, end.w - motion.w;
       motion_before = motion;
     }
-    s.growth = {2.0 * ocp.gap_v * u.v, 2.0 * ocp.gap_w * u.w};
+    s.speed_margin = {2.0 * ocp.gap_v * u.v, 2.0 * ocp.gap_w * u.w};
     cost += s.cost.value + ocp.slack_weight * at[kSlack];
     infeasibility += s.change.template lpNorm<1>() + s.gap.template lpNorm<1>();
     violation = std::max({violation, s.change.template lpNorm<Eigen::Infinity>(),
@@ -119,7 +119,7 @@ template <int n>
 std::size_t IpIterate<n>::sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_t first,
                                        LogOfProduct& distances) {
   const double* at = &z[kBlock * k];
-  const double offset = at[kSlack] - growth(ocp, command_of(at));
+  const double offset = at[kSlack] - speed_margin(ocp, command_of(at));
   double sum = 0.0, largest = violation;
   LogOfProduct product = distances;
   std::size_t row = first;
@@ -144,7 +144,7 @@ void IpIterate<n>::set_slacks(const Ocp& ocp, double least) {
   std::size_t row = 0;
   for (std::size_t k = 0; k < stages.size(); ++k) {
     const double* at = &z[kBlock * k];
-    const double offset = at[kSlack] - growth(ocp, command_of(at));
+    const double offset = at[kSlack] - speed_margin(ocp, command_of(at));
     for (std::size_t i = 0; i < ocp.stages[k].pairs.size(); ++i, ++row)
       t[row] = std::max(least, pairs[row].value + offset);
   }

@@ -43,10 +43,10 @@ struct StageTerms {
   Displacement motion;
   Eigen::Vector2d change;           ///< residuals of rows (2)
   Eigen::Matrix<double, n, 1> gap;  ///< f(X, u) − X⁺: rows (3) and (8), negated
-  Eigen::Vector2d growth;           ///< gradient of growth() with respect to u
+  Eigen::Vector2d speed_margin;     ///< gradient of speed_margin() with respect to u
 };
 
-/// Variables z and slacks t > 0 of rows (4), φ − gap − growth + s − t = 0, and the terms that
+/// Variables z and slacks t > 0 of rows (4), φ − gap − speed_margin + s − t = 0, and the terms that
 /// follow from them.
 template <int n>
 struct IpIterate {
@@ -66,7 +66,7 @@ struct IpIterate {
   void set_problem(const Ocp& ocp);
   /// Computes all other members from z and t.
   void evaluate(const Ocp& ocp, const Box& box);
-  /// t = φ − gap − growth + s, but at least `least`.
+  /// t = φ − gap − speed_margin + s, but at least `least`.
   void set_slacks(const Ocp& ocp, double least);
 
  private:

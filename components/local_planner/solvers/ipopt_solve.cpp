@@ -29,8 +29,8 @@ using Clock = std::chrono::steady_clock;
 using Ipopt::GetRawPtr;
 using Ipopt::SmartPtr;
 
-constexpr int kPatience = 40;           // iterations after which a warm start counts as misleading
-constexpr std::size_t kMostSetups = 8;  // kept per thread
+constexpr int kPatience = 40;          // iterations after which a warm start counts as misleading
+constexpr std::size_t kMaxSetups = 8;  // kept per thread
 
 void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
   options.SetStringValue("sb", "yes");
@@ -150,7 +150,7 @@ class Setups {
     auto found = std::find_if(setups_.begin(), setups_.end(),
                               [&](const auto& setup) { return setup->is_for(structure, warm); });
     if (found == setups_.end()) {
-      if (setups_.size() == kMostSetups) setups_.pop_back();
+      if (setups_.size() == kMaxSetups) setups_.pop_back();
       found = setups_.insert(setups_.end(), std::make_unique<Setup>(common_, ocp, structure, warm));
     }
     std::rotate(setups_.begin(), found, found + 1);  // most recently used first

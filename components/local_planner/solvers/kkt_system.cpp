@@ -18,10 +18,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
-constexpr double kLeast = 1e-10, kMost = 1e10;  // limits of a multiplier, relative to μ / distance
-constexpr double kTau = 0.99;             // least fraction of a distance that a step may use up
-constexpr int kAttempts = 40;             // factorisations before giving up
-constexpr double kDropsCurvature = 10.0;  // regularisation above which curvature is dropped
+constexpr double kMin = 1e-10, kMax = 1e10;  // limits of a multiplier, relative to μ / distance
+constexpr double kTau = 0.99;                // least fraction of a distance that a step may use up
+constexpr int kAttempts = 40;                // factorisations before giving up
+constexpr double kDropsCurvature = 10.0;     // regularisation above which curvature is dropped
 
 // Two variables at a time, so that the loops' sums stay in registers.
 using Two = Eigen::Array2d;
@@ -33,7 +33,7 @@ Eigen::Map<const Two> two(const std::vector<double>& values, std::size_t i) {
 }
 
 Two clamp(const Two& multipliers, const Two& centred) {
-  return multipliers.max(kLeast * centred).min(kMost * centred);
+  return multipliers.max(kMin * centred).min(kMax * centred);
 }
 
 // Derivative of the pose at the end of a stage with respect to the mean twist.
@@ -148,7 +148,7 @@ typename KktSystem<n>::PairSums KktSystem<n>::condense_pairs(Rows rows, const Ip
   for (std::size_t i = rows.first; i < rows.end; ++i) {
     const PairTerms& pair = point.pairs[i];
     const double t = point.t[i], per = 1.0 / t, centred = mu * per;
-    const double y = std::clamp(multipliers.y[i], kLeast * centred, kMost * centred);
+    const double y = std::clamp(multipliers.y[i], kMin * centred, kMax * centred);
     multipliers.y[i] = y;
     per_t_[i] = per;
     least = std::min(least, y * t);
@@ -194,14 +194,14 @@ void KktSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerm
   }
   out.H_xx.template topLeftCorner<3, 3>() = H_pose;
   out.h_x.template head<3>() = h_pose;
-  out.H_xu = -stiffness * pairs.sigma_n * stage.growth.transpose();
-  out.H_uu = stiffness * pairs.sigma * stage.growth * stage.growth.transpose();
+  out.H_xu = -stiffness * pairs.sigma_n * stage.speed_margin.transpose();
+  out.H_uu = stiffness * pairs.sigma * stage.speed_margin * stage.speed_margin.transpose();
   out.H_uu(0, 0) += stage.cost.vv + sigma[kV] + 2.0 * ocp.gap_v * pairs.y;
   out.H_uu(1, 1) += stage.cost.ww + sigma[kW] + 2.0 * ocp.gap_w * pairs.y;
   out.H_uu(0, 1) += stage.cost.vw;
   out.H_uu(1, 0) += stage.cost.vw;
   out.h_u = stage.cost.u + Vector2d{barrier[kV], barrier[kW]} +
-            (pairs.gradient + per * gradient * pairs.sigma) * stage.growth;
+            (pairs.gradient + per * gradient * pairs.sigma) * stage.speed_margin;
 
   out.C_xx = pairs.C.matrix();
   out.D = stage.cost.change2 + Vector2d{sigma[kDv], sigma[kDw]};
@@ -235,8 +235,8 @@ void KktSystem<n>::look_at_dual(const Ocp& ocp, std::size_t k, const IpIterate<n
     const std::size_t i = kBlock * k + static_cast<std::size_t>(place);
     return multipliers.upper[i] - multipliers.lower[i];
   };
-  Vector2d u = stage.cost.u + Vector2d{bound(kV), bound(kW)} + lambda + pairs.y * stage.growth +
-               stages_[k].B.transpose() * pi;
+  Vector2d u = stage.cost.u + Vector2d{bound(kV), bound(kW)} + lambda +
+               pairs.y * stage.speed_margin + stages_[k].B.transpose() * pi;
   ChainState<n> X = -pi;
   X.template head<3>() += stage.cost.X + Vector3d{bound(kX), bound(kY), bound(kTheta)} - pairs.y_n;
   if constexpr (n == 5) X.template tail<2>() += Vector2d{bound(kMotionV), bound(kMotionW)};
@@ -304,7 +304,7 @@ bool KktSystem<n>::solve(const Ocp& ocp, const IpIterate<n>& point, double mu,
     const StageTerms<n>& stage = point.stages[k];
     const ChainStep<n>& chain = step.chain[k];
     const SlackTerms& slack = slacks_[k];
-    const double grown = stage.growth.dot(chain.u);
+    const double grown = stage.speed_margin.dot(chain.u);
     const double ds = -slack.per * (slack.gradient + slack.weights.dot(chain.X.template head<3>()) -
                                     slack.sum * grown);
     double* z = &step.z[kBlock * k];

@@ -62,7 +62,8 @@ class KktSystem {
  private:
   static constexpr std::size_t kBlock = block_of(n);
 
-  // Recovers the slack step of a stage: Δs = −per (gradient + weights · ΔX − sum growth · Δu).
+  // Recovers the slack step of a stage: Δs = −per (gradient + weights · ΔX − sum speed_margin ·
+  // Δu).
   struct SlackTerms {
     double per, gradient, sum;
     Eigen::Vector3d weights;
@@ -71,7 +72,7 @@ class KktSystem {
   struct Rows {
     std::size_t first, end;
   };
-  // Step of a stage as it enters its rows (4): ΔX⁺, and Δs minus the step of growth().
+  // Step of a stage as it enters its rows (4): ΔX⁺, and Δs minus the step of speed_margin().
   struct PairStep {
     Eigen::Vector3d X;
     double offset;

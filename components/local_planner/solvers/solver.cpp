@@ -14,7 +14,7 @@ namespace {
 constexpr double kSameTwist = 5e-3;  // [m/s, rad/s] tolerance on the first stage's twist
 constexpr double kSameCost = 1e-3;   // relative tolerance on the cost
 constexpr int kPerIpopt = 30;        // structured iterations in the time of one Ipopt iteration
-constexpr int kMostStructured = 200;
+constexpr int kMaxStructured = 200;
 
 int effort(const Solution& structured) {
   return (structured.iterations + kPerIpopt - 1) / kPerIpopt;
@@ -77,7 +77,7 @@ SolverKind solver_named(std::string_view text) {
        {SolverKind::kIpopt, SolverKind::kStructured, SolverKind::kCertified})
     if (text == name(kind)) return kind;
   throw std::invalid_argument("solver = '" + std::string(text) +
-                              "' is none of {ipopt, structured, certified}");
+                              "' is not one of {ipopt, structured, certified}");
 }
 
 Answer Solver::solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits) {
@@ -101,7 +101,7 @@ Answer Solver::solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& li
 const Solution& Solver::structured(const Ocp& ocp, const Iterate& guess,
                                    const SolveLimits& limits) {
   SolveLimits own = limits;
-  own.iterations = std::min(kMostStructured, kPerIpopt * limits.iterations);
+  own.iterations = std::min(kMaxStructured, kPerIpopt * limits.iterations);
   own.iteration_time = 0.0;
   return structured_.solve(ocp, guess, own);
 }
