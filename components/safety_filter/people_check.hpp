@@ -27,18 +27,20 @@ struct PeopleParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("people", watched,
-          "true: listens to `people`, keeps away from them, and stands while that topic is silent");
+    field(
+        "people", watched,
+        "true: subscribes to `people`, keeps away from them, and stops while that topic is silent");
     field("people_timeout", people_timeout, Range{0.02, 5.0},
-          "[s] silence of people that stops, if they are listened to");
+          "[s] the robot stops when people has been silent for this long, if it is used");
     field("people_delay", people_delay, Range{0.0, 1.0},
-          "[s] bound on the age of a list of people on arrival");
-    field("person_error", person_error, Range{0.0, 1.0}, "[m] bound on a person's position error");
+          "[s] upper bound on the age of a list of people on arrival");
+    field("person_error", person_error, Range{0.0, 1.0},
+          "[m] upper bound on a person's position error");
     field("person_speed_error", person_speed_error, Range{0.0, 2.0},
-          "[m/s] bound on a person's velocity error");
-    field("person_speed", person_speed, Range{0.0, 5.0}, "[m/s] bound on a person's speed");
+          "[m/s] upper bound on a person's velocity error");
+    field("person_speed", person_speed, Range{0.0, 5.0}, "[m/s] upper bound on a person's speed");
     field("person_acceleration", person_acceleration, Range{0.0, 20.0},
-          "[m/s²] bound on a person's change of velocity");
+          "[m/s²] upper bound on a person's acceleration");
     field("creep_speed", creep_speed, Range{0.0, 0.3},
           "[m/s] a robot whose fastest point moves no faster counts as standing");
   }

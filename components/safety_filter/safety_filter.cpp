@@ -72,7 +72,7 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
   if (params.survive_silence && robot.base_timeout == 0.0)
     throw std::invalid_argument(
         "survive_silence needs a base that stops by itself (base_timeout above 0); with "
-        "survive_silence: false the loss of this filter is not survived");
+        "survive_silence: false the robot may hit an obstacle if this filter fails");
   const Footprint footprint = footprint_of(robot);
   body_ = {footprint, circumradius(footprint)};
   hard_margin_ = hard_margin_of(params, body_.radius);

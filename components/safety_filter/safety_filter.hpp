@@ -57,37 +57,41 @@ struct SafetyFilterParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("enforce", enforce, "false: pass every command and only report; for studies");
+    field("enforce", enforce, "false: pass every command unchanged and only report; for studies");
     field("arbitrated_timeout", arbitrated_timeout, Range{0.02, 5.0},
-          "[s] silence of cmd_vel_arbitrated that stops");
-    field("state_timeout", state_timeout, Range{0.02, 5.0}, "[s] age of the state that stops");
+          "[s] the robot stops when cmd_vel_arbitrated has been silent for this long");
+    field("state_timeout", state_timeout, Range{0.02, 5.0},
+          "[s] the robot stops when its state is older than this");
     field("control_period", control_period, Range{0.002, 1.0},
-          "[s] longest time from one output to the next");
-    field(
-        "survive_silence", survive_silence,
-        "a command counts as acting until the base itself stops it after base_timeout, so that the "
-        "loss of this filter or of its messages ends before contact too");
-    field("position_error", position_error, Range{0.0, 0.5}, "[m] bound on the pose's error");
-    field("heading_error", heading_error, Range{0.0, 0.5}, "[rad] bound on the pose's error");
+          "[s] maximum time from one output to the next");
+    field("survive_silence", survive_silence,
+          "true: a command is assumed to act until the base itself stops after base_timeout, so "
+          "that the robot stops before contact even if this filter or its messages are lost");
+    field("position_error", position_error, Range{0.0, 0.5},
+          "[m] upper bound on the pose's position error");
+    field("heading_error", heading_error, Range{0.0, 0.5},
+          "[rad] upper bound on the pose's heading error");
     field("reserve", reserve, Range{0.0, 0.5}, "[m] added to the margin");
-    field("band", band, Range{0.0, 0.5}, "[m] beyond the margin, where approaching ends …");
+    field("band", band, Range{0.0, 0.5},
+          "[m] distance beyond the margin at which the robot stops approaching …");
     field("manoeuvre_speed", manoeuvre_speed, Range{0.0, 1.0},
-          "[m/s] … but for a command that asks for no more of the outline's fastest point");
-    field("slip", slip, Range{0.0, 0.3}, "[1] bound on a wheel's travel being off");
+          "[m/s] … unless the command moves the outline's fastest point no faster than this");
+    field("slip", slip, Range{0.0, 0.3},
+          "[1] upper bound on the relative error of a wheel's travel");
     field("brake_spread", brake_spread, Range{1.0, 10.0},
-          "[1] real braking is at most this times the robot's a_brake, alpha_brake");
+          "[1] actual braking is at most this factor times the robot's a_brake, alpha_brake");
     field("unseen_speed", unseen_speed, Range{0.0, 10.0},
-          "[m/s] with map_source local, and with both outside of the static map: no point of the "
-          "outline is faster over ground that no beam has covered within the coverage_timeout of "
-          "octomap_builder; 0: such ground is not driven into");
+          "[m/s] with map_source local, and with both outside of the static map: speed limit of "
+          "every point of the outline over ground that no beam has covered within "
+          "octomap_builder's coverage_timeout; 0: such ground is not entered");
     field("jump_distance", jump_distance, Range{0.02, 10.0},
-          "[m] a pose this far from where the wheels lead is not believed at first …");
-    field("jump_angle", jump_angle, Range{0.02, 4.0}, "[rad] … nor one turned by this …");
-    field("jump_rest", jump_rest, Range{0.0, 60.0}, "[s] … but only after standing this long");
-    field(
-        "odom_resolution", odom_resolution, Range{0.0, 0.5},
-        "[m, rad] to which odometry gives its pose; what its twist and its poses differ by beyond "
-        "that is doubted");
+          "[m] a pose this far from the wheel odometry's prediction is rejected at first …");
+    field("jump_angle", jump_angle, Range{0.02, 4.0}, "[rad] … as is one rotated by this …");
+    field("jump_rest", jump_rest, Range{0.0, 60.0},
+          "[s] … and accepted only after standing still for this long");
+    field("odom_resolution", odom_resolution, Range{0.0, 0.5},
+          "[m, rad] resolution of odometry's pose; larger differences between its twist and its "
+          "poses are treated as a fault");
     people.visit(field);
   }
 };

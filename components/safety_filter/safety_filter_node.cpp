@@ -59,9 +59,8 @@ void SafetyFilterNode::update() {
   if (out.doubted)
     node_.log().warn_every(
         5.0,
-        "odom's twist contradicts the way of its poses: braking is for the worse "
-        "of the two; nav_msgs/Odometry wants the twist in child_frame_id, "
-        "forward positive");
+        "odom's twist contradicts the motion of its poses: braking assumes the worse of the two; "
+        "nav_msgs/Odometry requires the twist in child_frame_id, forward positive");
   last_ = out;
   updated_ = node_.steady_now();
   send(out.twist);
@@ -134,12 +133,11 @@ void SafetyFilterNode::look_for_others() {
   const std::size_t all = node_.count_publishers(topics::cmd_vel.name);
   others_ = all > 0 ? all - 1 : 0;
   if (others_ > 0)
-    node_.log().error_every(
-        5.0,
-        "cmd_vel has {} publishers besides this filter, and the base may obey them (a killed "
-        "process counts for 20 s more); remap them to cmd_vel_nav or cmd_vel_user, or give each "
-        "robot a namespace",
-        others_);
+    node_.log().error_every(5.0,
+                            "cmd_vel has {} publishers besides this filter, and the base may obey "
+                            "them (a killed process still counts for 20 s); remap them to "
+                            "cmd_vel_nav or cmd_vel_user, or give each robot a namespace",
+                            others_);
 }
 
 void SafetyFilterNode::diagnose() {

@@ -30,11 +30,11 @@ struct SafetyFilterNodeParams {
     map.visit(field);
     input.visit(field);
     stamp.visit(field);
-    field("stamped", stamped, "cmd_vel is sent as TwistStamped, as ros2_control and Nav2 want it");
-    field(
-        "odom_stamped", odom_stamped,
-        "odom that is older by its stamp than sensor_delay holds for so much earlier; false for a "
-        "base whose clock is not this one's");
+    field("stamped", stamped,
+          "true: cmd_vel is published as TwistStamped, as ros2_control and Nav2 expect");
+    field("odom_stamped", odom_stamped,
+          "true: odometry whose stamp is older than sensor_delay is treated as that old; set to "
+          "false if the base's clock is not synchronized with this one");
   }
 };
 

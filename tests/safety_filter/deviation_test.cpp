@@ -8,7 +8,7 @@
 namespace tandem::test {
 namespace {
 
-TEST(Deviation, OppositeSlipMovesTheRobotSidewaysWithTheSquareOfTheWay) {
+TEST(Deviation, OppositeSlipMovesTheRobotSidewaysWithTheSquareOfTheDistance) {
   const double slip = 0.02, L = 0.4, s = 1.5;
   Deviation deviation({slip, 0.0, L, 0.0});  // of a point: only the position counts
   for (int i = 0; i < 100; ++i) deviation.advance({0.5, 0.0}, {}, s / 0.5 / 100);

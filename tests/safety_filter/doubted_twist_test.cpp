@@ -162,7 +162,7 @@ TEST(DoubtedTwist, EndsInNoContactUnderAWildStick) {
 }
 
 // Correct odometry must cost nothing.
-TEST(DoubtedTwist, IsNoneOfHonestOdometry) {
+TEST(DoubtedTwist, NeverOccursWithHonestOdometry) {
   for (const Wire& wire : kWires) {
     Doubted loop(kTruth, wire, 2.0, 1.0, wall_ahead(), 1);
     loop.start_at({-3.0, 0.0, 0.0});
@@ -175,7 +175,7 @@ TEST(DoubtedTwist, IsNoneOfHonestOdometry) {
   }
 }
 
-TEST(DoubtedTwist, ThatTheRobotCannotHaveMakesItStandAndSaysSo) {
+TEST(DoubtedTwist, ImpossibleSpeedStopsTheRobotAndIsReported) {
   const Odometer millimetres{"mm/s", [](auto& twist, auto&) {
                                return Twist2{1000.0 * twist.v, twist.w};
                              }};
@@ -188,7 +188,7 @@ TEST(DoubtedTwist, ThatTheRobotCannotHaveMakesItStandAndSaysSo) {
 }
 
 // A correction of map → odom moves the robot in the map, not on the ground.
-TEST(DoubtedTwist, ArisesFromNoCorrectionOfTheLocaliser) {
+TEST(DoubtedTwist, IsNotCausedByLocaliserCorrections) {
   SafetyFilter filter({}, kMir);
   filter.on_map(wall_ahead());
   for (int i = 0; i < 40; ++i) {

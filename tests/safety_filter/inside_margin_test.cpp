@@ -68,7 +68,7 @@ class SureWays {
   [[nodiscard]] bool lead_out(const Pose2& start) const {
     std::set<std::array<long, 3>> seen{cell(start)};
     std::vector<Pose2> open{start};
-    while (!open.empty() && seen.size() < kMost) {
+    while (!open.empty() && seen.size() < kMax) {
       const Pose2 X = open.back();
       open.pop_back();
       const Gaps before = gaps(X);
@@ -90,7 +90,7 @@ class SureWays {
   using Gaps = std::array<double, 8>;
   static constexpr double kPath = 0.004, kTurn = 0.008;  // [m], [rad]
   static constexpr double kBeyond = 0.01;  // [m] gaps are measured to this far beyond the margin
-  static constexpr std::size_t kMost = 20'000;
+  static constexpr std::size_t kMax = 20'000;
 
   // The resolution is finer than a move, so that distinct poses are searched.
   static std::array<long, 3> cell(const Pose2& X) {
@@ -137,7 +137,7 @@ class SureWays {
   double margin_;
 };
 
-TEST(InsideTheMargin, SomeStickLeadsOutWhereAWayIsSureAndNoneFurtherIn) {
+TEST(InsideTheMargin, SomeCommandLeadsOutWhereAPathIsSafeAndNoneLeadsFurtherIn) {
   int starts = 0, out = 0, nearer_out = 0, sure = 0;
   double most_lost = 0.0;
   for (unsigned seed = 1; seed <= kScenes; ++seed) {
@@ -175,7 +175,7 @@ TEST(InsideTheMargin, SomeStickLeadsOutWhereAWayIsSureAndNoneFurtherIn) {
   EXPECT_GE(sure, 0.8 * starts);  // otherwise the search proves nothing
 }
 
-TEST(InsideTheMargin, MaliceGetsItNoFurtherIn) {
+TEST(InsideTheMargin, AnAdversaryCannotDriveItFurtherIn) {
   for (unsigned seed = 1; seed <= kScenes; ++seed) {
     Scene scene(seed);
     ClosedLoop loop(scene.params, scene.robot, random_base(scene.random, scene.params), scene.map,

@@ -53,7 +53,7 @@ TEST(SafetyFilter, TouchesNobodyWhileItMovesItself) {
 }
 
 // Otherwise the scenes would prove nothing.
-TEST(SafetyFilter, TouchesPeopleWhomItDoesNotWatch) {
+TEST(SafetyFilter, TouchesPeopleIfItDoesNotWatchThem) {
   Tally tally;
   for (unsigned seed = 1; seed <= 20; ++seed) tally.add(run_people_scene(seed, false));
   EXPECT_GE(tally.contacts, 10);

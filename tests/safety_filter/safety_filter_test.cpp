@@ -113,7 +113,7 @@ TEST(SafetyFilter, CountsFreshOdometryAsWellAsOld) {
   EXPECT_LT(filter.update(facing_wall(0.4, turning), 0.0).twist.v, 0.9);
 }
 
-TEST(SafetyFilter, SaysThatItRefusesOnlyWhereWhatIsNearIsWhy) {
+TEST(SafetyFilter, ReportsRefusalOnlyWhenAnObstacleCausesIt) {
   const RobotState state = facing_wall(0.026);
   EXPECT_TRUE(once({0.8, 0.0}, state).refused);
   EXPECT_FALSE(once({0.0, 0.0}, state).refused) << "an emergency stop, a stick let go";
@@ -204,7 +204,7 @@ TEST(SafetyFilter, StopsOnAStaleState) {
   EXPECT_EQ(out.twist, Twist2{});
 }
 
-TEST(SafetyFilter, StandsWhenThePoseJumpsAndBelievesItOnlyAfterAWhile) {
+TEST(SafetyFilter, StandsWhenThePoseJumpsAndAcceptsItOnlyAfterAWhile) {
   SafetyFilter filter = filter_on(wall_ahead());
   const auto drive = [&](double x, double theta, double now) {
     filter.on_command({0.5, 0.0}, now);
@@ -231,7 +231,7 @@ TEST(SafetyFilter, StandsWhenThePoseJumpsAndBelievesItOnlyAfterAWhile) {
 
 // Another robot's pose arrives after each of this robot's: both are received between two commands,
 // so successive latest poses never differ much.
-TEST(SafetyFilter, StandsAsLongAsTwoTellOfDifferentPlacesBetweenItsCommands) {
+TEST(SafetyFilter, StandsWhileTwoPublishersGiveDifferentPosesBetweenItsCommands) {
   SafetyFilter filter = filter_on(wall_ahead());
   const auto at_y = [](double y, double now) { return RobotState{{-3.0, y, 0.0}, {}, now}; };
   for (double now = 0.0; now < 5.0; now += 0.05) {
@@ -242,7 +242,7 @@ TEST(SafetyFilter, StandsAsLongAsTwoTellOfDifferentPlacesBetweenItsCommands) {
   }
 }
 
-TEST(SafetyFilter, AJumpWhileNothingWasHeardIsOne) {
+TEST(SafetyFilter, AJumpDuringASilenceCountsAsAJump) {
   SafetyFilter filter = filter_on(wall_ahead());
   const auto driven_from = [&](double before, double v, double after) {
     filter.on_state({{before, 0.0, 0.0}, {v, 0.0}, 0.0}, 0.0);
@@ -254,7 +254,7 @@ TEST(SafetyFilter, AJumpWhileNothingWasHeardIsOne) {
   EXPECT_EQ(driven_from(-4.0, 0.8, -3.5), FilterReason::kClear);  // it came to rest there
 }
 
-TEST(SafetyFilter, AfterTheClockWasSetBackOldCommandsAreNoneAndOldDoubtsEnd) {
+TEST(SafetyFilter, AfterAClockResetOldCommandsAndDoubtsAreForgotten) {
   SafetyFilter filter = filter_on(wall_ahead());
   const auto driven = [&](double x, double now) {
     filter.on_command({0.5, 0.0}, now);
@@ -268,7 +268,7 @@ TEST(SafetyFilter, AfterTheClockWasSetBackOldCommandsAreNoneAndOldDoubtsEnd) {
   EXPECT_EQ(driven(-3.0, 1.05), FilterReason::kClear);
 }
 
-TEST(SafetyFilter, RefusesWhatIsNotFinite) {
+TEST(SafetyFilter, RefusesNonFiniteInputs) {
   for (const Twist2 command : {Twist2{kNaN, 0.0}, Twist2{0.1, kNaN}, Twist2{kInf, 0.0}}) {
     EXPECT_EQ(once(command, at(-2.0)).reason, FilterReason::kNotFinite);
     EXPECT_EQ(once(command, at(-2.0)).twist, Twist2{});
@@ -346,7 +346,7 @@ class BesidePeople : public ::testing::Test {
   std::optional<SafetyFilter> filter_;
 };
 
-TEST_F(BesidePeople, StandsUntilTheyAreHeardAndWhenTheyFallSilent) {
+TEST_F(BesidePeople, StandsUntilPeopleArriveAndWhenTheyFallSilent) {
   filter_->on_command({0.8, 0.0}, 0.0);
   EXPECT_EQ(filter_->update(at(0.0), 0.0).reason, FilterReason::kNoPeople);
   // an empty list is not a missing list
@@ -360,7 +360,7 @@ TEST_F(BesidePeople, StandsUntilTheyAreHeardAndWhenTheyFallSilent) {
   EXPECT_EQ(out.twist, Twist2{});
 }
 
-TEST_F(BesidePeople, SlowsForThoseWhoAreNearAndNotForThoseWhoAreFar) {
+TEST_F(BesidePeople, SlowsForNearPeopleAndNotForDistantOnes) {
   double last = 0.0;
   for (const double gap : {0.1, 0.3, 0.6, 1.0, 4.0}) {
     const Filtered out = drive({0.8, 0.0}, {ahead(gap)});
@@ -371,14 +371,14 @@ TEST_F(BesidePeople, SlowsForThoseWhoAreNearAndNotForThoseWhoAreFar) {
   EXPECT_LT(drive({0.8, 0.0}, {ahead(0.3)}).twist.v, 0.2);
 }
 
-TEST_F(BesidePeople, MindsWhereTheyAreGoing) {
+TEST_F(BesidePeople, AccountsForWhereTheyAreGoing) {
   const double leaves = drive({0.8, 0.0}, {ahead(0.8, 1.0)}).twist.v;
   const double comes = drive({0.8, 0.0}, {ahead(0.8, -1.0)}).twist.v;
   EXPECT_GT(leaves, comes + 0.2);
   EXPECT_LE(comes, params_.people.creep_speed);
 }
 
-TEST_F(BesidePeople, CreepsAwayFromSomebodyInTouchAndNotInto) {
+TEST_F(BesidePeople, CreepsAwayFromAPersonInContactAndNotIntoThem) {
   const Filtered away = drive({-0.4, 0.0}, {ahead(0.01)});
   EXPECT_LT(away.twist.v, 0.0);
   EXPECT_GE(away.twist.v, -params_.people.creep_speed);

@@ -23,7 +23,7 @@ MotionStart braking_from(double v) {
 }
 
 // Integral of equation (1). The exponential tail begins at the knee, at speed a τ.
-TEST(StoppingMotion, AMotorOfFirstOrderNeedsMoreWayThanItsBraking) {
+TEST(StoppingMotion, AFirstOrderMotorNeedsMoreDistanceThanItsBraking) {
   for (const auto& [lag, a, v] : {std::array{0.30, 1.5, 1.5}, std::array{0.30, 2.5, 1.0},
                                   std::array{0.40, 1.0, 0.8}, std::array{0.05, 1.5, 0.8}}) {
     const double way = path(stopping_envelope(braking_from(v), {0.0, lag, a, a, 1.5}));
@@ -31,7 +31,7 @@ TEST(StoppingMotion, AMotorOfFirstOrderNeedsMoreWayThanItsBraking) {
   }
 }
 
-TEST(StoppingMotion, BelowTheKneeTheWayIsSpeedTimesLag) {
+TEST(StoppingMotion, BelowTheKneeTheDistanceIsSpeedTimesLag) {
   EXPECT_NEAR(path(stopping_envelope(braking_from(0.2), {0.0, 0.3, 1.0, 1.0, 1.5})), 0.2 * 0.3,
               1e-9);
 }
