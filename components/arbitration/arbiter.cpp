@@ -92,7 +92,7 @@ Policy policy_from(const std::string& text) {
        {Policy::kManual, Policy::kShared, Policy::kBlend, Policy::kAdaptive, Policy::kAutonomous})
     if (text == name(policy)) return policy;
   throw std::invalid_argument("policy '" + text +
-                              "' is none of {manual, shared, blend, adaptive, autonomous}");
+                              "' is not one of {manual, shared, blend, adaptive, autonomous}");
 }
 
 void Arbiter::Input::receive(const Twist2& value, double time) {

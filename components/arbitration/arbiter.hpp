@@ -58,8 +58,8 @@ struct BlendParams {
           "[m] clearance below which danger begins to shift authority to the planner");
     field("blend_disagreement", disagreement, Range{0.01, 10.0},
           "[m/s, rad/s] difference of the two commands that gives the planner full authority");
-    field("blend_min", min, Range{0.0, 1.0}, "[1] authority the planner always has");
-    field("blend_rate", rate, Range{0.1, 100.0}, "[1/s] fastest change of authority");
+    field("blend_min", min, Range{0.0, 1.0}, "[1] minimum authority of the planner");
+    field("blend_rate", rate, Range{0.1, 100.0}, "[1/s] maximum rate of change of authority");
   }
 };
 
@@ -76,14 +76,17 @@ struct ArbiterParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field("policy", policy, OneOf{{"manual", "shared", "blend", "adaptive", "autonomous"}},
-          "who may drive at start; the service ~/set_policy changes it");
-    field("user_timeout", user_timeout, Range{0.02, 5.0}, "[s] silence that stops the person");
-    field("shared_timeout", shared_timeout, Range{0.02, 5.0}, "[s] silence that stops the planner");
-    field("nav_timeout", nav_timeout, Range{0.02, 5.0}, "[s] silence that frees from autonomy");
+          "policy at start; the service ~/set_policy changes it");
+    field("user_timeout", user_timeout, Range{0.02, 5.0},
+          "[s] the person's command ends after this long without a message");
+    field("shared_timeout", shared_timeout, Range{0.02, 5.0},
+          "[s] the planner's command ends after this long without a message");
+    field("nav_timeout", nav_timeout, Range{0.02, 5.0},
+          "[s] autonomy ends after this long without a command from it");
     field("handover_time", handover_time, Range{0.0, 5.0},
-          "[s] longest ramp up when authority changes; slowing down never waits");
+          "[s] maximum duration of a ramp up when authority changes; slowing down is immediate");
     field("takeover_threshold", takeover_threshold, Range{0.0, 1.0},
-          "[m/s, rad/s] a person's command above it takes over from autonomy");
+          "[m/s, rad/s] a person's command above this takes over from autonomy");
     blend.visit(field);
     adaptive.visit(field);
   }

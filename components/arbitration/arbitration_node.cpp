@@ -113,12 +113,12 @@ void ArbitrationNode::offer_services() {
           response.message(error.what());
         }
       });
-  release_ =
-      node_.create_service(services::release_emergency_stop, [this](const auto&, auto& response) {
-        response.success(arbiter_.release_emergency_stop());
-        response.message(response.success() ? "released" : "a sender of e_stop still says true");
-        node_.log().info("release of the emergency stop: {}", response.message());
-      });
+  release_ = node_.create_service(services::release_emergency_stop, [this](const auto&,
+                                                                           auto& response) {
+    response.success(arbiter_.release_emergency_stop());
+    response.message(response.success() ? "released" : "a publisher of e_stop still sends true");
+    node_.log().info("release of the emergency stop: {}", response.message());
+  });
 }
 
 // Publishes if the source that arrived is in charge; a stop is published immediately.

@@ -27,9 +27,9 @@ struct ArbitrationNodeParams {
     input.visit(field);
     frames.visit(field);
     field("start_stopped", start_stopped,
-          "starts as if a sender of e_stop had pressed and left: e_stop must say false before the "
-          "stop can "
-          "be released. `respawn` in a system file sets it when arbitration starts again");
+          "true: starts with an emergency stop, as if a publisher of e_stop had sent true and "
+          "disappeared: e_stop must be false before the stop can be released. `respawn` in a "
+          "system file sets this when arbitration is restarted");
   }
 };
 

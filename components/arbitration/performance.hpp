@@ -19,15 +19,16 @@ struct AdaptiveParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("adaptive_base", base, Range{0.0, 1.0}, "[1] planner's share beside a perfect driver");
+    field("adaptive_base", base, Range{0.0, 1.0}, "[1] planner's share with a perfect driver");
     field("adaptive_range", range, Range{0.0, 1.0},
-          "[1] share that is added as performance falls to 0; at most 1 in all");
-    field("adaptive_time", time, Range{0.1, 300.0}, "[s] over which performance is averaged");
+          "[1] share added as performance falls to 0; at most 1 in total");
+    field("adaptive_time", time, Range{0.1, 300.0}, "[s] averaging time of performance");
     field("adaptive_unsteady", unsteady, Range{0.1, 1000.0},
-          "[m/s², rad/s²] mean change of the person's command that counts as no control at all");
+          "[m/s², rad/s²] mean rate of change of the person's command that counts as no control at "
+          "all");
     field("adaptive_hysteresis", hysteresis, Range{0.0, 1.0},
-          "[1] the share stays until it would change by more than this");
-    field("adaptive_frozen", frozen, "the share stays as it is: for studies");
+          "[1] the share is held until it would change by more than this");
+    field("adaptive_frozen", frozen, "true: the share is held constant, for studies");
   }
 };
 

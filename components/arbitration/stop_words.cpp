@@ -6,8 +6,8 @@
 namespace tandem {
 namespace {
 
-constexpr std::uint64_t kWindow = 64;          // samples before the newest that are distinguished
-constexpr std::size_t kMostRemembered = 1000;  // senders
+constexpr std::uint64_t kWindow = 64;         // samples before the newest that are distinguished
+constexpr std::size_t kMaxRemembered = 1000;  // senders
 
 }  // namespace
 
@@ -27,7 +27,7 @@ bool StopWords::Word::mark(std::uint64_t sequence) {
 }
 
 bool StopWords::on_word(const Sender& sender, std::uint64_t sequence, bool pressed) {
-  if (words_.size() >= kMostRemembered) forget_departed();
+  if (words_.size() >= kMaxRemembered) forget_departed();
   Word& word = words_[sender];
   if (!word.mark(sequence)) return false;
   if (sequence < word.newest) return true;

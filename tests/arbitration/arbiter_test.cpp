@@ -17,7 +17,7 @@ Arbiter arbiter(const char* policy, double handover_time = 0.0) {
   return Arbiter{{.policy = policy, .handover_time = handover_time}};
 }
 
-TEST(Arbiter, StandsBeforeAnyoneSpoke) {
+TEST(Arbiter, StandsBeforeAnyCommandHasArrived) {
   const Decision out = arbiter("manual").decide(1.0);
   EXPECT_EQ(out.command, Twist2{});
   EXPECT_EQ(out.source, Source::kNone);
@@ -82,7 +82,7 @@ TEST(Arbiter, ReleasingAnEmergencyStopStartsNothing) {
   }
 }
 
-TEST(Arbiter, WhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
+TEST(Arbiter, APersonWhoLetGoForASecondDrivesOnAfterAnEmergencyStop) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 1.0);
   it.on_emergency_stop(true);
@@ -116,7 +116,7 @@ TEST(Arbiter, AStickHeldThroughALostLinkStartsNothingAfterAnEmergencyStop) {
   }
 }
 
-TEST(Arbiter, SaysThatNobodySteersWhereNobodyEverDidAfterAnEmergencyStop) {
+TEST(Arbiter, ReportsThatNobodySteersIfNobodyEverDidAfterAnEmergencyStop) {
   Arbiter it = arbiter("manual");
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
@@ -126,7 +126,7 @@ TEST(Arbiter, SaysThatNobodySteersWhereNobodyEverDidAfterAnEmergencyStop) {
   EXPECT_EQ(it.decide(2.0).reason, ArbitrationReason::kLetGoFirst);
 }
 
-TEST(Arbiter, WhoHoldsTheStickAtRestIsNotDrivenByThePlannerAfterAnEmergencyStop) {
+TEST(Arbiter, APersonHoldingTheStickAtRestIsNotDrivenByThePlannerAfterAnEmergencyStop) {
   for (const char* policy : {"shared", "blend", "adaptive"}) {
     SCOPED_TRACE(policy);
     Arbiter it = arbiter(policy);
@@ -149,7 +149,7 @@ TEST(Arbiter, WhoHoldsTheStickAtRestIsNotDrivenByThePlannerAfterAnEmergencyStop)
 }
 
 // Whatever takes over from autonomy.
-TEST(Arbiter, SlowlyIsSteeringTooAfterAnEmergencyStop) {
+TEST(Arbiter, SlowSteeringCountsAsSteeringAfterAnEmergencyStop) {
   Arbiter it{{.policy = "manual", .takeover_threshold = 1.0}};
   it.on_emergency_stop(true);
   it.on_emergency_stop(false);
@@ -160,7 +160,7 @@ TEST(Arbiter, SlowlyIsSteeringTooAfterAnEmergencyStop) {
   }
 }
 
-TEST(Arbiter, WhereSilenceMayLastLongerSoMustLettingGoAfterAnEmergencyStop) {
+TEST(Arbiter, ALongerUserTimeoutRequiresLettingGoForLongerAfterAnEmergencyStop) {
   Arbiter it{{.policy = "manual", .user_timeout = 3.0}};
   it.on_user({0.5, 0.0}, 1.0);
   it.on_emergency_stop(true);
@@ -211,7 +211,7 @@ TEST(Arbiter, EmergencyStopEndsAutonomy) {
   EXPECT_EQ(it.decide(1.0).command, Twist2{});
 }
 
-TEST(Arbiter, TheReleaseOfAnEmergencyStopStartsNobody) {
+TEST(Arbiter, ReleasingAnEmergencyStopStartsNoSource) {
   Arbiter it = arbiter("shared");
   it.on_emergency_stop(true);
   EXPECT_FALSE(it.set_policy(Policy::kAutonomous));
@@ -286,7 +286,7 @@ TEST(Arbiter, ChangeOfAuthorityDoesNotDelayBraking) {
 
 // The stick is pulled back and released in turn, so that the person takes over and autonomy, which
 // has stopped meanwhile, resumes with each command.
-TEST(Arbiter, APersonWhoTakesOverTimeAndAgainIsNotDrivenByTheOldCommand) {
+TEST(Arbiter, RepeatedTakeoversDoNotResumeTheOldCommand) {
   for (const Twist2& rest : {Twist2{}, Twist2{-0.049, 0.0}}) {
     Arbiter it = arbiter("autonomous", 0.3);
     it.on_nav({0.8, 0.0}, 1.0);
@@ -344,7 +344,7 @@ class WithAndWithoutRamp {
   double t_ = 1.0, since_ = 0.0, clearance_ = 5.0;
 };
 
-TEST(Arbiter, IsFiniteAndNeverFasterThanTheChosenCommandHoweverSourcesChange) {
+TEST(Arbiter, OutputIsFiniteAndNeverFasterThanTheChosenCommandWhateverSourcesDo) {
   const auto within = [](double out, double chosen) {
     return out * chosen >= 0.0 && std::abs(out) <= std::abs(chosen);
   };
@@ -362,7 +362,7 @@ TEST(Arbiter, IsFiniteAndNeverFasterThanTheChosenCommandHoweverSourcesChange) {
   }
 }
 
-TEST(Arbiter, MixesCommandsAsLargeAsADoubleToAFiniteOne) {
+TEST(Arbiter, BlendsHugeCommandsToAFiniteOne) {
   constexpr double kHuge = std::numeric_limits<double>::max();
   for (const char* policy : {"blend", "adaptive"}) {
     Arbiter it = arbiter(policy);
@@ -414,7 +414,7 @@ TEST(Arbiter, BlendChangesAuthorityNoFasterThanItsRate) {
   EXPECT_EQ(last, 1.0);
 }
 
-TEST(Arbiter, GoesOnWithAnotherBlend) {
+TEST(Arbiter, KeepsRunningAfterABlendParameterChange) {
   Arbiter it{{.policy = "blend", .handover_time = 0.0}};
   EXPECT_THROW(it.set_blend({.rate = 0.0}), std::invalid_argument);
   it.set_blend({.min = 0.3});
@@ -434,7 +434,7 @@ TEST(Arbiter, RefusesAnUnknownPolicy) {
   EXPECT_THROW((void)policy_from(""), std::invalid_argument);
 }
 
-TEST(Arbiter, ACommandOfBeforeTheClockWasSetBackIsOld) {
+TEST(Arbiter, ACommandFromBeforeAClockResetIsOld) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 60.0);
   EXPECT_EQ(it.decide(60.0).command.v, 0.5);
@@ -444,7 +444,7 @@ TEST(Arbiter, ACommandOfBeforeTheClockWasSetBackIsOld) {
   EXPECT_EQ(it.decide(60.1).command.v, 0.5);
 }
 
-TEST(Arbiter, AClockThatIsSetBackIsNoLettingGo) {
+TEST(Arbiter, AClockResetDoesNotCountAsLettingGo) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 60.0);
   it.on_emergency_stop(true);
@@ -460,7 +460,7 @@ TEST(Arbiter, AClockThatIsSetBackIsNoLettingGo) {
   EXPECT_EQ(it.decide(2.3).reason, ArbitrationReason::kSteerFirst);
 }
 
-TEST(Arbiter, ARampEndsWhereTheClockIsSetBack) {
+TEST(Arbiter, ARampEndsAtAClockReset) {
   Arbiter it = arbiter("autonomous", 0.4);
   it.on_nav({0.2, 0.0}, 60.0);
   EXPECT_EQ(it.decide(60.0).command.v, 0.2);
@@ -478,7 +478,7 @@ void drive(Arbiter& it, double t) {
 
 std::string why(Arbiter& it, double t) { return it.why(it.decide(t), t); }
 
-TEST(Arbiter, NamesWhatHindersPlannerOrFilterWhileItsOwnInputsSpeak) {
+TEST(Arbiter, ReportsWhatHindersPlannerOrFilterWhileItsOwnInputsArrive) {
   Arbiter it = arbiter("shared");
   drive(it, 1.0);
   EXPECT_EQ(why(it, 1.0), "follows the source");
@@ -491,7 +491,7 @@ TEST(Arbiter, NamesWhatHindersPlannerOrFilterWhileItsOwnInputsSpeak) {
   EXPECT_EQ(why(it, 1.05), "follows the source");
 }
 
-TEST(Arbiter, NamesItsOwnStopBeforeTheOthersButNotThatNobodySteers) {
+TEST(Arbiter, ReportsItsOwnStopBeforeOthersExceptThatNobodySteers) {
   Arbiter it = arbiter("shared");
   drive(it, 1.0);
   it.on_planner("leader_pose is silent", 1.2);
@@ -504,7 +504,7 @@ TEST(Arbiter, NamesItsOwnStopBeforeTheOthersButNotThatNobodySteers) {
   EXPECT_EQ(why(it, 1.2), "emergency stop");
 }
 
-TEST(Arbiter, NamesAFilterThatFallsSilentAndForgetsAPlannerThatDoes) {
+TEST(Arbiter, ReportsASilentFilterAndForgetsASilentPlanner) {
   Arbiter it = arbiter("shared");
   it.on_filter("", 1.0);
   it.on_planner("timeout", 1.0);
@@ -514,7 +514,7 @@ TEST(Arbiter, NamesAFilterThatFallsSilentAndForgetsAPlannerThatDoes) {
   EXPECT_EQ(why(it, 1.6), "follows the source");
 }
 
-TEST(Arbiter, SaysWhyTheStickOfThePersonMovesNothing) {
+TEST(Arbiter, ReportsWhyThePersonsStickMovesNothing) {
   Arbiter it = arbiter("manual");
   it.on_stick("stick is not at rest", 1.0);
   EXPECT_EQ(why(it, 1.2), "stick is not at rest");
@@ -529,7 +529,7 @@ TEST(Arbiter, SaysWhyTheStickOfThePersonMovesNothing) {
   EXPECT_EQ(why(it, 1.7), "cmd_vel_user is silent");
 }
 
-TEST(Arbiter, WhatHindersThePlannerIsNoReasonWhileThePersonDrives) {
+TEST(Arbiter, DoesNotReportPlannerTroubleWhileThePersonDrives) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 1.0);
   it.on_planner("no goal_pose yet", 1.0);

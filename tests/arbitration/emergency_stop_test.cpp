@@ -38,7 +38,7 @@ TEST(EmergencyStop, LatchesUntilItIsReleased) {
   EXPECT_FALSE(stop.latched());
 }
 
-TEST(EmergencyStop, SilenceIsNotLettingGo) {
+TEST(EmergencyStop, SilenceDoesNotCountAsReleased) {
   EmergencyStop stop = released();
   EXPECT_EQ(stop.awaits(1.1, false), Awaits::kLettingGo);
   stop.on_user(kPushed,
@@ -48,7 +48,7 @@ TEST(EmergencyStop, SilenceIsNotLettingGo) {
   EXPECT_EQ(stop.awaits(1e6, true), Awaits::kLettingGo) << "nor for autonomy";
 }
 
-TEST(EmergencyStop, AStickThatIsHeardAtRestForASecondIsLetGo) {
+TEST(EmergencyStop, AStickReportedAtRestForASecondCountsAsReleased) {
   EmergencyStop stop = released();
   for (double t = 0.1; t < 1.05; t += 0.1) {
     stop.on_user({}, t);
@@ -61,7 +61,7 @@ TEST(EmergencyStop, AStickThatIsHeardAtRestForASecondIsLetGo) {
 }
 
 // A single zero command, as sent by teleop, teleop_twist_joy and teleop_twist_keyboard.
-TEST(EmergencyStop, ADeviceThatSaysZeroOnceAndFallsSilentIsLetGo) {
+TEST(EmergencyStop, ADeviceThatSendsOneZeroAndFallsSilentCountsAsReleased) {
   EmergencyStop stop = released();
   stop.on_user({}, 0.1);
   EXPECT_EQ(stop.awaits(1.05, false), Awaits::kLettingGo);
@@ -114,7 +114,7 @@ TEST(EmergencyStop, WhereNobodyEverSteeredAutonomyMayStartAndAFirstPushMayNot) {
   EXPECT_EQ(first_push.awaits(5.0, true), Awaits::kLettingGo);
 }
 
-TEST(EmergencyStop, ARestUnderWayBeginsAnewWhereTheClockIsSetBack) {
+TEST(EmergencyStop, AClockResetRestartsARestUnderWay) {
   EmergencyStop stop = released();
   stop.on_user({}, 60.0);
   stop.set_clock_back(3.0);
@@ -124,7 +124,7 @@ TEST(EmergencyStop, ARestUnderWayBeginsAnewWhereTheClockIsSetBack) {
 
 // Whatever arrives and is lost: a push restarts the robot only if the command before it was at
 // rest, and no other steered for a second.
-TEST(EmergencyStop, OnlyARestThatWasHeardARestTimeAgoRestarts) {
+TEST(EmergencyStop, OnlyARestReceivedAtLeastARestTimeAgoAllowsARestart) {
   std::mt19937 random{1};
   std::uniform_real_distribution<double> step{0.0, 0.4};
   int restarts = 0;

@@ -105,14 +105,14 @@ TEST(Handover, ARobotThatStoodStartsWithTheCommandAsItIs) {
   EXPECT_EQ(handover.follow({0.9, 0.3}, false, 0.2), (Twist2{0.9, 0.3}));
 }
 
-TEST(Handover, AClockThatIsSetBackEndsTheRamp) {
+TEST(Handover, AClockResetEndsTheRamp) {
   Handover handover{kDuration};
   (void)handover.follow({0.2, 0.0}, false, 60.0);
   ASSERT_EQ(handover.follow({0.8, 0.0}, true, 60.0).v, 0.2);
   EXPECT_EQ(handover.follow({0.8, 0.0}, false, 0.0).v, 0.8);
 }
 
-TEST(Handover, NoDurationIsNoRamp) {
+TEST(Handover, ZeroDurationMeansNoRamp) {
   Handover handover{0.0};
   (void)handover.follow({0.2, 0.0}, false, 0.0);
   EXPECT_EQ(handover.follow({0.8, -kHuge}, true, 0.0), (Twist2{0.8, -kHuge}));

@@ -40,7 +40,7 @@ class Adaptive {
   double t_ = 1.0;
 };
 
-TEST(Adaptive, LeavesAGoodDriverTheMostAndABadOneTheLeast) {
+TEST(Adaptive, GivesAGoodDriverTheMostAuthorityAndABadOneTheLeast) {
   Adaptive it;
   EXPECT_NEAR(it.steps({0.5, 0.1}, {0.5, 0.1}, 10.0).alpha, 0.3, 1e-9);
   EXPECT_NEAR(it.step({0.5, 0.1}, {0.5, 0.1}).performance, 1.0, 1e-9);
@@ -50,7 +50,7 @@ TEST(Adaptive, LeavesAGoodDriverTheMostAndABadOneTheLeast) {
   EXPECT_LT(it.steps({0.5, 0.1}, {0.5, 0.1}, 30.0).alpha, 0.41);  // and gives it back
 }
 
-TEST(Adaptive, AnUnsteadyHandIsABadDriverEvenOnTheRightWay) {
+TEST(Adaptive, AnUnsteadyHandRatesAsABadDriverEvenInTheRightDirection) {
   Adaptive steady, shaking;
   for (int i = 0; i < 400; ++i) {
     const double shake = i % 2 ? 0.15 : -0.15;
@@ -70,17 +70,17 @@ TEST(Adaptive, StaysUntilItWouldChangeByMoreThanItsHysteresis) {
   EXPECT_GT(it.steps({0.5, 0.0}, {0.3, 0.0}, 20.0).alpha, before + 0.1);
 }
 
-TEST(Adaptive, DoesNotJudgeAPersonWhoAsksForNothing) {
+TEST(Adaptive, DoesNotRateAPersonWhoAsksForNothing) {
   Adaptive it;
   EXPECT_EQ(it.steps({0.0, 0.0}, {0.4, 0.5}, 20.0).performance, 1.0);
 }
 
-TEST(Adaptive, FrozenKeepsTheShareItHad) {
+TEST(Adaptive, FrozenKeepsItsShare) {
   Adaptive it{{.frozen = true}};
   EXPECT_NEAR(it.steps({0.5, 0.0}, {-0.4, 1.0}, 20.0).alpha, 0.3, 1e-9);
 }
 
-TEST(Adaptive, DangerGivesThePlannerAll) {
+TEST(Adaptive, DangerGivesThePlannerFullAuthority) {
   Adaptive it;
   (void)it.steps({0.5, 0.0}, {0.5, 0.0}, 1.0);
   Decision out;

@@ -83,7 +83,7 @@ TEST_F(Restart, AStickHeldWhileTheLinkToArbitrationIsLostDoesNot) {
   EXPECT_EQ(reason_, ArbitrationReason::kLetGoFirst);
 }
 
-TEST_F(Restart, AnotherStickOnTheTableDoesNotLetGoOfOneWhoseLinkIsLost) {
+TEST_F(Restart, AnIdleStickDoesNotReleaseOneWhoseLinkIsLost) {
   moved_ = false;
   send("pad", kReleased, 5.0);
   send("page", kHeld, 5.0);

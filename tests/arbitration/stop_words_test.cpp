@@ -16,7 +16,7 @@ void leaves(StopWords& words, const StopWords::Sender& sender) {
   words.update_presence([&](const auto& other) { return other != sender; });
 }
 
-TEST(StopWords, AreWhatTheSenderSaidLast) {
+TEST(StopWords, AreTheLastMessageOfEachPublisher) {
   StopWords words;
   EXPECT_FALSE(words.pressed());
   EXPECT_TRUE(words.on_word(kPage, 1, true));
@@ -43,7 +43,7 @@ TEST(StopWords, AnOlderSampleIsNewButOverrulesNoYoungerOne) {
   EXPECT_FALSE(words.on_word(kPage, 1, true));
 }
 
-TEST(StopWords, WhileOnePressesAnotherTakesNothingBack) {
+TEST(StopWords, AreNotWithdrawnByAnotherPublisherWhileOnePresses) {
   StopWords words;
   words.on_word(kButton, 1, true);
   words.on_word(kPage, 1, true);
@@ -53,7 +53,7 @@ TEST(StopWords, WhileOnePressesAnotherTakesNothingBack) {
   EXPECT_FALSE(words.pressed());
 }
 
-TEST(StopWords, OfASenderThatHasLeftStayUntilAnySaysFalse) {
+TEST(StopWords, OfADisconnectedPublisherStayUntilAnySendsFalse) {
   StopWords words;
   words.on_word(kButton, 1, true);
   words.on_word(kPage, 1, false);  // before it left
@@ -65,7 +65,7 @@ TEST(StopWords, OfASenderThatHasLeftStayUntilAnySaysFalse) {
   EXPECT_FALSE(words.pressed());
 }
 
-TEST(StopWords, WhatOneThatHasLeftSaidIsNotHeardAgainAfterItWasTakenBack) {
+TEST(StopWords, OfADisconnectedPublisherStayWithdrawn) {
   StopWords words;
   words.on_word(kButton, 1, true);
   leaves(words, kButton);
@@ -104,7 +104,7 @@ TEST(StopWords, OfManyThatPressedAndLeftOneStays) {
 }
 
 // Three readers, each of which loses samples and delivers the rest in order, at any time.
-TEST(StopWords, AreTheSameInWhateverOrderTheReadersHear) {
+TEST(StopWords, AreTheSameInAnyOrderOfDelivery) {
   std::mt19937 random{1};
   for (int drive = 0; drive < 2000; ++drive) {
     std::vector<bool> said(20);
