@@ -107,7 +107,7 @@ geometry_msgs::msg::Twist to_msg(const Twist2& twist) {
 const char* fault_of(const geometry_msgs::msg::Quaternion& orientation) {
   const bool zero = orientation.x() == 0.0 && orientation.y() == 0.0 && orientation.z() == 0.0 &&
                     orientation.w() == 0.0;
-  return zero ? "has a zero quaternion (no rotation is w = 1)" : "is not finite";
+  return zero ? "has a zero quaternion (the identity rotation has w = 1)" : "is not finite";
 }
 
 std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg) {
@@ -252,12 +252,12 @@ nav_msgs::msg::Path to_path(std::span<const Pose2> X, const std_msgs::msg::Heade
 
 OccupancyPlane from_msg(const nav_msgs::msg::OccupancyGrid& msg) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
+  constexpr std::uint32_t kMax = std::numeric_limits<int>::max();
   OccupancyPlane plane;
   plane.X_MO = from_msg(msg.info().origin()).value_or(Pose2{kNaN, kNaN, kNaN});
   plane.resolution = static_cast<double>(msg.info().resolution());
-  plane.width = static_cast<int>(std::min(msg.info().width(), kMost));
-  plane.height = static_cast<int>(std::min(msg.info().height(), kMost));
+  plane.width = static_cast<int>(std::min(msg.info().width(), kMax));
+  plane.height = static_cast<int>(std::min(msg.info().height(), kMax));
   plane.percent = msg.data();
   return plane;
 }

@@ -26,9 +26,9 @@ struct Frames {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("map_frame", map, "name of the frame that obstacles live in");
-    field("odom_frame", odom, "name of the frame that odometry counts in");
-    field("base_frame", base, "name of the robot's own frame");
+    field("map_frame", map, "frame in which obstacles are given");
+    field("odom_frame", odom, "frame in which odometry is given");
+    field("base_frame", base, "frame of the robot's body");
   }
 };
 

@@ -33,9 +33,9 @@ struct Placing {
 class FramesInput {
  public:
   using Changed = std::function<void()>;
-  static constexpr double kMostTilt = 0.1;   ///< maximum tilt of a planar frame [rad]
-  static constexpr double kMoves = 0.02;     ///< [m/s] above which a link moves; turns count at 1 m
-  static constexpr double kMostDrift = 0.1;  ///< maximum motion from link to timestamp [m]
+  static constexpr double kMaxTilt = 0.1;   ///< maximum tilt of a planar frame [rad]
+  static constexpr double kMoves = 0.02;    ///< [m/s] above which a link moves; turns count at 1 m
+  static constexpr double kMaxDrift = 0.1;  ///< maximum motion from link to timestamp [m]
 
   /// `changed` is called after each message of either topic.
   FramesInput(rt::Node& node, const Frames& names, const LocalizationParams& params,

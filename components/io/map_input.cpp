@@ -122,8 +122,8 @@ std::optional<MapInput::Place> MapInput::place_of(const std::string& frame,
   const Placing placing = frames_.in_map(frame);
   refusal = placing.refusal;
   if (!placing.X_AB) return std::nullopt;
-  if (placing.X_AB->linear()(2, 2) < std::cos(kMostTilt)) {
-    refusal = "it does not lie level";
+  if (placing.X_AB->linear()(2, 2) < std::cos(kMaxTilt)) {
+    refusal = "its plane is not horizontal";
     return std::nullopt;
   }
   return Place{.frame = frame,
@@ -169,10 +169,10 @@ void MapInput::follow_frame(Inbox& inbox) {
 bool MapInput::is_foreign(const char* topic, const Inbox& inbox) const {
   const int publishers = inbox.subscription.matched();
   if (publishers <= 1) return inbox.sender && *inbox.sender != inbox.subscription.sender();
-  node_.log().write_every(
-      1.0, rt::LogLevel::kError, topic,
-      std::string{topic} + " refused: " + std::to_string(publishers) +
-          " nodes publish it; give another robot its own namespace or ROS_DOMAIN_ID, or stop one");
+  node_.log().write_every(1.0, rt::LogLevel::kError, topic,
+                          std::string{topic} + " refused: " + std::to_string(publishers) +
+                              " nodes publish it; give the other robot its own namespace or "
+                              "ROS_DOMAIN_ID, or stop one of them");
   return true;
 }
 

@@ -33,19 +33,19 @@ struct MapInputParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     slice.visit(field);
-    field("unknown_is_obstacle", unknown_is_obstacle, "cells nobody has seen count as obstacles");
+    field("unknown_is_obstacle", unknown_is_obstacle, "true: unknown cells count as obstacles");
     field("fixtures", fixtures,
           "YAML file of virtual fixtures (forbidden regions, guidance lines); empty: none");
     field("map_source", map_source, OneOf{{"static", "local", "both"}},
-          "static: the static map; local: octomap_local, what is seen now; both: what stands in "
-          "the static map stays for ever, what octomap_local shows comes and goes");
+          "static: the static map; local: octomap_local, what the sensors see now; both: obstacles "
+          "of the static map are permanent, those of octomap_local come and go");
     field("static_map", static_map, OneOf{{"octomap", "grid"}},
           "octomap: octomap_binary; grid: map, as Nav2's map_server or SLAM publishes it. Cells of "
-          "50 % and more are occupied, those outside of 0 to 100 unknown");
+          "50 % or more are occupied, those outside 0 to 100 are unknown");
     field("local_timeout", local_timeout, Range{0.05, 60.0},
-          "[s] silence of octomap_local that counts as no map");
+          "[s] after this long without octomap_local there is no map");
     field("local_reach", local_reach, Range{2.0, 100.0},
-          "[m] with octomap_local the map is looked at this far round the robot");
+          "[m] with octomap_local, the distance around the robot in which the map is used");
   }
 };
 
@@ -93,7 +93,7 @@ class MapInput {
  public:
   static constexpr double kSpread = 0.03;  ///< growth of obstacles in a frame that may move [m]
   static constexpr double kNear = 5.0;  ///< distance from the robot at which turns are measured [m]
-  static constexpr double kMostTilt = 0.02;  ///< maximum tilt of a map's frame [rad]
+  static constexpr double kMaxTilt = 0.02;  ///< maximum tilt of a map's frame [rad]
 
   /// Throws std::runtime_error if the fixtures cannot be read.
   MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,

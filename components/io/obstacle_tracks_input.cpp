@@ -23,11 +23,11 @@ ObstacleTracksInput::ObstacleTracksInput(rt::Node& node, const FramesInput& fram
 void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
   if (two_speak())
     return node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,
-                                   "people refused: 2 nodes publish it; give another robot its own "
-                                   "namespace or ROS_DOMAIN_ID, or stop one");
+                                   "people refused: 2 nodes publish it; give the other robot its "
+                                   "own namespace or ROS_DOMAIN_ID, or stop one of them");
   if (msg.header().frame_id().empty())
-    return node_.log().warn_every(1.0, "people are given in no frame, not `{}`: dropped",
-                                  frames_.names().map);
+    return node_.log().warn_every(
+        1.0, "people are given without a frame instead of in `{}`: dropped", frames_.names().map);
   const auto X_MF = frames_.in_map(msg.header(), topics::people.name);
   if (!X_MF) return;
   Obstacles people = from_msg(msg);

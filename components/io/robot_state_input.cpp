@@ -45,10 +45,10 @@ std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odom
                        names.odom, in_odom.refusal);
   const Placing on_robot = frames_.place(child.empty() ? names.base : child, names.base);
   if (!on_robot.X_AB)
-    return fmt::format("odom is of frame `{}`, not `{}` (base_frame): dropped: {}", child,
+    return fmt::format("odom is for frame `{}`, not `{}` (base_frame): dropped: {}", child,
                        names.base, on_robot.refusal);
   if (on_robot.moves)
-    return fmt::format("odom is of frame `{}`, which moves against `{}` (base_frame): dropped",
+    return fmt::format("odom is for frame `{}`, which moves relative to `{}` (base_frame): dropped",
                        child, names.base);
   odometry.twist = twist_of(in_plane(*on_robot.X_AB), msg.twist().twist());
   odometry.X = compose(compose(in_plane(*in_odom.X_AB), odometry.X), in_plane(*on_robot.X_AB));
@@ -90,8 +90,8 @@ double RobotStateInput::lateness(const Stamp& stamp) const {
   const double late = rt::to_seconds(node_.stamp()) - rt::to_seconds(stamp) - *usual_age_;
   if (late > params_.localization.odom_timeout)
     node_.log().warn_every(1.0,
-                           "odom comes {:.3f} s late by its stamp: the network is slow, or the "
-                           "sender's clock is wrong (odom_stamped: false if it cannot be set)",
+                           "odom arrives {:.3f} s late by its stamp: the network is slow, or the "
+                           "publisher's clock is wrong (odom_stamped: false if it cannot be set)",
                            late);
   return std::max(0.0, late);
 }

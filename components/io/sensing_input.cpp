@@ -18,7 +18,7 @@ std::string SensingInput::trouble() {
   reason_.forget_later_than(now);
   if (reason_.fresh(now, timeout_)) return reason_.value;
   if (subscription_.matched() == 0) return {};
-  return "sensing_status is silent: does octomap_builder still run?";
+  return "sensing_status is silent: is octomap_builder still running?";
 }
 
 }  // namespace tandem

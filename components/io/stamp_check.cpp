@@ -19,8 +19,8 @@ bool StampCheck::in_time(const builtin_interfaces::msg::Time& stamp) const {
   const double by_computer = 1e-9 * static_cast<double>(rt::system_nanoseconds()) - stamped;
   if (std::abs(age) <= max_age_ || std::abs(by_computer) <= max_age_) return true;
   node_.log().warn_every(1.0,
-                         "{}: a message stamped {:.3f} s {} was dropped (max_stamp_age {} s): it "
-                         "came late, or the sender's clock is wrong",
+                         "{}: dropped a message stamped {:.3f} s {} (max_stamp_age {} s): it "
+                         "arrived late, or the publisher's clock is wrong",
                          topic_, std::abs(age), age > 0.0 ? "ago" : "ahead", max_age_);
   return false;
 }

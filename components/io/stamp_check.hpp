@@ -14,10 +14,9 @@ struct StampParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field(
-        "max_stamp_age", max_stamp_age, Range{0.0, 60.0},
-        "[s] that the stamp of a person's input or of a TwistStamped may differ from now, else it "
-        "is dropped; 0: any");
+    field("max_stamp_age", max_stamp_age, Range{0.0, 60.0},
+          "[s] maximum difference between the present time and the stamp of a person's input or of "
+          "a TwistStamped; messages beyond it are dropped; 0: no limit");
   }
 };
 
@@ -28,7 +27,7 @@ class StampCheck {
 
   /// Compares timestamps with `now` [s] instead of the node's clock, for a node that generates
   /// time.
-  void judge_by(std::function<double()> now) { now_ = std::move(now); }
+  void check_by(std::function<double()> now) { now_ = std::move(now); }
 
   /// Whether the timestamp differs from now by at most `max_stamp_age`; logs a warning if not.
   /// Future timestamps are rejected too, because a clock that runs ahead would hide a message's

@@ -16,7 +16,7 @@ TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist
           node.when_published(stamped_topic_, [this, qos] { subscribe_stamped(qos); })} {}
 
 void TwistInput::subscribe_stamped(const rt::QoS& qos) {
-  node_.log().info("{} comes as TwistStamped too", stamped_topic_.name);
+  node_.log().info("{} is received as TwistStamped too", stamped_topic_.name);
   stamped_ = node_.create_subscription(stamped_topic_, qos, [this](const auto& msg) {
     if (is_of_robot(msg.header().frame_id()) && check_.in_time(msg.header().stamp()))
       hear(msg.twist(), stamped_);
@@ -28,8 +28,8 @@ bool TwistInput::is_of_robot(const std::string& frame) const {
   if (name != bare_frame(frames_.map) && name != bare_frame(frames_.odom)) return true;
   node_.log().write_every(
       1.0, rt::LogLevel::kWarn, stamped_topic_.name,
-      fmt::format("{} is given in frame `{}`, in which the robot moves: dropped; commands are of "
-                  "the robot's own frame (`{}`, or none)",
+      fmt::format("{} is given in frame `{}`, which does not move with the robot: dropped; "
+                  "commands must be in the robot's own frame (`{}`, or none)",
                   stamped_topic_.name, frame, frames_.base));
   return false;
 }

@@ -27,7 +27,7 @@ class TwistInput {
       : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
   /// Compares timestamps with `now` [s] instead of the node's clock, for a node that generates
   /// time.
-  void judge_stamps_by(std::function<double()> now) { check_.judge_by(std::move(now)); }
+  void check_stamps_by(std::function<double()> now) { check_.check_by(std::move(now)); }
   /// Sets the frame names if they differ from the defaults.
   void set_frames(Frames frames) { frames_ = std::move(frames); }
   /// Also delivers commands that are not finite, for a node that stops on them.

@@ -31,14 +31,14 @@ TEST(Convert, PoseComesBackWithItsHeading) {
   }
 }
 
-TEST(Convert, TellsAZeroQuaternionFromANumberThatIsNone) {
+TEST(Convert, DistinguishesAZeroQuaternionFromANonFiniteNumber) {
   geometry_msgs::msg::Quaternion q;
   EXPECT_NE(std::string{fault_of(q)}.find("zero quaternion"), std::string::npos);
   q.w(kNaN);
   EXPECT_STREQ(fault_of(q), "is not finite");
 }
 
-TEST(Convert, ATransformInSpaceComesBackAndOneThatIsNoneDoesNot) {
+TEST(Convert, ATransformInSpaceRoundTripsAndAnInvalidOneIsRefused) {
   const Eigen::Isometry3d X = Eigen::Translation3d(1.0, -2.0, 0.5) *
                               Eigen::AngleAxisd(2.0, Eigen::Vector3d(1.0, 2.0, -1.0).normalized());
   auto msg = to_transform(X, header({}, "base_link"), "laser").transform();

@@ -42,7 +42,7 @@ class TwistInputTest : public testing::Test {
                     [this](const Twist2& twist) { got_.push_back(twist.v); }};
 };
 
-TEST_F(TwistInputTest, HearsBothTypesUnderOneName) {
+TEST_F(TwistInputTest, ReceivesBothTypesUnderOneName) {
   const auto plain = sender_.create_publisher(kTopic);
   ASSERT_TRUE(await([&] { return plain.matched() == 1; }));
   const auto with_stamp = sender_.create_publisher(kStamped);
@@ -56,7 +56,7 @@ TEST_F(TwistInputTest, HearsBothTypesUnderOneName) {
   EXPECT_EQ(got_, (std::vector<double>{1.0, 2.0}));
 }
 
-TEST_F(TwistInputTest, TellsWhoSentACommand) {
+TEST_F(TwistInputTest, IdentifiesTheSenderOfACommand) {
   const auto plain = sender_.create_publisher(kTopic);
   const auto with_stamp = sender_.create_publisher(kStamped);
   ASSERT_TRUE(await([&] { return plain.matched() == 1 && with_stamp.matched() == 1; }));
@@ -69,7 +69,7 @@ TEST_F(TwistInputTest, TellsWhoSentACommand) {
   EXPECT_EQ(input_.sender(), with_stamp.id());
 }
 
-TEST_F(TwistInputTest, DropsWhatIsStampedLongAgoOrAhead) {
+TEST_F(TwistInputTest, DropsOldAndFutureStamps) {
   const auto publisher = sender_.create_publisher(kStamped);
   ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
   test::CapturedLog log;
@@ -82,7 +82,7 @@ TEST_F(TwistInputTest, DropsWhatIsStampedLongAgoOrAhead) {
   EXPECT_EQ(log.lines("s ago was dropped (max_stamp_age 0.5 s)"), 1);  // the second: held back
 }
 
-TEST_F(TwistInputTest, DropsWhatIsNoNumberAndSaysSoUnlessToldToPassIt) {
+TEST_F(TwistInputTest, DropsAndLogsNonFiniteCommandsUnlessToldToPassThem) {
   const auto publisher = sender_.create_publisher(kTopic);
   ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
   test::CapturedLog log;
@@ -99,7 +99,7 @@ TEST_F(TwistInputTest, DropsWhatIsNoNumberAndSaysSoUnlessToldToPassIt) {
   EXPECT_TRUE(await([&] { return got_.size() == 2; }));
 }
 
-TEST_F(TwistInputTest, TakesACommandOfAnyFrameOfTheRobotAndNoneOfMapOrOdom) {
+TEST_F(TwistInputTest, AcceptsCommandsInTheRobotsFramesButNotInMapOrOdom) {
   const test::CapturedLog log;
   const auto publisher = sender_.create_publisher(kStamped);
   ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
@@ -114,7 +114,7 @@ TEST_F(TwistInputTest, TakesACommandOfAnyFrameOfTheRobotAndNoneOfMapOrOdom) {
   EXPECT_GE(log.lines("cmd_vel is given in frame `map`, in which the robot moves: dropped"), 1);
 }
 
-TEST_F(TwistInputTest, TakesAStampOfZeroForNone) {
+TEST_F(TwistInputTest, AZeroStampCountsAsUnstamped) {
   const auto publisher = sender_.create_publisher(kStamped);
   ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
   TwistStamped msg;
