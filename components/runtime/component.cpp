@@ -89,7 +89,7 @@ MakeComponent find(const std::string& component) {
   open_library(component);
   if (const auto loaded = find_registered(component)) return loaded;
   throw std::invalid_argument(std::string{kPrefix} + component + std::string{kSuffix} +
-                              " has no TANDEM_COMPONENT(…, \"" + component + "\")");
+                              " does not contain TANDEM_COMPONENT(…, \"" + component + "\")");
 }
 
 // An exception in a callback ends the process; the timeouts of downstream nodes then stop the
@@ -98,7 +98,7 @@ void spin(Node& node) {
   try {
     node.spin();
   } catch (const std::exception& error) {
-    node.log().error("exception in a callback, the process ends: {}", error.what());
+    node.log().error("exception in a callback; the process exits: {}", error.what());
     std::_Exit(EXIT_FAILURE);
   }
 }

@@ -46,7 +46,7 @@ bool choice_from(const char* name, const std::string& yes, const std::string& no
   if (text == yes) return true;
   if (text.empty() || text == no) return false;
   throw std::runtime_error(std::string{name} + " = '" + text + "' is neither " + yes + " nor " +
-                           no + "; nothing starts, because ROS 2 would take it for " + no);
+                           no + "; refusing to start, because ROS 2 would read it as " + no);
 }
 
 bool is_enclave(const std::string& name) { return name == "/" || is_full_name(name); }
@@ -58,9 +58,9 @@ std::pair<std::string, std::string> property_of(const SecurityFile& file, const 
 // Instructions for creating an enclave's files.
 std::string mending(const SecurityRequest& request, const std::string& enclave) {
   if (enclave == "/")
-    return "no enclave is named: say --enclave /NAME or " + std::string{kOverride} + "=/NAME";
+    return "no enclave is given: use --enclave /NAME or " + std::string{kOverride} + "=/NAME";
   return "`tandem security create " + request.keystore +
-         " …` makes enclaves, and --enclave names another one";
+         " …` creates enclaves, and --enclave selects another one";
 }
 
 // Error text naming what is missing and the remedy; empty if complete.
@@ -125,7 +125,7 @@ SecurityRequest read_security_request() {
   request.override_with = variable(kOverride);
   if (!request.override_with.empty() && !is_enclave(request.override_with))
     throw std::runtime_error(std::string{kOverride} + " = '" + request.override_with +
-                             "' is no enclave; write / or /a/b");
+                             "' is not an enclave name; write / or /a/b");
   return request;
 }
 
@@ -155,7 +155,7 @@ Security find_security(const SecurityRequest& request, const std::string& enclav
 
 void set_enclave(const std::string& name) {
   if (!is_enclave(name))
-    throw std::invalid_argument("--enclave '" + name + "' is no enclave; write / or /a/b");
+    throw std::invalid_argument("--enclave '" + name + "' is not an enclave name; write / or /a/b");
   const std::lock_guard lock{enclave_mutex};
   process_enclave = name;
 }

@@ -17,7 +17,7 @@ int integer_from(const char* name, int value, int least, int most) {
   if (text.empty()) return value;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || value < least || value > most)
-    throw std::runtime_error(std::string{name} + " = '" + text + "' is no integer from " +
+    throw std::runtime_error(std::string{name} + " = '" + text + "' is not an integer from " +
                              std::to_string(least) + " to " + std::to_string(most));
   return value;
 }
@@ -27,7 +27,7 @@ DiscoveryRange range_from(const std::string& text) {
   if (text == "LOCALHOST") return DiscoveryRange::kLocalhost;
   if (text == "OFF") return DiscoveryRange::kOff;
   throw std::runtime_error("ROS_AUTOMATIC_DISCOVERY_RANGE = '" + text +
-                           "' is none of {SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT}");
+                           "' is not one of {SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT}");
 }
 
 bool flag_from(const char* name) {
@@ -54,8 +54,8 @@ std::string variable(const char* name) {
 
 // The default exceeds the largest map that a subscription accepts.
 std::uint32_t largest_sample() {
-  constexpr int kUsual = 64 << 20, kLeast = 1 << 16, kMost = 1 << 30;
-  return static_cast<std::uint32_t>(integer_from("TANDEM_MAX_SAMPLE_SIZE", kUsual, kLeast, kMost));
+  constexpr int kUsual = 64 << 20, kMin = 1 << 16, kMax = 1 << 30;
+  return static_cast<std::uint32_t>(integer_from("TANDEM_MAX_SAMPLE_SIZE", kUsual, kMin, kMax));
 }
 
 Environment read_environment() {

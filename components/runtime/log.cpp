@@ -97,7 +97,7 @@ LogLevel log_level_from(std::string_view name) {
   if (low == "error") return LogLevel::kError;
   if (low == "off" || low == "fatal") return LogLevel::kOff;
   throw std::invalid_argument("log level '" + std::string{name} +
-                              "' is none of {debug, info, warn, error, fatal, off}");
+                              "' is not one of {debug, info, warn, error, fatal, off}");
 }
 
 Logger::Logger(std::string name) : state_{std::make_unique<State>(std::move(name))} {}

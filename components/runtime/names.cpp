@@ -19,8 +19,8 @@ std::string shortened(std::string_view name) {
 void check_length(std::string_view name, const char* kind, std::size_t limit) {
   if (name.size() > limit)
     throw std::invalid_argument("'" + shortened(name) + "' is too long for " + kind + ": " +
-                                std::to_string(name.size()) + " characters of " +
-                                std::to_string(limit) + " allowed");
+                                std::to_string(name.size()) + " characters, " +
+                                std::to_string(limit) + " are allowed");
 }
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
@@ -65,10 +65,12 @@ NodeName make_node_name(const std::string& ns, const std::string& name) {
   check_length(name, "a node name", kMaxNode);
   check_length(result.ns, "a namespace", kMaxNamespace);
   if (!is_token(name))
-    throw std::invalid_argument("'" + name +
-                                "' is no node name: letters, digits and '_', no digit first");
+    throw std::invalid_argument(
+        "'" + name +
+        "' is not a valid node name: use letters, digits and '_', not starting with a digit");
   if (result.ns != "/" && !is_full_name(result.ns))
-    throw std::invalid_argument("'" + ns + "' is no namespace: tokens separated by '/'");
+    throw std::invalid_argument("'" + ns +
+                                "' is not a valid namespace: use tokens separated by '/'");
   return result;
 }
 
@@ -81,8 +83,9 @@ std::string expand_name(std::string_view name, const NodeName& node) {
     full = join(node.ns, full);
   check_length(full, "a topic or service name", kMaxTopic);
   if (!is_full_name(full))
-    throw std::invalid_argument("'" + std::string{name} + "' is no topic or service name of node " +
-                                node.full() + ": tokens of letters, digits and '_' between '/'");
+    throw std::invalid_argument("'" + std::string{name} +
+                                "' is not a valid topic or service name of node " + node.full() +
+                                ": use tokens of letters, digits and '_' separated by '/'");
   return full;
 }
 
@@ -115,7 +118,8 @@ std::string dds_type(const std::string& ros_type) {
   const bool three_parts = first != 0 && first != std::string::npos && last > first + 1 &&
                            last + 1 < ros_type.size() && ros_type.find('/', first + 1) == last;
   if (!three_parts)
-    throw std::invalid_argument("'" + ros_type + "' is no type's name, as std_msgs/msg/String is");
+    throw std::invalid_argument("'" + ros_type +
+                                "' is not a type name such as std_msgs/msg/String");
   return ros_type.substr(0, first) + "::" + ros_type.substr(first + 1, last - first - 1) +
          "::dds_::" + ros_type.substr(last + 1) + "_";
 }

@@ -24,9 +24,11 @@ namespace types = rcl_interfaces::msg::ParameterType_Constants;
 constexpr const char* kind(const bool*) { return "true or false"; }
 constexpr const char* kind(const int*) { return "an integer"; }
 constexpr const char* kind(const double*) { return "a number"; }
-constexpr const char* kind(const std::string*) { return "text (a number as text needs quotes)"; }
+constexpr const char* kind(const std::string*) {
+  return "a string (quote a number that is meant as a string)";
+}
 constexpr const char* kind(const std::vector<double>*) { return "a list of numbers"; }
-constexpr const char* kind(const std::vector<std::string>*) { return "a list of texts"; }
+constexpr const char* kind(const std::vector<std::string>*) { return "a list of strings"; }
 
 ParameterValue to_value(bool truth) {
   ParameterValue value;
@@ -176,8 +178,8 @@ std::string quoted(const std::string& text) { return '"' + text + '"'; }
 
 // Keeps a message to one line even if the value is very long.
 std::string shortened(std::string text) {
-  constexpr std::size_t kMost = 200;
-  if (text.size() > kMost) text.replace(kMost, std::string::npos, "…");
+  constexpr std::size_t kMax = 200;
+  if (text.size() > kMax) text.replace(kMax, std::string::npos, "…");
   return text;
 }
 

@@ -27,7 +27,7 @@ YAML::Node load(const std::string& path) {
   if (!root.IsNull()) return root;
   // A truncated robot file would describe a different robot; a power loss can leave an empty file.
   throw std::invalid_argument("parameter file " + path +
-                              " is empty; restore it, or take it out of the list");
+                              " is empty; restore it, or remove it from the list");
 }
 
 // Adds the file's name to the YAML reader's errors.

@@ -133,10 +133,11 @@ void ParameterTable::apply(std::span<const Parameter> parameters,
   std::vector<ParameterGroup*> touched;
   for (const Parameter& parameter : parameters) {
     const auto [group, index] = find(parameter.name());
-    const std::string wish = parameter.name() + " = " + to_text(parameter.value());
-    if (group == nullptr) throw std::invalid_argument(wish + " is no parameter of this node");
+    const std::string change = parameter.name() + " = " + to_text(parameter.value());
+    if (group == nullptr) throw std::invalid_argument(change + " is not a parameter of this node");
     if (!group->live.contains(parameter.name()))
-      throw std::invalid_argument(wish + ": it is read-only, set when the node starts");
+      throw std::invalid_argument(change +
+                                  ": it is read-only and can be set only when the node starts");
     if (std::find(touched.begin(), touched.end(), group) == touched.end()) {
       group->begin();
       touched.push_back(group);

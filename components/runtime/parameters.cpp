@@ -96,14 +96,13 @@ void ParameterStore::check_unknown() const {
   check_retired();
   for (const auto& [key, entry] : state_->given)
     if (!entry.declared && !entry.value.for_all)
-      state_->fail(entry, key + " = " + entry.value.yaml + " is no parameter of this node");
+      state_->fail(entry, key + " = " + entry.value.yaml + " is not a parameter of this node");
 }
 
 void ParameterStore::check_retired() const {
   for (const auto& [key, entry] : state_->given)
     if (const char* instead = instead_of(key); instead && !entry.declared)
-      state_->fail(entry,
-                   key + " = " + entry.value.yaml + ": this name meant several things; " + instead);
+      state_->fail(entry, key + " = " + entry.value.yaml + ": this name was ambiguous; " + instead);
 }
 
 std::vector<std::string> unused_wildcard_keys() {

@@ -37,7 +37,7 @@ void AnyPublisher::publish_bytes(const Bytes& bytes) const {
 void AnyPublisher::warn_not_sent(std::size_t size) const {
   node_->log.write_every(
       1.0, LogLevel::kWarn, writer_->topic(),
-      fmt::format("{}: a message of {} bytes was not sent", writer_->topic(), size));
+      fmt::format("{}: a message of {} bytes could not be sent", writer_->topic(), size));
 }
 
 int AnyPublisher::matched() const { return writer_ ? writer_->matched() : 0; }

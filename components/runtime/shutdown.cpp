@@ -61,7 +61,7 @@ void wait_for_signal() {
 void install_signal_handlers() {
   static std::once_flag once;
   std::call_once(once, [] {
-    if (pipe(signal_pipe) != 0) throw std::runtime_error("no pipe for signals");
+    if (pipe(signal_pipe) != 0) throw std::runtime_error("cannot create a pipe for signals");
     std::thread{wait_for_signal}.detach();
     struct sigaction action {};
     action.sa_handler = on_signal;

@@ -11,7 +11,7 @@ namespace tandem::runtime {
 
 Beat::Beat(double start, double period) : period_{period}, next_{start + period} {
   if (!(period > 0.0) || !std::isfinite(period))
-    throw std::invalid_argument("timer period " + std::to_string(period) + " s is not positive");
+    throw std::invalid_argument("timer period " + std::to_string(period) + " s must be positive");
 }
 
 bool Beat::due(double now) {

@@ -43,7 +43,7 @@ TEST(DiscoveryServer, BringsOurProcessesTogether) {
 }
 
 // Counter-check of the test above: without the server the node receives nothing.
-TEST(DiscoveryServer, IsNeededByWhoNamesIt) {
+TEST(DiscoveryServer, IsRequiredByAProcessThatNamesIt) {
   setenv("ROS_DISCOVERY_SERVER", "127.0.0.1:19999", 1);
   test::ChildProcess robot{
       "../tandem",

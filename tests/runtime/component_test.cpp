@@ -38,7 +38,7 @@ TEST(Component, MayBeLoadedTwiceUnderTwoNames) {
   EXPECT_EQ(second.node().fully_qualified_name(), "/two");
 }
 
-TEST(Component, ThatIsUnknownIsRefusedWithWhatThereIs) {
+TEST(Component, UnknownIsRefusedWithTheListOfKnownOnes) {
   try {
     const auto component = rt::load_component("nonsense", {.name = "x"});
     FAIL() << "no exception";

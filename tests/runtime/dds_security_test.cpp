@@ -106,7 +106,7 @@ TEST_F(DdsSecurity, APermissiveProcessStartsUnsecuredAndSaysWhatIsMissing) {
   EXPECT_NE(security.complaint.find("cert.pem"), std::string::npos);
 }
 
-TEST_F(DdsSecurity, OfADisabledOneNothingIsLookedAt) {
+TEST_F(DdsSecurity, DisabledReadsNoFiles) {
   const auto security = find_security({}, "/no/such");
   EXPECT_FALSE(security.on());
   EXPECT_TRUE(security.complaint.empty());

@@ -19,8 +19,8 @@ using geometry_msgs::msg::Twist;
 using test::Datagram;
 using test::Octets;
 
-constexpr double kTimeout = 20.0;                      // [s]
-constexpr double kMostKept = test::most_memory(20.0);  // [MB]
+constexpr double kTimeout = 20.0;                     // [s]
+constexpr double kMaxKept = test::most_memory(20.0);  // [MB]
 
 // `peer echo` subscribes to /ping reliably and answers on /pong.
 class ForgedWriter : public testing::Test {
@@ -66,7 +66,7 @@ TEST_F(ForgedWriter, FillsNoMemoryByWideGaps) {
   const double before = memory();
   for (const std::int64_t start : {3, 1000, 1'000'000})
     for (int i = 0; i < 3; ++i) send(forged().add_gap(start, start + 20'000'000, 0, 0, entity()));
-  EXPECT_FALSE(test::spin_until([&] { return memory() > before + kMostKept; }, 1.0, node_));
+  EXPECT_FALSE(test::spin_until([&] { return memory() > before + kMaxKept; }, 1.0, node_));
   EXPECT_EQ(peer_.wait(0.0), std::nullopt);
 }
 
@@ -77,7 +77,7 @@ TEST_F(ForgedWriter, FillsNoMemoryByManyGapsAndNumbers) {
     send(forged().add_data({.writer = entity(), .number = 5'000'000 + 2 * i}, Octets(8, 1)));
     if (i % 100 == 0) node_.spin_some(0.001);
   }
-  EXPECT_LT(memory(), before + kMostKept);
+  EXPECT_LT(memory(), before + kMaxKept);
   EXPECT_TRUE(answers());  // none of it was of numbers that the writer reaches soon
 }
 

@@ -19,8 +19,8 @@ namespace {
 
 using rt::Bytes;
 
-constexpr double kTimeout = 30.0;                      // [s]
-constexpr double kMostKept = test::most_memory(20.0);  // [MB]
+constexpr double kTimeout = 30.0;                     // [s]
+constexpr double kMaxKept = test::most_memory(20.0);  // [MB]
 constexpr std::size_t kMega = 1'000'000;
 
 struct Open {};
@@ -59,7 +59,7 @@ class MemoryIn : public testing::Test {
       (void)stranger.write(bad);
       ASSERT_TRUE(answered());
     }
-    EXPECT_TRUE(test::spin_until([&] { return memory() < before + kMostKept; }, 5.0, node_))
+    EXPECT_TRUE(test::spin_until([&] { return memory() < before + kMaxKept; }, 5.0, node_))
         << memory() - before << " MB are kept";
   }
   [[nodiscard]] double memory() const { return test::memory_of(peer_.pid()); }
@@ -100,7 +100,7 @@ TEST_F(SecuredMemory, OfTwoSamplesOf300MegabytesOnJoyIsNotKept) {
 }
 
 // Its `fields` claim one element for each byte that is left.
-TEST_F(HostileMemory, OfAPointCloudThatClaimsMoreFieldsThanItHasIsNotMade) {
+TEST_F(HostileMemory, IsNotAllocatedForAPointCloudThatClaimsMoreFieldsThanItHas) {
   Bytes cloud(60 * kMega, 0);
   cloud[1] = 1;  // little endian
   const std::uint32_t claimed = 59'000'000;
@@ -117,7 +117,7 @@ const rt::CdrStructure& structure() {
   return *rt::CdrStructure::of(rt::type_ref<M>().name);
 }
 
-TEST(CdrStructure, FitsEveryMessageThatIsEncoded) {
+TEST(CdrStructure, FitsEveryEncodedMessage) {
   const auto fits = [](const auto& message) {
     using M = std::decay_t<decltype(message)>;
     Bytes bytes;

@@ -91,7 +91,7 @@ TEST(Codec, RefusesLengthsBeyondTheEnd) {
 }
 
 // Every node accepts these from any sender.
-TEST(Codec, TakesLessFromThoseWhoAskForParameters) {
+TEST(Codec, AcceptsLessFromParameterRequests) {
   rcl_interfaces::srv::GetParameters::Request request;
   request.names(std::vector<std::string>(1000, "a_name_of_usual_length"));
   EXPECT_TRUE(decodes<rcl_interfaces::srv::GetParameters::Request>(encoded(request)));
@@ -108,7 +108,7 @@ TEST(Codec, RefusesAnUnknownEncapsulation) {
   }
 }
 
-TEST(Codec, RefusesABooleanThatIsNone) {
+TEST(Codec, RefusesAnInvalidBoolean) {
   Bytes bytes = encoded(std_msgs::msg::Bool{});
   bytes[4] = 7;
   EXPECT_FALSE(decodes<std_msgs::msg::Bool>(bytes));
@@ -181,7 +181,7 @@ class HostileSender : public testing::Test {
   rt::Node node_{"victim"};
 };
 
-TEST_F(HostileSender, OfTextIsHeardOnlyWhenItIsWellFormed) {
+TEST_F(HostileSender, TextIsReceivedOnlyWhenWellFormed) {
   const Bytes good = encoded(text());
   expect_only_the_good_one<std_msgs::msg::String>({{},
                                                    {0},
@@ -192,21 +192,21 @@ TEST_F(HostileSender, OfTextIsHeardOnlyWhenItIsWellFormed) {
                                                   text());
 }
 
-TEST_F(HostileSender, OfSequencesIsHeardOnlyWhenItIsWellFormed) {
+TEST_F(HostileSender, SequencesAreReceivedOnlyWhenWellFormed) {
   const Bytes good = encoded(markers());
   expect_only_the_good_one<visualization_msgs::msg::MarkerArray>(
       {with_length(good, 4, 0xFFFFFFFFU), with_length(good, 4, 4), {good.begin(), good.end() - 20}},
       markers());
 }
 
-TEST_F(HostileSender, OfABadBooleanIsNotHeard) {
+TEST_F(HostileSender, ABadBooleanIsNotReceived) {
   std_msgs::msg::Bool good;
   good.data(true);
   expect_only_the_good_one<std_msgs::msg::Bool>({{0, 1, 0, 0, 7}}, good);
 }
 
 // A parameter service answers the valid request after any number of invalid ones.
-TEST_F(HostileSender, OfParametersIsNotAnsweredAndChangesNothing) {
+TEST_F(HostileSender, BadParameterRequestsAreNotAnsweredAndChangeNothing) {
   using rcl_interfaces::srv::SetParameters;
   const auto params = node_.declare_parameters<GainParams>(
       {}, [](auto& all) -> auto& { return all; }, [](const auto&) {});
@@ -244,7 +244,7 @@ TEST_F(HostileSender, OfParametersIsNotAnsweredAndChangesNothing) {
   EXPECT_EQ(params->gain, 0.5);
 }
 
-TEST_F(HostileSender, OfNanIsHeardForNumbersAreTheCoresToJudge) {
+TEST_F(HostileSender, NanIsReceivedBecauseTheCoresCheckNumbers) {
   double got = 0.0;
   const rt::Topic<geometry_msgs::msg::Twist> topic{"cmd_vel"};
   const auto publisher = node_.create_publisher(topic);

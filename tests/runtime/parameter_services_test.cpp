@@ -123,14 +123,14 @@ TEST_F(ParameterServices, ListDescribeAndNameTypes) {
             (std::vector<std::uint8_t>{types::PARAMETER_BOOL, types::PARAMETER_NOT_SET}));
 }
 
-TEST_F(ParameterServices, AnswerNothingToMoreNamesThanAnyoneHas) {
+TEST_F(ParameterServices, AnswerNothingToTooManyNames) {
   srv::GetParameters::Request request;
   request.names(std::vector<std::string>(5000, "g"));
   EXPECT_TRUE(ask<srv::GetParameters>("/robot/drive/get_parameters", request).values().empty());
   EXPECT_EQ(get_gain(), 1.0);
 }
 
-TEST_F(ParameterServices, TellOfChangesOnParameterEvents) {
+TEST_F(ParameterServices, PublishChangesOnParameterEvents) {
   std::vector<ParameterEvent> events;
   const auto subscription =
       tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},
@@ -147,7 +147,7 @@ TEST_F(ParameterServices, TellOfChangesOnParameterEvents) {
   EXPECT_GT(events[0].stamp().sec(), 0);
 }
 
-TEST_F(ParameterServices, TellOfParametersThatAreDeclaredLater) {
+TEST_F(ParameterServices, PublishParametersDeclaredLater) {
   std::vector<ParameterEvent> events;
   const auto subscription =
       tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},

@@ -157,8 +157,8 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"outline", "[]", {}}, Setting{"outline", "[0, 9]", {"outline", "9", "[-5, 5]"}},
         Setting{"outline", "[a]", {"outline", "\"a\"", "a list of numbers"}},
         Setting{"outline", "1.0", {"outline", "a list of numbers"}},
-        Setting{"margn", "0.2", {"margn", "0.2", "no parameter of this node"}},
-        Setting{"", "0.2", {"no parameter of this node"}},
+        Setting{"margn", "0.2", {"margn", "0.2", "not a parameter of this node"}},
+        Setting{"", "0.2", {"not a parameter of this node"}},
         Setting{"frames.odom", "map", {"frames.odom", "read-only"}}));
 
 TEST_F(Table, ChangeIsInForceAfterTheOwnerTookIt) {
@@ -237,7 +237,7 @@ TEST_F(Table, RefusesATypeThatDoesNotExist) {
   EXPECT_NE(set({parameter("outline", empty_list(77))}), "");
 }
 
-TEST_F(Table, SaysWhatIsThere) {
+TEST_F(Table, ListsItsParameters) {
   const Names names{"margin", "steps", "enforce", "mode", "outline", "nobody"};
   const auto values = table_.get(names);
   ASSERT_EQ(values.size(), names.size());
@@ -288,7 +288,7 @@ TEST_F(Table, ListsByPrefixAndDepth) {
   EXPECT_EQ(table_.list({}, 0).prefixes(), (Names{"frames", "wheels.left", "wheels.right"}));
 }
 
-TEST_F(Table, TellsOfDeclarationsAndChangesButNotOfRefusals) {
+TEST_F(Table, ReportsDeclarationsAndChangesButNotRefusals) {
   Names declared, changed;
   table_.on_event = [&](const auto& new_ones, const auto& changes) {
     for (const auto& p : new_ones) declared.push_back(p.name());

@@ -83,8 +83,8 @@ TEST_F(ParameterFile, AListOfTextsIsReadAndEachIsChecked) {
   EXPECT_EQ(load(head + "[]\n"), "");
   EXPECT_TRUE(params_.sensors.empty());
   expect_complaint(head + "[scan, sonar]\n", {"sensors", "'sonar'", "scan, cloud"});
-  expect_complaint(head + "scan\n", {"sensors", "a list of texts"});
-  expect_complaint(head + "[1.0]\n", {"sensors", "a list of texts"});
+  expect_complaint(head + "scan\n", {"sensors", "a list of strings"});
+  expect_complaint(head + "[1.0]\n", {"sensors", "a list of strings"});
 }
 
 TEST_F(ParameterFile, GivesEveryKindOfValue) {
@@ -112,7 +112,7 @@ TEST_F(ParameterFile, IsWhatRos2ParamDumpWrites) {
   EXPECT_EQ(params_.wheel_radius, 0.5);
 }
 
-TEST_F(ParameterFile, LeavesDefaultsWhereNothingIsSaid) {
+TEST_F(ParameterFile, KeepsDefaultsOfUnsetParameters) {
   ASSERT_EQ(load("gate:\n  ros__parameters:\n"), "");
   EXPECT_EQ(params_.margin, 0.1);
 }
@@ -141,7 +141,7 @@ TEST_F(ParameterFile, UnknownWildcardKeyIsReportedAsUnused) {
   EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":4: margin"), 0);
 }
 
-TEST_F(ParameterFile, LaterOfTwoWildcardSectionsWinsAndTheFirstIsNoStranger) {
+TEST_F(ParameterFile, TheLaterOfTwoWildcardSectionsWinsAndTheFirstIsNotReportedAsUnused) {
   EXPECT_EQ(load("/**:\n  ros__parameters: {margin: 0.3}\n/**:\n  ros__parameters:\n"
                  "    margin: 0.2\n"),
             "");
@@ -150,7 +150,7 @@ TEST_F(ParameterFile, LaterOfTwoWildcardSectionsWinsAndTheFirstIsNoStranger) {
   EXPECT_EQ(std::count(unused.begin(), unused.end(), path_ + ":2: margin"), 0);
 }
 
-TEST_F(ParameterFile, ThatIsEmptyOrAFolderIsRefused) {
+TEST_F(ParameterFile, RefusesAnEmptyFileOrAFolder) {
   expect_complaint("", {path_, "is empty"});
   expect_complaint("# nothing left\n", {path_, "is empty"});
   EXPECT_THROW(rt::ParameterStore("/gate", {.files = {"/tmp"}}), std::invalid_argument);
@@ -177,7 +177,7 @@ TEST_F(ParameterFile, WithASecondDocumentIsRefused) {
                    {path_ + ":6", "second document"});
 }
 
-TEST_F(ParameterFile, TellsOfSectionsForNodesThatAreNotThere) {
+TEST_F(ParameterFile, ReportsSectionsForMissingNodes) {
   std::ofstream{path_} << "/**:\n  ros__parameters: {a: 1}\ngate:\n  ros__parameters: {b: 1}\n"
                           "/gaet:\n  ros__parameters: {margin: 0.1}\n";
   const auto strangers = rt::sections_for_nobody(path_, {"/gate", "/other"});
@@ -186,7 +186,7 @@ TEST_F(ParameterFile, TellsOfSectionsForNodesThatAreNotThere) {
   EXPECT_EQ(strangers[0].origin, path_ + ":6");
 }
 
-TEST_F(ParameterFile, TellsOfAMisspeltNodeUnderAWildcard) {
+TEST_F(ParameterFile, ReportsAMisspeltNodeUnderAWildcard) {
   std::ofstream{path_} << "/**:\n  telleop:\n    ros__parameters: {leash: 0.3}\n"
                           "  teleop:\n    ros__parameters: {leash: 0.3}\n"
                           "/a/*:\n  ros__parameters: {b: 1}\n";
@@ -197,7 +197,7 @@ TEST_F(ParameterFile, TellsOfAMisspeltNodeUnderAWildcard) {
 }
 
 // Falling back to a default instead of the value in the file would configure a different robot.
-TEST_F(ParameterFile, WithARetiredNameIsRefusedAndToldTheNewOnes) {
+TEST_F(ParameterFile, ARetiredNameIsRefusedWithTheNewOnes) {
   for (const std::string node : {"gate", "/**"}) {
     expect_complaint(node + ":\n  ros__parameters:\n    command_timeout: 0.6\n",
                      {path_ + ":3", "command_timeout = 0.6", "base_timeout", "arbitrated_timeout",
@@ -227,7 +227,7 @@ TEST_F(ParameterFile, ValueOfAWrongTypeIsNamed) {
   expect_complaint(head + "outline: [\"1\"]\n", {"outline", "list of numbers"});
 }
 
-TEST_F(ParameterFile, ThatIsNotOfRos2sFormIsRefused) {
+TEST_F(ParameterFile, RefusesFilesNotInRos2sForm) {
   expect_complaint("gate: 5\n", {path_ + ":1"});
   expect_complaint("ros__parameters: {margin: 0.1}\n", {path_ + ":1", "ros__parameters"});
   expect_complaint("gate: [\n", {path_});
@@ -235,7 +235,7 @@ TEST_F(ParameterFile, ThatIsNotOfRos2sFormIsRefused) {
   expect_complaint("gate:\n  ros__parameters:\n    margin: 0.1\n    margin: 0.2\n", {"twice"});
 }
 
-TEST(ParameterStore, NamesAFileThatIsMissing) {
+TEST(ParameterStore, NamesAMissingFile) {
   EXPECT_THROW(rt::ParameterStore("/gate", {.files = {"/nowhere.yaml"}}), std::invalid_argument);
 }
 
@@ -254,7 +254,7 @@ TEST(RosArguments, ChangeNameRemappingsAndParameters) {
   EXPECT_NO_THROW(node.check_parameters());
 }
 
-TEST(RosArguments, TellOfNodesThatAreNotThere) {
+TEST(RosArguments, ReportMissingNodes) {
   const auto arguments = rt::parse_ros_arguments(
       {"--ros-args", "-r", "gate:__node:=left", "-p", "left:margin:=0.4", "-p", "gate:margin:=0.5",
        "-r", "left:x:=y", "-p", "nobody:x:=1", "-p", "margin:=0.4"});
@@ -263,7 +263,7 @@ TEST(RosArguments, TellOfNodesThatAreNotThere) {
 }
 
 // The arguments that launch files pass.
-TEST(RosArguments, TakeWhatRos2Takes) {
+TEST(RosArguments, AcceptWhatRos2Accepts) {
   const auto arguments = rt::parse_ros_arguments(
       {"--ros-args", "--log-level", "a.gate:=DEBUG", "--log-level", "other:=fatal",
        "--disable-rosout-logs", "--enable-stdout-logs", "--disable-external-lib-logs", "--enclave",
@@ -298,7 +298,7 @@ TEST(RosArguments, APlainParameterMayBeAnothersNodes) {
   EXPECT_THROW(strict.check_parameters(), std::invalid_argument);
 }
 
-TEST(RosArguments, RefuseWhatRos2WouldNotUnderstand) {
+TEST(RosArguments, RefuseWhatRos2Refuses) {
   EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "-r"}), std::invalid_argument);
   EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "-p", "x=1"}), std::invalid_argument);
   EXPECT_THROW((void)rt::parse_ros_arguments({"--ros-args", "x"}), std::invalid_argument);
@@ -328,7 +328,7 @@ TEST(Names, MangleAsRmwDoes) {
   EXPECT_EQ(rt::dds_reply_name("/ns/trig"), "rr/ns/trigReply");
 }
 
-TEST(Environment, DomainThatIsNoDomainIsRefused) {
+TEST(Environment, AnInvalidDomainIsRefused) {
   const std::string domain = getenv("ROS_DOMAIN_ID");
   for (const char* bad : {"-1", "233", "x", "1x", "99999999999"}) {
     setenv("ROS_DOMAIN_ID", bad, 1);

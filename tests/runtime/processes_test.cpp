@@ -27,7 +27,7 @@ using test::spin_until;
 
 constexpr double kTimeout = 20.0;  // [s]
 
-TEST(TwoProcesses, ExchangeMessagesBothWays) {
+TEST(TwoProcesses, ExchangeMessagesInBothDirections) {
   ChildProcess peer{"peer", {"echo"}};
   rt::Node node{"pinger"};
   int got = 0;
@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
         Reach{"SubnetWithPeersByName", {{"ROS_STATIC_PEERS", "localhost;192.0.2.1"}}, true}),
     [](const auto& reach) { return reach.param.name; });
 
-TEST(Environment, WhereItForbidsToSpeakUnsecuredOrNamesNoHostNothingStarts) {
+TEST(Environment, NothingStartsIfItForbidsUnsecuredTrafficOrNamesAnUnknownHost) {
   setenv("ROS_SECURITY_ENABLE", "true", 1);
   setenv("ROS_SECURITY_STRATEGY", "Enforce", 1);
   EXPECT_THROW(rt::Node{"secret"}, std::runtime_error);
@@ -131,13 +131,14 @@ struct Setting {
 };
 
 // Fast DDS logs an error and falls back to its defaults if these are wrong.
-TEST(Environment, WhereFastDdsWouldGoOnWithItsDefaultsNothingStarts) {
+TEST(Environment, NothingStartsWhereFastDdsWouldFallBackToDefaults) {
   for (const auto& [variable, value, complaint] :
        {Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:99999", "'99999' is no port"},
         Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:1181x", "'1181x' is no port"},
         Setting{"ROS_DISCOVERY_SERVER", ";;", "names no server"},
-        Setting{"ROS_DISCOVERY_SERVER", "no.such.host.invalid:11811", "no name that resolves"},
-        Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:11811;a:b:c:d", "is no locator"},
+        Setting{"ROS_DISCOVERY_SERVER", "no.such.host.invalid:11811",
+                "nor a host name that can be resolved"},
+        Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:11811;a:b:c:d", "is not a locator"},
         Setting{"FASTDDS_ENVIRONMENT_FILE", "/nowhere.json", "no such file"}}) {
     setenv(variable, value, 1);
     const std::string said = complaint_at_start();
@@ -266,10 +267,10 @@ TEST(Environment, LimitsTheSizeOfASample) {
   unsetenv("TANDEM_MAX_SAMPLE_SIZE");
 }
 
-TEST_F(ProfilesFile, ThatIsMissingOrBrokenStartsNothing) {
+TEST_F(ProfilesFile, NothingStartsIfItIsMissingOrBroken) {
   EXPECT_NE(complaint_at_start().find("no such file"), std::string::npos) << complaint_at_start();
   write("<profiles><participant></profiles>");
-  EXPECT_NE(complaint_at_start().find("no file of Fast DDS profiles"), std::string::npos)
+  EXPECT_NE(complaint_at_start().find("not a valid file of Fast DDS profiles"), std::string::npos)
       << complaint_at_start();
 }
 

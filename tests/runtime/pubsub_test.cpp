@@ -48,7 +48,7 @@ TEST(Publisher, LatchedMessageReachesALateSubscription) {
   EXPECT_TRUE(spin_until([&] { return got; }, kTimeout, node));
 }
 
-TEST(Publisher, BestEffortSubscriptionHearsAReliablePublisher) {
+TEST(Publisher, ABestEffortSubscriptionReceivesFromAReliablePublisher) {
   rt::Node node{"mixed"};
   int got = 0;
   const auto publisher = node.create_publisher(kTwist);

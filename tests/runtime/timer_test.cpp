@@ -25,7 +25,7 @@ TEST(Beat, SkipsMissedBeatsAndKeepsItsGrid) {
   EXPECT_NEAR(beat.next(), 5.1, 1e-9);
 }
 
-TEST(Beat, StartsAnewWhenTheClockIsSetBack) {
+TEST(Beat, RestartsAfterAClockReset) {
   rt::Beat beat{100.0, 0.1};
   EXPECT_FALSE(beat.due(0.0));
   EXPECT_TRUE(beat.due(0.1));

@@ -12,7 +12,7 @@ namespace tandem::test {
 class NothingDropped {
  public:
   NothingDropped() = default;
-  ~NothingDropped() { EXPECT_EQ(log_.lines("that are malformed or too many"), 0); }
+  ~NothingDropped() { EXPECT_EQ(log_.lines("that were malformed or too frequent"), 0); }
   NothingDropped(const NothingDropped&) = delete;
   NothingDropped& operator=(const NothingDropped&) = delete;
 

@@ -181,7 +181,7 @@ TEST(Security, AComposedSystemDrivesInOneEnclave) {
   EXPECT_TRUE(time_to_drive_by({"--enclave", "/robot"}));
 }
 
-TEST_F(SecuredSystem, AStrangerHearsAndSaysNothing) {
+TEST_F(SecuredSystem, AStrangerReceivesAndSendsNothing) {
   const auto stranger = probe({{"ROS_SECURITY_ENABLE", ""}}, &system_);
   EXPECT_EQ(stranger.status, 0) << stranger.log;
   EXPECT_FALSE(driven_backwards_);
@@ -189,7 +189,7 @@ TEST_F(SecuredSystem, AStrangerHearsAndSaysNothing) {
 }
 
 // So that the tests beside this one can fail.
-TEST_F(SecuredSystem, AMemberThatMayDriveIsHeard) {
+TEST_F(SecuredSystem, AMemberWithPermissionCanDrive) {
   domain_.add("/probe", of_probe(true));
   // On a busy machine a probe may be gone before its handshakes are done.
   bool heard = false;
@@ -203,7 +203,7 @@ TEST_F(SecuredSystem, AMemberWithoutThePermissionCannotDrive) {
   domain_.add("/probe", of_probe(false));
   const auto member = probe(as_member("/probe"), &system_);
   EXPECT_EQ(member.status, 1);
-  EXPECT_NE(member.log.find("DDS refuses a publisher of /cmd_vel"), std::string::npos);
+  EXPECT_NE(member.log.find("DDS refused to create a publisher of /cmd_vel"), std::string::npos);
   EXPECT_NE(member.log.find("rt/cmd_vel"), std::string::npos);
   EXPECT_FALSE(driven_backwards_);
 }
@@ -271,8 +271,9 @@ TEST(Security, PermissionsWithoutATopicGiveNoReaderAndAnErrorThatNamesIt) {
   domain.add("/probe", permissions);
   const auto probed = probe({{"ROS_SECURITY_ENCLAVE_OVERRIDE", "/probe"}}, nullptr);
   EXPECT_EQ(probed.status, 1);
-  EXPECT_NE(probed.log.find("DDS refuses a subscription to /odom: rt/odom topic not found"),
-            std::string::npos);
+  EXPECT_NE(
+      probed.log.find("DDS refused to create a subscription to /odom: rt/odom topic not found"),
+      std::string::npos);
 }
 
 // --- what a stranger can send without being let in

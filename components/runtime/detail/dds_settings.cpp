@@ -20,8 +20,9 @@ constexpr const char* kServersVariable = "ROS_DISCOVERY_SERVER";
 constexpr const char* kEnvironmentFileVariable = "FASTDDS_ENVIRONMENT_FILE";
 
 [[noreturn]] void refuse(const char* variable, const std::string& value, const std::string& why) {
-  throw std::runtime_error(std::string{variable} + " = '" + value + "': " + why +
-                           ". Nothing starts, because Fast DDS would go on with its defaults");
+  throw std::runtime_error(
+      std::string{variable} + " = '" + value + "': " + why +
+      ". Refusing to start, because Fast DDS would continue with its defaults");
 }
 
 bool is_port(const std::string& text) {
@@ -44,12 +45,13 @@ void check_server(const std::string& servers, const std::string& locator) {
   std::smatch parts;
   if (!std::regex_match(locator, parts, form))
     refuse(kServersVariable, servers,
-           "'" + locator + "' is no locator; write HOST:PORT, and ';' between two");
+           "'" + locator + "' is not a locator; write HOST:PORT, separated by ';'");
   if (parts[3].matched && !is_port(parts[3]))
-    refuse(kServersVariable, servers, "'" + parts[3].str() + "' is no port from 1 to 65535");
+    refuse(kServersVariable, servers, "'" + parts[3].str() + "' is not a port from 1 to 65535");
   const std::string host = parts[1].matched ? parts[1] : parts[2];
   if (!resolves(host))
-    refuse(kServersVariable, servers, "'" + host + "' is no address, and no name that resolves");
+    refuse(kServersVariable, servers,
+           "'" + host + "' is neither an address nor a host name that can be resolved");
 }
 
 void check_profiles(const std::string& file) {
@@ -58,7 +60,7 @@ void check_profiles(const std::string& file) {
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   if (!ok(factory->load_XML_profiles_file(file)))
     refuse(kProfilesVariable, file,
-           "no file of Fast DDS profiles; the line before says what is wrong in it");
+           "not a valid file of Fast DDS profiles; the previous log line names the error");
 }
 
 }  // namespace

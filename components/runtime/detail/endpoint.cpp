@@ -14,17 +14,17 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr int kBatch = 32;                // maximum samples of one topic per turn
-constexpr std::size_t kMostWriters = 64;  // maximum number of writers in transit_
-constexpr double kMaxBlocking = 0.010;    // maximum wait of a reliable write [s]
-constexpr double kHeartbeat = 0.1;        // [s] until a reader notices a lost sample
+constexpr int kBatch = 32;               // maximum samples of one topic per turn
+constexpr std::size_t kMaxWriters = 64;  // maximum number of writers in transit_
+constexpr double kMaxBlocking = 0.010;   // maximum wait of a reliable write [s]
+constexpr double kHeartbeat = 0.1;       // [s] until a reader notices a lost sample
 // [s] until a new reader requests the samples it missed; doubles until it is answered. The default
 // of 0.07 s is too long for a program that publishes once and exits.
 constexpr double kFirstRequest = 0.005;
 // Types whose largest sample [bytes] does not exceed this use a preallocated pool, because only
 // then does Fast DDS reject larger samples. Other types free each sample's memory after use.
-constexpr std::size_t kMostPreallocated = std::size_t{1} << 20;
-constexpr std::size_t kMostKept = std::size_t{1} << 20;  // buffer kept for the next sample [bytes]
+constexpr std::size_t kMaxPreallocated = std::size_t{1} << 20;
+constexpr std::size_t kMaxKept = std::size_t{1} << 20;  // buffer kept for the next sample [bytes]
 
 template <class DdsQos>
 void set_common(DdsQos& dds, const Participant& participant, const Endpoint& endpoint) {
@@ -49,7 +49,7 @@ fdds::DataReaderQos reader_qos(const Participant& participant, const Endpoint& e
   fdds::DataReaderQos dds = fdds::DATAREADER_QOS_DEFAULT;
   set_common(dds, participant, endpoint);
   dds.endpoint().history_memory_policy =
-      largest_sample_of(ros_type(endpoint.type)) <= kMostPreallocated
+      largest_sample_of(ros_type(endpoint.type)) <= kMaxPreallocated
           ? rtps::PREALLOCATED_MEMORY_MODE
           : rtps::DYNAMIC_RESERVE_MEMORY_MODE;
 #if TANDEM_FASTDDS_3
@@ -84,10 +84,10 @@ auto created(const SharedTopic& topic, const std::string& what, Create create) {
   if (endpoint != nullptr) return endpoint;
   const std::string reason = errors.first();
   const Security& security = topic.participant().security();
-  throw std::runtime_error(
-      "DDS refuses " + what + (reason.empty() ? "" : ": " + reason) +
-      (security.on() ? "; this process may do what " + security.folder + "/permissions.xml says"
-                     : ""));
+  throw std::runtime_error("DDS refused to create " + what + (reason.empty() ? "" : ": " + reason) +
+                           (security.on() ? "; the permissions of this process are in " +
+                                                security.folder + "/permissions.xml"
+                                          : ""));
 }
 
 fdds::DataReader* make_reader(const SharedTopic& topic, const Participant& participant,
@@ -134,7 +134,7 @@ int Reader::drain() {
       return taken;
     }
     if (info.valid_data) take_one(info);
-    if (bytes_.capacity() > kMostKept) Bytes{}.swap(bytes_);
+    if (bytes_.capacity() > kMaxKept) Bytes{}.swap(bytes_);
   }
   waiting_ = true;  // taking clears the status, so the wait set does not wake up for the rest
   return kBatch;
@@ -151,7 +151,7 @@ void Reader::take_one(const fdds::SampleInfo& info) {
 // Replaces DDS's own lifespan check, which compares the clocks of two computers.
 bool Reader::is_late(const fdds::SampleInfo& info) {
   if (std::isinf(lifespan_) || info.source_timestamp.seconds() <= 0) return false;
-  if (transit_.size() > kMostWriters) transit_.clear();
+  if (transit_.size() > kMaxWriters) transit_.clear();
   const auto seconds = [](std::int64_t nanoseconds) {
     return 1e-9 * static_cast<double>(nanoseconds);
   };

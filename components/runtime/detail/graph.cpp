@@ -64,7 +64,7 @@ Graph::Graph(Participant& participant, Nodes nodes)
 void Graph::add_node(const NodeName& node) {
   const std::lock_guard lock{mutex_};
   if (!nodes_.emplace(node.full(), Endpoints{node, {}, {}}).second)
-    throw std::runtime_error("two nodes of one process are called " + node.full());
+    throw std::runtime_error("two nodes of this process are named " + node.full());
   announce();
 }
 
@@ -125,7 +125,8 @@ void Graph::write() {
   const bool encoded = participant_.speaks_humble() ? encode<Humble>(self, nodes_, bytes)
                                                     : encode<SinceIron>(self, nodes_, bytes);
   if (!encoded || !writer_.write(bytes))
-    Logger{"runtime"}.warn("ros_discovery_info could not be written: ROS 2 tools miss a change");
+    Logger{"runtime"}.warn(
+        "ros_discovery_info could not be published: ROS 2 tools will miss a change");
 }
 
 }  // namespace tandem::runtime

@@ -13,9 +13,9 @@ namespace level = diagnostic_msgs::msg::DiagnosticStatus_Constants;
 using diagnostic_msgs::msg::DiagnosticArray;
 using diagnostic_msgs::msg::KeyValue;
 
-constexpr double kPeriod = 1.0;            // [s] between status messages
-constexpr std::size_t kTotals = 2;         // number of values always present
-constexpr std::size_t kMostInAReport = 8;  // entries in the message; the values hold all
+constexpr double kPeriod = 1.0;           // [s] between status messages
+constexpr std::size_t kTotals = 2;        // number of values always present
+constexpr std::size_t kMaxInAReport = 8;  // entries in the message; the values hold all
 
 KeyValue value(const std::string& key, const std::string& text) {
   KeyValue pair;
@@ -67,15 +67,14 @@ void GuardReport::report(WireGuard::Reported& reported) {
   const std::uint64_t count = guard_.dropped();
   auto drops = guard_.drops();
   auto fresh = news(drops, reported.drops);
-  if (fresh.size() > kMostInAReport) fresh.resize(kMostInAReport);
+  if (fresh.size() > kMaxInAReport) fresh.resize(kMaxInAReport);
   status_.level(level::WARN);
   status_.message(
-      fmt::format("dropped {} datagrams, or parts of them, that are malformed or too many: {}",
+      fmt::format("dropped {} datagrams, or parts of them, that were malformed or too frequent: {}",
                   count - reported.count, summary(fresh)));
   status_.values().resize(kTotals);
-  status_.values().push_back(
-      value("remedy",
-            "find the program at that address and stop it; keep robots on a network of their own"));
+  status_.values().push_back(value(
+      "remedy", "find the program at that address and stop it; keep robots on a separate network"));
   for (const auto& drop : drops)
     status_.values().push_back(
         value(fmt::format("{} from {}", name(drop.drop), drop.source), std::to_string(drop.count)));
@@ -90,7 +89,8 @@ void GuardReport::publish() {
     try {
       writer_ = node_.open_writer({"rt/diagnostics", codec_->dds_name(), kDefault});
     } catch (const std::runtime_error& error) {  // a datagram must not terminate the process
-      node_.log.warn("what the network's guard drops stands only in this log: {}", error.what());
+      node_.log.warn("dropped datagrams are reported in this log only, not on /diagnostics: {}",
+                     error.what());
       refused_ = true;
       return;
     }

@@ -18,7 +18,7 @@ struct ClockParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("use_sim_time", use_sim_time, "time is what /clock says");
+    field("use_sim_time", use_sim_time, "true: the time is taken from /clock");
   }
 };
 
@@ -50,11 +50,11 @@ void report_security(const Security& security) {
   std::call_once(once, [&] {
     Logger log{"runtime"};
     if (security.on())
-      log.info("DDS Security by {}", security.folder);
+      log.info("DDS Security is on, from {}", security.folder);
     else
       log.warn(
-          "ROS_SECURITY_ENABLE=true, but this process runs without security, so that everybody on "
-          "this network can read and forge what it says: {}",
+          "ROS_SECURITY_ENABLE=true, but this process runs without security: anyone on this "
+          "network can read and forge its messages: {}",
           security.complaint);
   });
 }
@@ -138,11 +138,11 @@ std::shared_ptr<Reader> NodeCore::open_reader(const Endpoint& endpoint, Reader::
   Reader::Refused refused{
       .malformed =
           [warn, type = ros_type(endpoint.type)](std::size_t size) {
-            warn("malformed", fmt::format("{} bytes that are no {}", size, type));
+            warn("malformed", fmt::format("{} bytes that are not a valid {}", size, type));
           },
       .late =
           [warn, lifespan = endpoint.qos.lifespan] {
-            warn("late", fmt::format("a message that came more than {} s late", lifespan));
+            warn("late", fmt::format("a message that arrived more than {} s late", lifespan));
           }};
   auto reader =
       std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), std::move(refused));

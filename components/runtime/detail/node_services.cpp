@@ -31,7 +31,7 @@ rcl_interfaces::msg::SetLoggerLevelsResult set_level(
   }
   result.successful(known);
   if (!known)
-    result.reason(fmt::format("level {} is none of 0, 10, 20, 30, 40, 50", wanted.level()));
+    result.reason(fmt::format("level {} is not one of 0, 10, 20, 30, 40, 50", wanted.level()));
   return result;
 }
 
@@ -118,7 +118,7 @@ void NodeServices::announce(const ParameterTable::Values& declared,
   event.changed_parameters(changed);
   Bytes bytes;
   if (!event_codec_.encode(&event, bytes) || !events_->write(bytes))
-    node_.log.warn_every(1.0, "/parameter_events: a change was not sent");
+    node_.log.warn_every(1.0, "/parameter_events: a change could not be published");
 }
 
 }  // namespace tandem::runtime

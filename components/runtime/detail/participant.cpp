@@ -38,8 +38,8 @@ std::string resolved(const std::string& host) {
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> found{raw, freeaddrinfo};
   if (error != 0)
     throw std::runtime_error("ROS_STATIC_PEERS: '" + host +
-                             "' is no IPv4 address, and no host's name (" + gai_strerror(error) +
-                             ")");
+                             "' is neither an IPv4 address nor a known host name (" +
+                             gai_strerror(error) + ")");
   char text[INET_ADDRSTRLEN];
   sockaddr_in address{};
   std::memcpy(&address, found->ai_addr, sizeof address);
@@ -50,7 +50,7 @@ rtps::Locator_t peer(const std::string& host) {
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_UDPv4;
   if (!IpLocator::setIPv4(locator, resolved(host)))
-    throw std::runtime_error("ROS_STATIC_PEERS: '" + host + "' is no IPv4 address");
+    throw std::runtime_error("ROS_STATIC_PEERS: '" + host + "' is not an IPv4 address");
   locator.port = 0;  // 0 means all well-known ports of the domain
   return locator;
 }
@@ -107,9 +107,9 @@ void guard_transports(fdds::DomainParticipantQos& qos, const Environment& enviro
     else if (!environment.unguarded_transports)
       throw std::runtime_error(
           std::string{kProfilesVariable} +
-          " names a transport that is none of UDP: what arrives by it is not checked, and a "
-          "malformed packet can end this process. Leave UDP transports alone in it, or set "
-          "TANDEM_UNGUARDED_TRANSPORTS=1 to run all the same");
+          " names a transport other than UDP: packets on it are not checked, and a malformed one "
+          "can crash this process. Keep only UDP transports in the file, or set "
+          "TANDEM_UNGUARDED_TRANSPORTS=1 to run anyway");
   }
 }
 
@@ -154,7 +154,7 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
 
 template <class Entity>
 Entity* created(Entity* entity, const std::string& what) {
-  if (entity == nullptr) throw std::runtime_error("DDS refuses to create " + what);
+  if (entity == nullptr) throw std::runtime_error("DDS refused to create " + what);
   return entity;
 }
 
@@ -174,9 +174,10 @@ SharedTopic::SharedTopic(Participant& first, const std::string& dds_name,
   participant_ = &first.second();
   dds_ = participant_->acquire_topic(dds_name, dds_type);
   if (dds_ == nullptr)
-    throw std::runtime_error("topic " + ros_name(dds_name) +
-                             " is in use in this process with two other types, so it cannot be " +
-                             ros_type(dds_type) + " too");
+    throw std::runtime_error(
+        "topic " + ros_name(dds_name) +
+        " is in use in this process with two other types, so it cannot have type " +
+        ros_type(dds_type) + " too");
 }
 
 SharedTopic::~SharedTopic() { participant_->release_topic(name_); }
@@ -201,8 +202,8 @@ Participant::Participant(const Environment& environment, const Security& securit
   require_threads(kParticipantThreads);
   if (is_first && environment.unguarded_transports)
     Logger{"runtime"}.warn(
-        "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used, and what arrives by "
-        "them is not checked: a malformed packet can end this process");
+        "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used; packets on them are "
+        "not checked, and a malformed one can crash this process");
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   WireGuard::shared().expect_protection(security.protects_all);
   const DdsErrors errors;
@@ -210,7 +211,7 @@ Participant::Participant(const Environment& environment, const Security& securit
                                      participant_qos(environment, security),
                                      is_first ? &discovery_ : nullptr, fdds::StatusMask::none());
   if (dds_ == nullptr)
-    throw std::runtime_error("DDS refuses to create a participant in domain " +
+    throw std::runtime_error("DDS refused to create a participant in domain " +
                              std::to_string(environment.domain) + refusal(security, errors));
   publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
   subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
@@ -266,7 +267,8 @@ void Participant::release_topic(const std::string& dds_name) {
 void Participant::register_type(const std::string& dds_type) {
   if (types_.contains(dds_type)) return;
   fdds::TypeSupport type{new BytesType{dds_type, largest_sample_of(ros_type(dds_type))}};
-  if (!ok(type.register_type(dds_))) throw std::runtime_error("DDS refuses type " + dds_type);
+  if (!ok(type.register_type(dds_)))
+    throw std::runtime_error("DDS refused to register type " + dds_type);
   types_.emplace(dds_type, type);
 }
 

@@ -32,7 +32,7 @@ std::string remedy(const std::vector<Misfit>& misfits, const std::string& parame
   return text;
 }
 
-bool fits_wish(const KnownEndpoint& peer, const std::string& topic, const std::string& type) {
+bool fits_request(const KnownEndpoint& peer, const std::string& topic, const std::string& type) {
   return peer.writes && peer.topic == topic && peer.type == type;
 }
 
@@ -57,10 +57,10 @@ std::shared_ptr<void> PeerWatch::when_published(const std::string& topic, const 
 
 std::shared_ptr<void> PeerWatch::each_publisher(const std::string& topic, const std::string& type,
                                                 std::function<void(const Policies&)> fn) {
-  auto wish = std::make_shared<Wish>(Wish{topic, type, std::move(fn), {}});
-  wishes_.push_back(wish);
+  auto request = std::make_shared<Request>(Request{topic, type, std::move(fn), {}});
+  requests_.push_back(request);
   ++changes_;
-  return wish;
+  return request;
 }
 
 double PeerWatch::poll(double now) {
@@ -68,52 +68,52 @@ double PeerWatch::poll(double now) {
   if (state != seen_ || !settled_) {
     seen_ = state;
     const auto known = discovery_.endpoints();
-    grant_wishes(known);
-    judge(known, now);
+    notify_requests(known);
+    check(known, now);
   }
   return now + kPeriod;  // even if settled: discovery does not wake the loop
 }
 
-void PeerWatch::grant_wishes(const std::vector<KnownEndpoint>& known) {
-  for (std::size_t i = 0; i < wishes_.size(); ++i)  // a callback may add another
-    if (const auto wish = wishes_[i].lock()) grant(*wish, known);
-  std::erase_if(wishes_, [](const auto& wish) { return wish.expired(); });
+void PeerWatch::notify_requests(const std::vector<KnownEndpoint>& known) {
+  for (std::size_t i = 0; i < requests_.size(); ++i)  // a callback may add another
+    if (const auto request = requests_[i].lock()) notify(*request, known);
+  std::erase_if(requests_, [](const auto& request) { return request.expired(); });
 }
 
-void PeerWatch::grant(Wish& wish, const std::vector<KnownEndpoint>& known) {
+void PeerWatch::notify(Request& request, const std::vector<KnownEndpoint>& known) {
   std::set<rtps::GUID_t> publishers;
   std::vector<Policies> fresh;
   for (const auto& peer : known) {
-    if (!fits_wish(peer, wish.topic, wish.type)) continue;
+    if (!fits_request(peer, request.topic, request.type)) continue;
     publishers.insert(peer.guid);
-    if (!wish.told.contains(peer.guid)) fresh.push_back(peer.policies);
+    if (!request.told.contains(peer.guid)) fresh.push_back(peer.policies);
   }
-  wish.told = std::move(publishers);
-  for (const auto& offered : fresh) wish.fn(offered);
+  request.told = std::move(publishers);
+  for (const auto& offered : fresh) request.fn(offered);
 }
 
-void PeerWatch::judge(const std::vector<KnownEndpoint>& known, double now) {
+void PeerWatch::check(const std::vector<KnownEndpoint>& known, double now) {
   settled_ = true;
-  std::erase_if(judged_, [&](const rtps::GUID_t& guid) {
+  std::erase_if(checked_, [&](const rtps::GUID_t& guid) {
     return std::none_of(known.begin(), known.end(), [&](const auto& e) { return e.guid == guid; });
   });
   for (const auto& peer : known) {
-    if (judged_.contains(peer.guid)) continue;
+    if (checked_.contains(peer.guid)) continue;
     if (now - peer.since < settling_)
       settled_ = false;
     else
-      judge(peer, known);
+      check(peer, known);
   }
 }
 
 // One compatible endpoint of the node is enough: /e_stop, for example, has two readers.
-void PeerWatch::judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
+void PeerWatch::check(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
   std::vector<Misfit> worst;
   std::string mended;
   const Own* other_type = nullptr;
   for (const auto& own : own_) {
     if (own.endpoint.topic != peer.topic || own.writes == peer.writes) continue;
-    judged_.insert(peer.guid);
+    checked_.insert(peer.guid);
     if (own.endpoint.type != peer.type) {
       other_type = &own;
       continue;
@@ -125,7 +125,8 @@ void PeerWatch::judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint
   }
   const std::string topic = ros_name(peer.topic);
   const char* who = peer.writes ? "publisher" : "subscription";
-  const char* effect = peer.writes ? "nothing of it arrives here" : "it gets nothing from here";
+  const char* effect =
+      peer.writes ? "nothing from it arrives at this node" : "it receives nothing from this node";
   if (!worst.empty())
     log_.warn("{}: a {} has incompatible QoS, {} ({}){}", topic, who, effect,
               counted(worst, peer.writes), mended);

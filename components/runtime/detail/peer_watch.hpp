@@ -47,16 +47,16 @@ class PeerWatch {
     bool writes;
     Endpoint endpoint;
   };
-  struct Wish {
+  struct Request {
     std::string topic, type;
     std::function<void(const Policies&)> fn;
     std::set<rtps::GUID_t> told;  // publishers already passed to fn
   };
 
-  void grant_wishes(const std::vector<KnownEndpoint>& known);
-  static void grant(Wish& wish, const std::vector<KnownEndpoint>& known);
-  void judge(const std::vector<KnownEndpoint>& known, double now);
-  void judge(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known);
+  void notify_requests(const std::vector<KnownEndpoint>& known);
+  static void notify(Request& request, const std::vector<KnownEndpoint>& known);
+  void check(const std::vector<KnownEndpoint>& known, double now);
+  void check(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known);
   [[nodiscard]] bool hears_other_type(const KnownEndpoint& peer,
                                       const std::vector<KnownEndpoint>& known) const;
 
@@ -64,9 +64,9 @@ class PeerWatch {
   Logger& log_;
   double settling_;  // [s]
   std::vector<Own> own_;
-  std::vector<std::weak_ptr<Wish>> wishes_;
-  std::set<rtps::GUID_t> judged_;
-  long changes_ = 0;  // of own_ and wishes_
+  std::vector<std::weak_ptr<Request>> requests_;
+  std::set<rtps::GUID_t> checked_;
+  long changes_ = 0;  // of own_ and requests_
   std::pair<long, long> seen_{-1, -1};
   bool settled_ = false;
 };

@@ -14,10 +14,10 @@ struct QosParams {
   template <class Visitor>
   void visit(Visitor&& field) {
     field((prefix + "reliability").c_str(), reliability, OneOf{{"reliable", "best_effort"}},
-          "whether lost samples are sent again");
+          "whether lost samples are retransmitted");
     field((prefix + "durability").c_str(), durability, OneOf{{"volatile", "transient_local"}},
-          "whether late subscriptions get old samples");
-    field((prefix + "depth").c_str(), depth, Range{1.0, 10'000.0}, "samples kept");
+          "whether late subscriptions receive earlier samples");
+    field((prefix + "depth").c_str(), depth, Range{1.0, 10'000.0}, "number of samples kept");
   }
 };
 

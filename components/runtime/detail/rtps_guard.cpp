@@ -12,11 +12,11 @@ namespace {
 using namespace rtps_message;
 
 constexpr std::uint8_t kVersion = 2;
-constexpr std::size_t kMostBits = 256;         // maximum bits of a number set
-constexpr std::size_t kLeastFragment = 8;      // [bytes]; room for Fast DDS's list links
-constexpr std::size_t kStatisticsSize = 56;    // [bytes], as Fast DDS writes it
-constexpr std::size_t kLivelinessSize = 24;    // [bytes]: encapsulation, GUID prefix, kind, length
-constexpr std::size_t kMostMinorParts = 1024;  // maximum strings of a partition, and properties
+constexpr std::size_t kMaxBits = 256;         // maximum bits of a number set
+constexpr std::size_t kLeastFragment = 8;     // [bytes]; room for Fast DDS's list links
+constexpr std::size_t kStatisticsSize = 56;   // [bytes], as Fast DDS writes it
+constexpr std::size_t kLivelinessSize = 24;   // [bytes]: encapsulation, GUID prefix, kind, length
+constexpr std::size_t kMaxMinorParts = 1024;  // maximum strings of a partition, and properties
 
 enum Parameter : std::uint16_t {
   kSentinel = 0x01,
@@ -65,7 +65,7 @@ bool skip_string(Span value, bool little, std::size_t& at) {
 bool skip_list(Span value, bool little, std::size_t parts, std::size_t& at) {
   if (value.size() - at < 4) return false;
   const std::size_t count = u32(value.data() + at, little);
-  if (count > kMostMinorParts) return false;
+  if (count > kMaxMinorParts) return false;
   at += 4;
   for (std::size_t i = 0; i < count * parts; ++i)
     if (!skip_string(value, little, at)) return false;
@@ -280,8 +280,7 @@ Drop check_data_frag(const Submessage& data, const GuardLimits& limits) {
 bool has_set(const Submessage& submessage, std::size_t at, std::size_t base, std::size_t after) {
   if (submessage.body.size() < at + base + 4) return false;
   const std::size_t bits = submessage.u32(at + base);
-  return bits <= kMostBits &&
-         submessage.body.size() >= at + base + 4 + (bits + 31) / 32 * 4 + after;
+  return bits <= kMaxBits && submessage.body.size() >= at + base + 4 + (bits + 31) / 32 * 4 + after;
 }
 
 Drop check_acknack(const Submessage& acknack) {

@@ -12,8 +12,8 @@ namespace {
 
 using namespace rtps_message;
 
-constexpr std::uint8_t kTakenOut = 0x7f;    // unassigned submessage id, which readers skip
-constexpr std::size_t kMostWriters = 4096;  // maximum number of tracked writers
+constexpr std::uint8_t kTakenOut = 0x7f;   // unassigned submessage id, which readers skip
+constexpr std::size_t kMaxWriters = 4096;  // maximum number of tracked writers
 constexpr std::size_t kSlots = std::size_t{1} << 16;
 constexpr int kEndpointsOfAll = 24;          // per participant, exempt from the rate limit
 constexpr std::int64_t kFarthestNext = 256;  // maximum step of an endpoint's number
@@ -182,10 +182,10 @@ ReaderProgress::Source* ReaderProgress::find(const GuidPrefix& prefix, const std
   return found == writers_.end() ? nullptr : &found->second;
 }
 
-// Above kMostWriters an arbitrary writer is forgotten until its next message.
+// Above kMaxWriters an arbitrary writer is forgotten until its next message.
 ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::uint8_t* entity) {
   if (Source* known = find(prefix, entity)) return *known;
-  if (writers_.size() >= kMostWriters) writers_.erase(writers_.begin());
+  if (writers_.size() >= kMaxWriters) writers_.erase(writers_.begin());
   return writers_[key_of<Key>(prefix, entity)];
 }
 

@@ -17,13 +17,13 @@ std::string certificate_fault(const fs::path& folder) {
   const auto certificate = read_certificate(folder / "cert.pem");
   const auto authority = read_certificate(folder / "identity_ca.cert.pem");
   const auto key = read_key(folder / "key.pem");
-  if (!certificate) return "cert.pem is no certificate";
-  if (!authority) return "identity_ca.cert.pem is no certificate";
-  if (!key) return "key.pem is no key";
+  if (!certificate) return "cert.pem is not a certificate";
+  if (!authority) return "identity_ca.cert.pem is not a certificate";
+  if (!key) return "key.pem is not a key";
   if (X509_check_private_key(certificate.get(), key.get()) != 1)
     return "key.pem is not the key of cert.pem";
   if (X509_verify(certificate.get(), X509_get0_pubkey(authority.get())) != 1)
-    return "cert.pem was signed by another authority than identity_ca.cert.pem";
+    return "cert.pem was not signed by identity_ca.cert.pem";
   const int age = age_of(*certificate);
   if (age != 0) return age > 0 ? "cert.pem has expired" : "cert.pem is not valid yet";
   return {};
@@ -47,19 +47,18 @@ std::string signed_text(const fs::path& document, X509& authority) {
 std::string document_fault(const fs::path& folder) {
   const auto authority = read_certificate(folder / "permissions_ca.cert.pem");
   const auto certificate = read_certificate(folder / "cert.pem");
-  if (!authority) return "permissions_ca.cert.pem is no certificate";
+  if (!authority) return "permissions_ca.cert.pem is not a certificate";
   for (const char* name : {"governance.p7s", "permissions.p7s"}) {
     const std::string text = signed_text(folder / name, *authority);
     if (text.empty())
       return std::string{name} +
-             " was changed after it was signed, or was signed by another authority than "
-             "permissions_ca.cert.pem";
+             " was changed after it was signed, or was not signed by permissions_ca.cert.pem";
     char subject[256] = {};
     X509_NAME_get_text_by_NID(X509_get_subject_name(certificate.get()), NID_commonName, subject,
                               sizeof subject);
     const bool of_enclave = std::string{name} == "permissions.p7s";
     if (of_enclave && text.find(std::string{"CN="} + subject) == std::string::npos)
-      return std::string{name} + " are not those of " + subject + ", whose certificate is cert.pem";
+      return std::string{name} + " are not for " + subject + ", the subject of cert.pem";
   }
   return {};
 }

@@ -53,7 +53,7 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
   const auto& client = info.related_sample_identity.writer_guid();
   if (known(client)) reply.to.writer_guid(client);
   if (!response_codec_.encode(responder_.response(), reply.bytes))
-    node_.log.error("{}: the response could not be written", service_);
+    node_.log.error("{}: the response could not be sent", service_);
   else if (replies_.size() < kMaxQueue)
     replies_.push_back(std::move(reply));
   poller_->next = 0.0;
@@ -76,7 +76,7 @@ void Server::send(Reply& reply) {
   rtps::WriteParams params;
   params.related_sample_identity(reply.to);
   if (!writer_->write(reply.bytes, params))
-    node_.log.warn_every(1.0, "{}: a response was not sent", service_);
+    node_.log.warn_every(1.0, "{}: a response could not be sent", service_);
 }
 
 Caller::Caller(NodeCore& node, const std::string& service, const std::string& request_type,

@@ -30,8 +30,8 @@ void require_threads(int count) {
   } catch (const std::system_error&) {
     end.count_down();
     throw std::runtime_error(
-        fmt::format("DDS needs {} threads, and the system gives this process {}; raise `ulimit -u` "
-                    "(now {}) or the container's limit of processes",
+        fmt::format("DDS needs {} threads, but the system allows this process only {}; raise "
+                    "`ulimit -u` (now {}) or the container's process limit",
                     count, threads.size(), process_limit()));
   }
   end.count_down();

@@ -41,7 +41,7 @@ GetTypeDescription::Response describe_type(const GetTypeDescription::Request& re
   GetTypeDescription::Response answer;
   const DescribedType* type = described_type(request.type_name());
   if (type == nullptr) {
-    answer.failure_reason("this node knows no type of that name");
+    answer.failure_reason("this node has no type of that name");
     return answer;
   }
   if (!request.type_hash().empty() && request.type_hash() != type->hash) {

@@ -68,7 +68,7 @@ void WireGuard::release_report(const void* who) { reporter_.compare_exchange_str
 void WireGuard::count(Drop drop, std::uint32_t source, int times) {
   dropped_ += static_cast<std::uint64_t>(times);
   const std::lock_guard lock{mutex_};
-  const bool apart = by_source_.contains(source) || by_source_.size() < kMostSources;
+  const bool apart = by_source_.contains(source) || by_source_.size() < kMaxSources;
   auto& counts = apart ? by_source_[source] : by_others_;
   counts[static_cast<std::size_t>(drop)] += static_cast<std::uint64_t>(times);
 }

@@ -17,14 +17,14 @@ namespace tandem::runtime {
 /// Number of dropped datagrams of one kind from one source.
 struct DropCount {
   Drop drop;
-  std::string source;  ///< "192.168.1.7"; "others" beyond kMostSources
+  std::string source;  ///< "192.168.1.7"; "others" beyond kMaxSources
   std::uint64_t count;
 };
 
 /// Checks each datagram before Fast DDS parses it and counts the dropped ones. Thread-safe.
 class WireGuard {
  public:
-  static constexpr std::size_t kMostSources = 64;  ///< sources counted separately
+  static constexpr std::size_t kMaxSources = 64;  ///< sources counted separately
 
   explicit WireGuard(const GuardLimits& limits) : limits_{limits} {}
 

@@ -96,19 +96,19 @@ TEST_F(Keystores, StayAsTheyAreWhenMadeAgainButForPermissions) {
   EXPECT_EQ(fault(), "");
 }
 
-TEST_F(Keystores, MakeAnExpiredCertificateAnew) {
+TEST_F(Keystores, RenewAnExpiredCertificate) {
   create_enclave(store, "/c", some_permissions(), 7, past());
   EXPECT_EQ(rt::security_fault(store / "enclaves/c"), "cert.pem has expired");
   create_enclave(store, "/c", some_permissions(), 7);
   EXPECT_EQ(rt::security_fault(store / "enclaves/c"), "");
 }
 
-TEST_F(Keystores, RefuseNamesThatAreNoEnclave) {
+TEST_F(Keystores, RefuseInvalidEnclaveNames) {
   for (const char* name : {"", "/", "a", "/a/", "/../a", "/a b"})
     EXPECT_THROW(create_enclave(store, name, some_permissions(), 7), std::invalid_argument) << name;
 }
 
-TEST_F(Keystores, TellWhatWasChanged) {
+TEST_F(Keystores, ReportWhatWasChanged) {
   const auto swap_in_file = [](const fs::path& file, const std::string& from,
                                const std::string& to) {
     std::string text = text_in(file);
@@ -123,7 +123,7 @@ TEST_F(Keystores, TellWhatWasChanged) {
   EXPECT_TRUE(fault().starts_with("governance.p7s was changed after it was signed")) << fault();
 }
 
-TEST_F(Keystores, TellAForeignAuthorityKeyOrPermissions) {
+TEST_F(Keystores, ReportAForeignAuthorityKeyOrPermissions) {
   const fs::path other = folder.path() / "other";
   create_keystore(other, 7);
   create_enclave(other, "/a/b", some_permissions(), 7);
@@ -133,12 +133,12 @@ TEST_F(Keystores, TellAForeignAuthorityKeyOrPermissions) {
   take("cert.pem", other / "enclaves/a/b");
   EXPECT_EQ(fault(), "key.pem is not the key of cert.pem");
   take("key.pem", other / "enclaves/a/b");
-  EXPECT_EQ(fault(), "cert.pem was signed by another authority than identity_ca.cert.pem");
+  EXPECT_EQ(fault(), "cert.pem was not signed by identity_ca.cert.pem");
   create_enclave(store, "/a/b", some_permissions(), 7);  // replaces the foreign certificate
   EXPECT_EQ(fault(), "");
   create_enclave(store, "/c", some_permissions(), 7);
   take("permissions.p7s", store / "enclaves/c");
-  EXPECT_EQ(fault(), "permissions.p7s are not those of /a/b, whose certificate is cert.pem");
+  EXPECT_EQ(fault(), "permissions.p7s are not for /a/b, the subject of cert.pem");
 }
 
 TEST(PermissionNames, AreThoseOfRos2OnDds) {

@@ -85,7 +85,7 @@ TEST_F(GraphTest, ListsANodeWithTheGidsOfItsEndpoints) {
     EXPECT_TRUE(std::equal(prefix, prefix + 12, gid.data().begin()));
 }
 
-TEST_F(GraphTest, TellsOfABatchOfChangesInOneSample) {
+TEST_F(GraphTest, ReportsABatchOfChangesInOneSample) {
   std::vector<std::size_t> writers;  // of the node, sample by sample
   rt::Reader every{*participant_,
                    {"ros_discovery_info", codec_.dds_name(), {.depth = 100}},
@@ -139,7 +139,7 @@ TEST_F(HumbleGraphTest, EncodesGidsOfTwentyFourBytes) {
                           [](auto byte) { return byte == 0; }));
 }
 
-TEST_F(GraphTest, ForgetsWhatIsGone) {
+TEST_F(GraphTest, ForgetsRemovedEndpoints) {
   const rt::Topic<std_msgs::msg::Bool> topic{"e_stop"};
   {
     rt::Node other{rt::NodeOptions{.name = "brief", .serves_tools = false}};

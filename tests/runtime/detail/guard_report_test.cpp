@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTimeout = 10.0;  // [s]
 
-TEST(GuardReport, SaysWhatWasDroppedAndFromWhereNoMoreThanOnceAMinute) {
+TEST(GuardReport, ReportsDropsAndTheirSourceAtMostOnceAMinute) {
   rt::Node node{"listener"};
   std::map<std::string, int> messages;  // of the guard, and how often each was said
   Diagnoses diagnoses;

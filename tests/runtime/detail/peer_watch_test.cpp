@@ -49,13 +49,14 @@ TEST(Misfits, KnowDeadlineAndLiveliness) {
   EXPECT_TRUE(rt::misfits({.deadline = 0.1, .liveliness = 2}, ours).empty());
 }
 
-TEST(PeerWatch, SaysOnceThatQosDoesNotFit) {
+TEST(PeerWatch, ReportsIncompatibleQosOnce) {
   test::CapturedLog log;
   rt::Node node{"picky"}, other{"careless"};
   const auto publisher = other.create_publisher(kTwist, rt::kBestEffort(5));
   const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
   const std::string said =
-      "/cmd_vel: a publisher has incompatible QoS, nothing of it arrives here (reliability: it "
+      "/cmd_vel: a publisher has incompatible QoS, nothing from it arrives at this node "
+      "(reliability: it "
       "offers best effort, this node requests reliable)";
   EXPECT_TRUE(spin_until([&] { return log.lines(said) == 1; }, kTimeout, node));
   const auto late = other.create_publisher(rt::Topic<Twist>{"elsewhere"});  // makes it look again
@@ -63,7 +64,7 @@ TEST(PeerWatch, SaysOnceThatQosDoesNotFit) {
   EXPECT_EQ(log.lines("incompatible QoS"), 1);
 }
 
-TEST(PeerWatch, NamesTheParametersThatMendAMisfit) {
+TEST(PeerWatch, NamesTheParametersThatResolveAMismatch) {
   test::CapturedLog log;
   rt::Node node{"strict"}, other{"careless"};
   const auto subscription = node.create_subscription(kStop, [](const auto&) {});
@@ -81,7 +82,7 @@ TEST(PeerWatch, NamesTheParametersThatMendAMisfit) {
       kTimeout, node));
 }
 
-TEST(PeerWatch, NamesNoParameterWhereNoneMendsIt) {
+TEST(PeerWatch, NamesNoParameterIfNoneResolvesIt) {
   EXPECT_EQ(rt::override_for({"deadline", "none", "0.1 s"}, false), "");
   EXPECT_EQ(rt::override_for({"liveliness", "automatic", "manual by topic"}, false), "");
   EXPECT_EQ(rt::override_for({"durability", "transient local", "persistent"}, false), "");
@@ -94,12 +95,12 @@ TEST(PeerWatch, NamesNoParameterWhereNoneMendsIt) {
   EXPECT_EQ(log.lines("qos_overrides"), 0) << "it reads no such parameters";
 }
 
-TEST(PeerWatch, NoticesWhoComesAfterAllWasSettled) {
+TEST(PeerWatch, NoticesPeersThatJoinLater) {
   test::CapturedLog log;
   rt::Node node{"patient"}, other{"late"};
   const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
   bool stamped = false;
-  const auto wish = node.when_published(kStamped, [&] { stamped = true; });
+  const auto request = node.when_published(kStamped, [&] { stamped = true; });
   let_pass(kSettled, node);
   const auto careless = other.create_publisher(kTwist, rt::kBestEffort(5));
   const auto publisher = other.create_publisher(kStamped);
@@ -107,7 +108,7 @@ TEST(PeerWatch, NoticesWhoComesAfterAllWasSettled) {
       spin_until([&] { return stamped && log.lines("incompatible QoS") == 1; }, kTimeout, node));
 }
 
-TEST(PeerWatch, SaysItOfSubscriptionsToo) {
+TEST(PeerWatch, ReportsSubscriptionsToo) {
   test::CapturedLog log;
   rt::Node node{"volatile"}, other{"late"};
   const auto publisher = node.create_publisher(kStop, rt::kDefault);
@@ -115,7 +116,8 @@ TEST(PeerWatch, SaysItOfSubscriptionsToo) {
   EXPECT_TRUE(spin_until(
       [&] {
         return log.lines(
-                   "/e_stop: a subscription has incompatible QoS, it gets nothing from here "
+                   "/e_stop: a subscription has incompatible QoS, it receives nothing from this "
+                   "node "
                    "(durability: it requests transient local, this node offers volatile)") == 1;
       },
       kTimeout, node));
@@ -134,7 +136,7 @@ TEST(PeerWatch, IsSilentWhereOneOfTwoSubscriptionsFits) {
   EXPECT_EQ(log.lines("incompatible QoS"), 0);
 }
 
-TEST(PeerWatch, SaysThatATypeDoesNotFit) {
+TEST(PeerWatch, ReportsAMismatchedType) {
   test::CapturedLog log;
   rt::Node node{"plain"}, other{"stamping"};
   const auto publisher = other.create_publisher(kStamped);
@@ -143,15 +145,16 @@ TEST(PeerWatch, SaysThatATypeDoesNotFit) {
       [&] {
         return log.lines(
                    "/cmd_vel: a publisher of geometry_msgs/msg/TwistStamped does not fit "
-                   "this node's geometry_msgs/msg/Twist: nothing of it arrives here") == 1;
+                   "this node's geometry_msgs/msg/Twist: nothing from it arrives at this node") ==
+               1;
       },
       kTimeout, node));
 }
 
-TEST(PeerWatch, CallsWhoWaitsForAType) {
+TEST(PeerWatch, CallsBackWhenTheTypeIsPublished) {
   rt::Node node{"waiting"}, other{"stamping"};
   int calls = 0;
-  const auto wish = node.when_published(kStamped, [&] { ++calls; });
+  const auto request = node.when_published(kStamped, [&] { ++calls; });
   const auto plain = other.create_publisher(kTwist);
   EXPECT_FALSE(spin_until([&] { return calls > 0; }, 0.3, node));
   const auto stamped = other.create_publisher(kStamped);
@@ -161,11 +164,11 @@ TEST(PeerWatch, CallsWhoWaitsForAType) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST(PeerWatch, DoesNotCallWhoHasGone) {
+TEST(PeerWatch, DoesNotCallBackAfterCancellation) {
   rt::Node node{"gone"};
   int calls = 0;
-  auto wish = node.when_published(kStamped, [&] { ++calls; });
-  wish.reset();
+  auto request = node.when_published(kStamped, [&] { ++calls; });
+  request.reset();
   const auto stamped = node.create_publisher(kStamped);
   let_pass(0.3, node);
   EXPECT_EQ(calls, 0);
@@ -201,9 +204,10 @@ TEST(Topics, RefuseAThirdTypeUnderOneName) {
     const auto third = node.create_publisher(rt::Topic<std_msgs::msg::Bool>{"cmd_vel"});
     FAIL() << "accepted";
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(),
-                 "topic /cmd_vel is in use in this process with two other types, so it cannot be "
-                 "std_msgs/msg/Bool too");
+    EXPECT_STREQ(
+        error.what(),
+        "topic /cmd_vel is in use in this process with two other types, so it cannot have type "
+        "std_msgs/msg/Bool too");
   }
 }
 

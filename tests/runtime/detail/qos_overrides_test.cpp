@@ -67,18 +67,19 @@ TEST(QosOverrides, HoldForEverySubscriptionButForItsOtherDurability) {
   EXPECT_EQ(durable, 1);
 }
 
-TEST(QosOverrides, OfATopicThatNobodyOpensAreRefused) {
+TEST(QosOverrides, ForAnUnopenedTopicAreRefused) {
   rt::Node node{with({{"qos_overrides./nobody.publisher.depth", "3"}})};
   EXPECT_THROW(node.check_parameters(), std::invalid_argument);
 }
 
-TEST(QosOverrides, AreRefusedWhereTheyAreNone) {
+TEST(QosOverrides, AreRefusedIfInvalid) {
   rt::Node node{with({{"qos_overrides./chair/cmd_vel.publisher.reliability", "perhaps"}})};
   try {
     const auto publisher = node.create_publisher(kTwist);
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string{error.what()}.find("none of {reliable, best_effort}"), std::string::npos)
+    EXPECT_NE(std::string{error.what()}.find("not one of {reliable, best_effort}"),
+              std::string::npos)
         << error.what();
   }
 }

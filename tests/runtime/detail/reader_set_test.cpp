@@ -75,7 +75,7 @@ TEST_F(HearsEvery, PublisherThatWasThereBefore) {
   EXPECT_TRUE(is_heard(publisher, 1.0));
 }
 
-TEST_F(HearsEvery, LatchedWordThatWasSaidBefore) {
+TEST_F(HearsEvery, LatchedMessagePublishedEarlier) {
   const auto publisher = sender_.create_publisher(kKept);
   publisher.publish(number(1.0));
   const auto subscription = hear(kKept);

@@ -72,7 +72,7 @@ TEST_F(RosOut, CarriesTheLevelOfEachLine) {
   EXPECT_TRUE(heard("not at all")->file().ends_with("rosout_test.cpp"));
 }
 
-TEST_F(RosOut, CarriesEachThingThatIsMissingAtFirstAsNewsThenAsAWarning) {
+TEST_F(RosOut, LogsWhatIsMissingFirstAsInfoThenAsAWarning) {
   for (const char* what : {"no map", "no goal", "no map"})
     node_.log().missing_every(10.0, "standing: {}", what);
   ASSERT_TRUE(heard("standing: no map") && heard("standing: no goal"));
@@ -86,7 +86,7 @@ TEST_F(RosOut, CarriesEachThingThatIsMissingAtFirstAsNewsThenAsAWarning) {
   EXPECT_EQ(std::ranges::count(texts(), "standing: no map"), 1);
 }
 
-TEST_F(RosOut, TellsALateListenerWhatWasBefore) {
+TEST_F(RosOut, DeliversEarlierLinesToALateSubscription) {
   node_.log().info("before");
   std::string late;
   rt::Node other{rt::NodeOptions{.name = "late", .serves_tools = false}};
@@ -167,7 +167,7 @@ TEST_F(LoggerLevels, LetDebugLinesThroughAndHoldThemBackAgain) {
   EXPECT_EQ(texts(), (std::vector<std::string>{"heard", "the last"}));
 }
 
-TEST_F(LoggerLevels, RefuseOtherLoggersAndLevelsThatAreNone) {
+TEST_F(LoggerLevels, RefuseOtherLoggersAndInvalidLevels) {
   EXPECT_FALSE(set("nobody", 10));
   EXPECT_FALSE(set("robot.gate", 25));
   EXPECT_EQ(get("robot.gate"), 20U);

@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(RtpsGuard, InBothOrders, testing::Bool(), [](const auto
 // --- recorded
 // --------------------------------------------------------------------------------------
 
-TEST(RtpsGuard, DropsEveryDatagramThatIsKnownToEndAProcess) {
+TEST(RtpsGuard, DropsEveryDatagramKnownToCrashAProcess) {
   const auto files = test::datagram_files("hostile");
   ASSERT_GE(files.size(), 6u);
   for (const auto& file : files) EXPECT_NE(kind_of(test::read(file)), "none") << file;
@@ -69,7 +69,7 @@ TEST(RtpsGuard, DropsEveryTruncationInsideASubmessage) {
 // --- header and submessages
 // -----------------------------------------------------------------------
 
-TEST(RtpsGuard, WantsAHeaderOfRtps2) {
+TEST(RtpsGuard, RequiresAnRtps2Header) {
   EXPECT_EQ(check(Octets{}), Drop::kHeader);
   EXPECT_EQ(check(Octets(19, 'R')), Drop::kHeader);
   Octets octets = Datagram{}.octets();
@@ -99,7 +99,7 @@ TEST_P(InBothOrders, TakesTheRestOfTheDatagramForALengthOfZero) {
             Drop::kNumberSet);
 }
 
-TEST_P(InBothOrders, WantsWholeSubmessages) {
+TEST_P(InBothOrders, RequiresWholeSubmessages) {
   Octets octets = datagram().add_heartbeat(1, 5).octets();
   octets.pop_back();
   EXPECT_EQ(check(octets), Drop::kSubmessage);
@@ -123,7 +123,7 @@ TEST_P(InBothOrders, PassesDataWithAndWithoutInlineQos) {
   EXPECT_EQ(check(datagram().add_data({.flags = 0}, {})), Drop::kNone);
 }
 
-TEST_P(InBothOrders, DropsDataWhoseInlineQosLeaveTheSubmessage) {
+TEST_P(InBothOrders, DropsDataWhoseInlineQosExceedsTheSubmessage) {
   EXPECT_EQ(check(datagram().add_data({.to_inline_qos = 0}, Octets(8, 1))), Drop::kInlineQos);
   EXPECT_EQ(check(datagram().add_data({.to_inline_qos = 0xffff}, Octets(8, 1))), Drop::kInlineQos);
   EXPECT_EQ(check(datagram().add_data({.to_inline_qos = 26}, Octets(8, 1))), Drop::kInlineQos);
@@ -179,7 +179,7 @@ TEST_P(InBothOrders, DropsFragmentsThatContradictThemselves) {
 }
 
 // Fast DDS keeps numbers in the sample's memory, at the next multiple of four of each fragment.
-TEST_P(InBothOrders, DropsAFragmentWhoseListWouldLeaveTheSample) {
+TEST_P(InBothOrders, DropsAFragmentWhoseListExceedsTheSample) {
   const test::Fragment tiny_end{.first = 1, .count = 2, .size = 1001, .sample = 1002};
   EXPECT_EQ(check(datagram().add_data_frag(tiny_end, Octets(1002, 1))), Drop::kFragment);
   const test::Fragment usual{.first = 1, .count = 2, .size = 1000, .sample = 1001};
@@ -189,7 +189,7 @@ TEST_P(InBothOrders, DropsAFragmentWhoseListWouldLeaveTheSample) {
 // --- acknowledgements
 // -------------------------------------------------------------------------------
 
-TEST_P(InBothOrders, WantsSetsOfAtMost256NumbersThatAreThere) {
+TEST_P(InBothOrders, RequiresSetsOfAtMost256PresentNumbers) {
   EXPECT_EQ(check(datagram().add_acknack(0, 0)), Drop::kNone);
   EXPECT_EQ(check(datagram().add_acknack(7, 256)), Drop::kNone);
   EXPECT_EQ(check(datagram().add_acknack(7, 257)), Drop::kNumberSet);
@@ -205,7 +205,7 @@ TEST_P(InBothOrders, WantsSetsOfAtMost256NumbersThatAreThere) {
   EXPECT_EQ(check(datagram().add_gap(3, 5, 1000)), Drop::kNumberSet);
 }
 
-TEST_P(InBothOrders, WantsHeartbeatsOfSamplesThatCanBe) {
+TEST_P(InBothOrders, RequiresHeartbeatsWithPossibleSamples) {
   EXPECT_EQ(check(datagram().add_heartbeat(1, 0)), Drop::kNone);  // nothing written yet
   EXPECT_EQ(check(datagram().add_heartbeat(100'000'000, 100'000'009)), Drop::kNone);
   EXPECT_EQ(check(datagram().add_heartbeat(0, 5)), Drop::kNumberSet);
@@ -220,7 +220,7 @@ TEST_P(InBothOrders, WantsHeartbeatsOfSamplesThatCanBe) {
 
 constexpr std::uint32_t kSpdp = 0x000100c2, kLiveliness = 0x000200c2;
 
-TEST_P(InBothOrders, WantsAnnouncementsWhoseValuesFit) {
+TEST_P(InBothOrders, RequiresAnnouncementsWhoseValuesFit) {
   const auto announced = [&](const test::Parameters& parameters) {
     return check(datagram().add_announcement(kSpdp, parameters));
   };
@@ -241,7 +241,7 @@ TEST_P(InBothOrders, WantsAnnouncementsWhoseValuesFit) {
 }
 
 // CVE-2024-30258: a token of DDS Security says how many properties follow.
-TEST_P(InBothOrders, DropsTokensWhoseCountsNoBytesStandBehind) {
+TEST_P(InBothOrders, DropsTokensWhoseCountsExceedTheirBytes) {
   const auto token = [&](std::uint32_t texts, std::uint32_t binaries) {
     Octets octets;
     for (const std::uint32_t number : {4U, 0x00636261U, texts, binaries})  // "abc", two counts
@@ -260,7 +260,7 @@ TEST_P(InBothOrders, DropsTokensWhoseCountsNoBytesStandBehind) {
   }
 }
 
-TEST_P(InBothOrders, WantsAnnouncementsToBeParameterLists) {
+TEST_P(InBothOrders, RequiresAnnouncementsToBeParameterLists) {
   const auto payload = [&](Octets octets) {
     return check(datagram().add_data({.writer = kSpdp}, octets));
   };
@@ -272,7 +272,7 @@ TEST_P(InBothOrders, WantsAnnouncementsToBeParameterLists) {
   EXPECT_EQ(payload({0, 3, 0, 0, 0x50, 0, 0xff, 0xff, 1, 0, 0, 0}), Drop::kDiscovery);
 }
 
-TEST_P(InBothOrders, WantsLivelinessToNameItsParticipant) {
+TEST_P(InBothOrders, RequiresLivelinessToNameItsParticipant) {
   EXPECT_EQ(check(datagram().add_data({.writer = kLiveliness}, Octets(28, 1))), Drop::kNone);
   EXPECT_EQ(check(datagram().add_data({.writer = kLiveliness}, Octets(12, 1))), Drop::kDiscovery);
 }
@@ -346,7 +346,7 @@ TEST_P(InBothOrders, PassesSecurityMessagesAsDdsWritesThem) {
   }
 }
 
-TEST_P(InBothOrders, DropsSecurityMessagesWhoseCountsNoBytesStandBehind) {
+TEST_P(InBothOrders, DropsSecurityMessagesWhoseCountsExceedTheirBytes) {
   const bool little = GetParam();
   for (const auto writer : {kStateless, kVolatile})
     for (const std::uint32_t lie : {2U, 0x7fffffffU, 0xffffffffU}) {
@@ -360,7 +360,7 @@ TEST_P(InBothOrders, DropsSecurityMessagesWhoseCountsNoBytesStandBehind) {
     }
 }
 
-TEST_P(InBothOrders, WhereAllIsProtectedNobodyMaySayGoodbyeForOthers) {
+TEST_P(InBothOrders, UnderFullProtectionForgedGoodbyesAreDropped) {
   rt::GuardLimits limits = kLimits;
   limits.all_protected = true;
   const Octets list = Datagram::list_payload({}, GetParam());
@@ -390,7 +390,7 @@ TEST_P(InBothOrders, DropsCutAndFragmentedSecurityMessages) {
 }
 
 // Datagrams that an outsider may send where the governance protects all of them.
-TEST_P(InBothOrders, WhereAllIsProtectedOnlyDiscoveryAndAuthenticationPassUnprotected) {
+TEST_P(InBothOrders, UnderFullProtectionOnlyDiscoveryAndAuthenticationPassUnprotected) {
   rt::GuardLimits limits = kLimits;
   limits.all_protected = true;
   const auto check_one = [&](const Datagram& one) { return check_datagram(one.octets(), limits); };

@@ -58,7 +58,7 @@ class Progress : public testing::TestWithParam<bool> {
 };
 INSTANTIATE_TEST_SUITE_P(Orders, Progress, testing::Bool());
 
-TEST_P(Progress, LeavesWhatIsUsualAsItIs) {
+TEST_P(Progress, LeavesUsualTrafficUnchanged) {
   acknowledge(5);
   EXPECT_TRUE(passes(from_peer().add_data({.number = 5}, Octets(8, 1))));
   EXPECT_TRUE(passes(from_peer().add_gap(6, 30, 32)));
@@ -66,7 +66,7 @@ TEST_P(Progress, LeavesWhatIsUsualAsItIs) {
   EXPECT_TRUE(passes(from_peer().add_data({.number = 20}, Octets(8, 1))));
 }
 
-TEST_P(Progress, LeavesWritersAloneOfWhomNothingWasAcknowledged) {
+TEST_P(Progress, LeavesUnacknowledgedWritersAlone) {
   acknowledge(0);
   EXPECT_TRUE(passes(from_peer().add_data({.number = kFar}, Octets(8, 1))));
   EXPECT_TRUE(passes(from_peer().add_heartbeat(kFar, kFar + 9)));
@@ -74,7 +74,7 @@ TEST_P(Progress, LeavesWritersAloneOfWhomNothingWasAcknowledged) {
 }
 
 // A GAP from what the reader waits for to anywhere: what is old does not exist any more.
-TEST_P(Progress, SaysAWideGapAsAHeartbeat) {
+TEST_P(Progress, RewritesAWideGapAsAHeartbeat) {
   acknowledge(7);
   const Octets octets = narrowed_again(from_peer().add_gap(7, kFar, 64));
   const auto heartbeat = first_of(octets);
@@ -123,7 +123,7 @@ TEST_P(Progress, TakesOutWhatLiesBeyondTheWindow) {
   EXPECT_TRUE(passes(from_peer().add_data({.number = beyond}, Octets(8, 1))));
 }
 
-TEST_P(Progress, BelievesNoSingleSampleThatLeapsOfAWriterThatNobodyAcknowledges) {
+TEST_P(Progress, RejectsASingleLeapingSampleOfAnUnacknowledgedWriter) {
   const auto sample = [](std::int64_t number) {
     return std::move(from_peer().add_data({.number = number}, Octets(8, 1)));
   };
@@ -136,7 +136,7 @@ TEST_P(Progress, BelievesNoSingleSampleThatLeapsOfAWriterThatNobodyAcknowledges)
   EXPECT_TRUE(passes(sample(1301)));
 }
 
-TEST_P(Progress, BelievesNoSingleHeartbeatThatLeaps) {
+TEST_P(Progress, RejectsASingleLeapingHeartbeat) {
   acknowledge(7);
   EXPECT_TRUE(passes(from_peer().add_heartbeat(7, 9, 100)));
   EXPECT_TRUE(passes(from_peer().add_heartbeat(20, 29, 101)));  // a few were lost
@@ -164,7 +164,7 @@ TEST_P(Progress, TakesTheLastNumberThatThereIs) {
   EXPECT_TRUE(passes(from_peer().add_data({.number = kLast}, Octets(8, 1))));
 }
 
-TEST_P(Progress, MindsTheReaderThatIsLeastFar) {
+TEST_P(Progress, FollowsTheReaderThatIsFarthestBehind) {
   acknowledge(10'000);
   progress_.sent(
       Datagram{GetParam()}.add_destination(kPeer).add_acknack(5, 0, -1, 0x00001304).octets());
