@@ -83,7 +83,8 @@ std::vector<std::string> databases_in(const std::string& path) {
   std::sort(files.begin(), files.end());
   if (!files.empty()) return files;
   throw std::runtime_error(
-      path + " holds no .db3; is it a recording, and of storage sqlite3, not mcap? If it is mcap," +
+      path +
+      " contains no .db3; is it a recording stored as sqlite3 rather than mcap? If it is mcap," +
       how_to_convert(path));
 }
 
@@ -104,7 +105,7 @@ void check_format(const Database& database, const std::string& topic, const std:
 }  // namespace
 
 BagWriter::BagWriter(const std::string& folder) : folder_{folder} {
-  if (fs::exists(folder)) throw std::runtime_error(folder + " exists already");
+  if (fs::exists(folder)) throw std::runtime_error(folder + " already exists");
   fs::create_directories(folder);
   const fs::path path{folder};
   const std::string stem = path.has_filename() ? path.filename() : path.parent_path().filename();

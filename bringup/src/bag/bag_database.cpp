@@ -19,13 +19,13 @@ constexpr int kBusy = 1000;  // [ms] to wait for another process's lock on the f
 std::string mend(int result, const std::string& file) {
   switch (result) {
     case SQLITE_CORRUPT:  // truncated, or a sector is lost
-      return "; save what is left of it: sqlite3 " + file + " .recover | sqlite3 saved.db3";
+      return "; recover what is left of it: sqlite3 " + file + " .recover | sqlite3 saved.db3";
     case SQLITE_NOTADB:
     case SQLITE_ERROR:  // no such table
-      return "; is it a recording, and of storage sqlite3, not mcap? If it is mcap," +
+      return "; is it a recording stored as sqlite3 rather than mcap? If it is mcap," +
              how_to_convert(file);
     case SQLITE_FULL:
-      return "; make room on the disk";
+      return "; free some disk space";
     default:
       return "";
   }
@@ -54,7 +54,7 @@ class TemporaryFolder {
   TemporaryFolder() : path_{fs::temp_directory_path() / "tandem_bag_XXXXXX"} {
     std::string name = path_.string();
     if (mkdtemp(name.data()) == nullptr)
-      throw std::runtime_error(name + ": cannot be made; name another folder by TMPDIR");
+      throw std::runtime_error(name + ": cannot be created; choose another folder with TMPDIR");
     path_ = name;
   }
   ~TemporaryFolder() {

@@ -42,7 +42,7 @@ void decompress_all(const Read& read, const Write& write) {
       is_full = output.pos == output.size;
     }
   }
-  if (left != 0) throw std::runtime_error("zstd: cut off");
+  if (left != 0) throw std::runtime_error("zstd: truncated");
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> decompress(std::span<const std::uint8_t> bytes) {
       },
       [&](std::span<const char> part) {
         if (part.size() > kLargestMessage - plain.size())
-          throw std::runtime_error("zstd: a message of more than 1 GiB");
+          throw std::runtime_error("zstd: a message larger than 1 GiB");
         plain.insert(plain.end(), part.begin(), part.end());
       });
   return plain;
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> decompress(std::span<const std::uint8_t> bytes) {
 void decompress_file(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::ifstream compressed{from, std::ios::binary};
   std::ofstream plain{to, std::ios::binary};
-  if (!compressed) throw std::runtime_error("cannot be read; check its permissions");
+  if (!compressed) throw std::runtime_error("not readable; check its permissions");
   decompress_all(
       [&](std::vector<char>& buffer) {
         compressed.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
@@ -79,8 +79,9 @@ void decompress_file(const std::filesystem::path& from, const std::filesystem::p
       },
       [&](std::span<const char> part) {
         if (!plain.write(part.data(), static_cast<std::streamsize>(part.size())).flush())
-          throw std::runtime_error("decompressed it does not fit into " +
-                                   to.parent_path().string() + "; name another folder by TMPDIR");
+          throw std::runtime_error("the decompressed file does not fit into " +
+                                   to.parent_path().string() +
+                                   "; choose another folder with TMPDIR");
       });
 }
 

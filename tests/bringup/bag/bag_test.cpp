@@ -128,7 +128,7 @@ TEST_F(Bag, KeepsWhatWasCommittedWhenItsProcessDies) {
   EXPECT_TRUE(fs::exists(folder_ / "metadata.yaml"));
 }
 
-TEST_F(Bag, ThatIsStillWrittenIsReadWithTheTopicsThatItHadWhenItWasOpened) {
+TEST_F(Bag, StillBeingWrittenIsReadWithTheTopicsItHadWhenOpened) {
   BagWriter writer{folder_};
   const int command = writer.add_topic(kCommand);
   writer.write(command, 1, {1});
@@ -148,7 +148,7 @@ TEST_F(Bag, IsNeverWrittenOver) {
   EXPECT_THROW(BagWriter{folder_}, std::runtime_error);
 }
 
-TEST_F(Bag, RefusesWhatIsNone) {
+TEST_F(Bag, RefusesFilesThatAreNotBags) {
   fs::create_directory(folder_);
   EXPECT_THROW(BagReader{folder_}, std::runtime_error);
   std::ofstream{folder_ / "x.db3"} << "no database, but long enough to be looked at as one";
@@ -156,7 +156,7 @@ TEST_F(Bag, RefusesWhatIsNone) {
   EXPECT_THROW(BagReader{root_ / "missing.db3"}, std::runtime_error);
 }
 
-TEST_F(Bag, ThatWasCutOffIsRefusedWithAWayToSaveWhatIsLeft) {
+TEST_F(Bag, TruncatedIsRefusedWithARecoveryCommand) {
   {
     BagWriter writer{folder_};
     const int command = writer.add_topic(kCommand);
