@@ -33,7 +33,7 @@ void draw_walks(MapPicture& picture, const DriveLog& log) {
   const Pen pen{.color = colors::kWalker,
                 .width = 1.2,
                 .dash = 2.0,
-                .label = "people's ways, and they at the end"};
+                .label = "people's paths and final positions"};
   for (const auto& [id, walk] : log.walks) {
     picture.draw_path(walk.p_MO, pen);
     picture.draw_circle(walk.p_MO.back(), walk.radius, {.color = colors::kWalker, .width = 1.6});
@@ -61,7 +61,7 @@ void draw_robot(MapPicture& picture, const std::vector<DriveSample>& track,
     since = 0.0;
     picture.draw_footprint(footprint, track[i].X_MB, faint(colors::kRobot));
   }
-  picture.draw_path(way, {.color = colors::kRobot, .width = 2.5, .label = "the robot's way"});
+  picture.draw_path(way, {.color = colors::kRobot, .width = 2.5, .label = "the robot's path"});
   picture.draw_footprint(footprint, track.back().X_MB, {.color = colors::kRobot, .width = 2.0});
 }
 

@@ -124,7 +124,7 @@ World& Worlds::at(const std::string& key, Make make) {
     std::rotate(known, known + 1, worlds_.end());  // the most recently used world is last
     return *worlds_.back();
   }
-  if (worlds_.size() >= kMost) worlds_.erase(worlds_.begin());
+  if (worlds_.size() >= kMaxWorlds) worlds_.erase(worlds_.begin());
   worlds_.push_back(std::make_unique<World>(make()));
   return *worlds_.back();
 }

@@ -81,8 +81,8 @@ struct World {
 class Worlds {
  public:
   /// The world of a drive. With live sensing it is built anew each time, because the robot must not
-  /// start with shapes from an earlier drive. The reference is valid until kMost other worlds, or
-  /// with live sensing the same one, have been requested. Throws what slice and load_map throw.
+  /// start with shapes from an earlier drive. The reference is valid until kMaxWorlds other worlds,
+  /// or with live sensing the same one, have been requested. Throws what slice and load_map throw.
   [[nodiscard]] World& of(const Scenario& scenario, const System& system,
                           const DriveOptions& options);
 
@@ -90,7 +90,7 @@ class Worlds {
   template <class Make>
   World& at(const std::string& key, Make make);
 
-  static constexpr std::size_t kMost = 24;
+  static constexpr std::size_t kMaxWorlds = 24;
   std::vector<std::unique_ptr<World>> worlds_;
 };
 

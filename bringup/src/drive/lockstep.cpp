@@ -118,13 +118,14 @@ class Loop {
     const auto& cells = map_->grid().cells;
     if (!sim_params_.unknown_is_obstacle &&
         std::find(cells.begin(), cells.end(), Cell::kOccupied) == cells.end())
-      throw std::invalid_argument(fmt::format(
-          "{} holds nothing from {} m to {} m above the floor at {} m; see z_min, z_max, floor",
-          scenario_.map, slice.z_min, slice.z_max, slice.floor));
+      throw std::invalid_argument(
+          fmt::format("{} contains nothing between {} m and {} m above the floor at {} m; check "
+                      "z_min, z_max and floor",
+                      scenario_.map, slice.z_min, slice.z_max, slice.floor));
     const Pose2& X = scenario_.start;
     if (map_->clearance(sim_.footprint(), X, 1.0) <= 0.0)
       throw std::invalid_argument(fmt::format(
-          "start: [{}, {}, {}] puts the robot's outline into an obstacle", X.x, X.y, X.theta));
+          "start: at [{}, {}, {}] the robot's outline overlaps an obstacle", X.x, X.y, X.theta));
   }
 
   DriveLog run(const std::function<void(const Progress&)>& progress) {

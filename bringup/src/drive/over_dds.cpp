@@ -77,10 +77,10 @@ class Monitor {
   void supervise() {
     const double now = node_.steady_now();
     if (!drive_.driving() && now - started_ > kStartLimit) {
-      trouble_ = "nobody drives: is another system running in this ROS_DOMAIN_ID?";
+      trouble_ = "the robot receives no commands: is another system running in this ROS_DOMAIN_ID?";
       node_.stop();
     } else if (now - heard_ > kSilence && drive_.driving()) {
-      trouble_ = "the robot fell silent";
+      trouble_ = "odometry stopped arriving from the robot";
       node_.stop();
     }
     if (rt::shutting_down()) node_.stop();

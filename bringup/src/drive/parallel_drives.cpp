@@ -19,13 +19,13 @@
 namespace tandem {
 namespace {
 
-constexpr unsigned kMostSeeds = 100000;
-constexpr std::size_t kMostWorkers = 256;
+constexpr unsigned kMaxSeeds = 100000;
+constexpr std::size_t kMaxWorkers = 256;
 
 // Memory shared with the workers: the next job, and the job of each worker.
 struct Board {
   std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> at[kMostWorkers]{};
+  std::atomic<std::size_t> at[kMaxWorkers]{};
 };
 
 class SharedBoard {
@@ -33,7 +33,8 @@ class SharedBoard {
   SharedBoard() {
     void* memory =
         mmap(nullptr, sizeof(Board), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (memory == MAP_FAILED) throw std::runtime_error("cannot share memory with the workers");
+    if (memory == MAP_FAILED)
+      throw std::runtime_error("cannot share memory with the worker processes");
     board_ = new (memory) Board;
   }
   ~SharedBoard() { munmap(board_, sizeof(Board)); }
@@ -81,7 +82,7 @@ class Workers {
   Workers(std::size_t count, unsigned workers,
           const std::function<nlohmann::json(std::size_t)>& work) {
     std::fflush(nullptr);
-    for (std::size_t w = 0; w < std::min<std::size_t>({workers, count, kMostWorkers}); ++w)
+    for (std::size_t w = 0; w < std::min<std::size_t>({workers, count, kMaxWorkers}); ++w)
       start(count, w, work);
   }
   ~Workers() {  // workers are left only after an exception
@@ -115,7 +116,7 @@ class Workers {
   void start(std::size_t count, std::size_t w,
              const std::function<nlohmann::json(std::size_t)>& work) {
     int ends[2];
-    if (pipe(ends) != 0) throw std::runtime_error("cannot make a pipe to a worker");
+    if (pipe(ends) != 0) throw std::runtime_error("cannot create a pipe to a worker process");
     const pid_t parent = getpid();
     const pid_t child = fork();
     if (child == 0) {
@@ -157,8 +158,8 @@ class Workers {
     waitpid(worker.pid, &status, 0);
     close(worker.pipe);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-    fail("the process of number " + std::to_string(board_->at[number] + 1) + " died" +
-         (WIFSIGNALED(status) ? " by signal " + std::to_string(WTERMSIG(status)) : ""));
+    fail("the process of drive number " + std::to_string(board_->at[number] + 1) + " died" +
+         (WIFSIGNALED(status) ? " from signal " + std::to_string(WTERMSIG(status)) : ""));
   }
 
   void fail(const std::string& why) {
@@ -177,9 +178,9 @@ SeedRange seed_range(const std::string& option, const std::string& text) {
   unsigned first = 0, last = 0;
   char rest = '\0';
   if (std::sscanf(text.c_str(), "%u-%u%c", &first, &last, &rest) != 2 || first == 0 ||
-      last < first || last - first >= kMostSeeds)
+      last < first || last - first >= kMaxSeeds)
     throw std::invalid_argument(option + " " + text + ": expected A-B with 1 <= A <= B, " +
-                                std::to_string(kMostSeeds) + " at most");
+                                std::to_string(kMaxSeeds) + " at most");
   return {first, last};
 }
 
@@ -194,7 +195,7 @@ void work_side_by_side(std::size_t count, unsigned workers,
   });
   if (all.failed() > 0)
     throw std::runtime_error(std::to_string(count - finished) + " of " + std::to_string(count) +
-                             " drives failed, the first: " + all.trouble());
+                             " drives failed; the first error: " + all.trouble());
 }
 
 std::vector<DriveResult> run_side_by_side(const std::vector<DriveJob>& jobs, unsigned workers,

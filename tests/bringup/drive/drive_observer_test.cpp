@@ -50,7 +50,7 @@ class Observed : public testing::Test {
   std::optional<DriveObserver> drive_;
 };
 
-TEST_F(Observed, CountsFromTheStartWhereItHeardTheStart) {
+TEST_F(Observed, CountsFromTheStartIfItReceivedTheStart) {
   collided(0), planned(0), filtered(0.0, 0, "no command");
   person();
   robot(0.01), filtered(0.06, 0), planned(1, 1, 1), collided(1);
@@ -67,7 +67,7 @@ TEST_F(Observed, CountsFromTheStartWhereItHeardTheStart) {
   EXPECT_EQ(r.counts.filter_episodes, 1);
 }
 
-TEST_F(Observed, TheFirstWordOfAPlannerMayBeOfItsFirstPlan) {
+TEST_F(Observed, ThePlannersFirstStatusMayReportItsFirstPlan) {
   person();
   planned(1, 1), planned(2, 1);
   EXPECT_EQ(result().counts.plans, 2);
@@ -89,7 +89,7 @@ TEST_F(Observed, LeavesOutWhatWasCountedBeforeIt) {
   EXPECT_EQ(r.counts.filter_interventions, 1);
 }
 
-TEST_F(Observed, LeavesOutWhatWasCountedBeforeSomebodyDrove) {
+TEST_F(Observed, LeavesOutWhatWasCountedBeforeTheDrive) {
   collided(0), planned(0), filtered(0.0, 0);
   collided(1), planned(1, 1), filtered(0.06, 1, "slowed");
   person();
@@ -101,7 +101,7 @@ TEST_F(Observed, LeavesOutWhatWasCountedBeforeSomebodyDrove) {
   EXPECT_EQ(r.counts.filter_commands, 0);
 }
 
-TEST_F(Observed, CountsOnWhereANodeBeginsAnew) {
+TEST_F(Observed, KeepsCountingAcrossANodesRestart) {
   person();
   collided(7), planned(400, 12, 5), filtered(80.0, 900);
   collided(8), planned(401, 13, 6), filtered(80.06, 901, "slowed");
@@ -117,7 +117,7 @@ TEST_F(Observed, CountsOnWhereANodeBeginsAnew) {
   EXPECT_EQ(r.counts.filter_interventions, 2);
 }
 
-TEST_F(Observed, AStatusThatSaysWhyThePlannerStandsIsNoPlan) {
+TEST_F(Observed, AStatusThatReportsAReasonIsNotAPlan) {
   person();
   planned(400), planned(401), planned(401), planned(401);
   EXPECT_EQ(result().counts.plans, 1);
@@ -128,7 +128,7 @@ TEST_F(Observed, AStatusThatSaysWhyThePlannerStandsIsNoPlan) {
 // rate.
 class AtRate : public Observed, public testing::WithParamInterface<double> {};
 
-TEST_P(AtRate, TheFiltersShareIsOneOfTimeAtWhateverRateItSpeaks) {
+TEST_P(AtRate, InterventionShareIsAShareOfTimeAtAnyPublishingRate) {
   std::uint64_t interventions = 0;
   person();
   for (int n = 0; n < std::lround(10.0 * GetParam()); ++n) {
@@ -145,13 +145,13 @@ TEST_P(AtRate, TheFiltersShareIsOneOfTimeAtWhateverRateItSpeaks) {
 
 INSTANTIATE_TEST_SUITE_P(Filter, AtRate, testing::Values(20.0, 40.0, 100.0));
 
-TEST_F(Observed, AFilterWithoutACommandCountsNone) {
+TEST_F(Observed, AFilterWithoutACommandCountsNoIntervention) {
   person();
   filtered(1.0, 0), filtered(1.06, 0, "no command"), filtered(1.11, 0);
   EXPECT_EQ(result().counts.filter_commands, 2);
 }
 
-TEST_F(Observed, KeepsTheWaysOfWhoMovesApartFromWhatStands) {
+TEST_F(Observed, SeparatesMovingPeopleFromStaticObstacles) {
   const Obstacle pole{.id = 1, .p_MO = {2.0, 0.0}, .a = 0.1, .b = 0.1};
   Obstacle person{.id = 9, .a = 0.25, .b = 0.25, .v_MO = {0.0, 0.5}};
   const auto seen = [&] { drive_->on_obstacles(to_msg(std::vector{pole, person}, {})); };
@@ -166,7 +166,7 @@ TEST_F(Observed, KeepsTheWaysOfWhoMovesApartFromWhatStands) {
   EXPECT_EQ(log.walks.at(9).p_MO.size(), 6U);
 }
 
-TEST_F(Observed, HearsAPersonWhoseCommandsAreStamped) {
+TEST_F(Observed, AcceptsStampedCommandsOfThePerson) {
   geometry_msgs::msg::TwistStamped msg;
   msg.twist().linear().x(0.5);
   drive_->on_user(msg);

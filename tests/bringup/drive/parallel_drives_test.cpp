@@ -49,24 +49,25 @@ TEST(WorkSideBySide, HasNothingToDoWithoutPieces) {
   EXPECT_TRUE(outcome(0, 4, [](std::size_t) { return nlohmann::json{}; }).results.empty());
 }
 
-TEST(WorkSideBySide, APieceThatThrowsIsNamedAndLosesNoOther) {
+TEST(WorkSideBySide, APieceThatThrowsIsNamedAndDoesNotAffectOthers) {
   const auto all = outcome(20, 2, [](std::size_t i) -> nlohmann::json {
     if (i == 5) throw std::runtime_error("five is wrong");
     return i;
   });
   EXPECT_EQ(all.results.size(), 19u);
-  EXPECT_EQ(all.complaint, "1 of 20 drives failed, the first: five is wrong");
+  EXPECT_EQ(all.complaint, "1 of 20 drives failed; the first error: five is wrong");
 }
 
-TEST(WorkSideBySide, APieceWhoseProcessDiesLosesNoOther) {
+TEST(WorkSideBySide, APieceWhoseProcessDiesDoesNotAffectOthers) {
   const auto all = outcome(20, 2, [](std::size_t i) -> nlohmann::json {
     if (i == 5) raise(SIGKILL);
     return i;
   });
   EXPECT_EQ(all.results.size(), 19u);
   EXPECT_FALSE(all.results.contains(5));
-  EXPECT_EQ(all.complaint,
-            "1 of 20 drives failed, the first: the process of number 6 died by signal 9");
+  EXPECT_EQ(
+      all.complaint,
+      "1 of 20 drives failed; the first error: the process of drive number 6 died from signal 9");
 }
 
 TEST(WorkSideBySide, LeavesNoProcessWhenTheReceiverThrows) {
