@@ -100,7 +100,7 @@ TEST_F(StudyProgram, ResumesAfterAKillWithoutLosingADriveAndEndsWithTheSameResul
   EXPECT_EQ(drives("killed"), drives("whole"));
 }
 
-TEST_F(StudyProgram, ShardsMergedAreTheWhole) {
+TEST_F(StudyProgram, MergedShardsEqualTheWhole) {
   for (const std::string shard : {"1", "2", "3"})
     ASSERT_EQ(run({study(), "--out", out("shard" + shard), "--shard", shard + "/3"}), 0);
   EXPECT_EQ(drives("shard2").size(), kDrives / 3);
@@ -121,7 +121,7 @@ TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
   EXPECT_GT(fs::file_size(out("reported") + "/paths_forest_task2_forest.png"), 10'000u);
 }
 
-TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
+TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndInvalidShards) {
   const fs::path other = folder() / "other.yaml";
   std::ofstream{other} << "study: other\nscenarios: ["
                        << test::source_path("bringup/scenarios/forest_task2.yaml")
@@ -129,7 +129,7 @@ TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndShardsThatAreNone) {
   {
     const test::CapturedLog log;
     EXPECT_EQ(run({other.string(), "--out", out("whole")}, 30.0), 1);
-    EXPECT_EQ(log.lines("holds another study (study differs)"), 1) << log.text();
+    EXPECT_EQ(log.lines("contains another study (study differs)"), 1) << log.text();
   }
   for (const std::string shard : {"0/3", "4/3", "1", "a/b", "1/2x"}) {
     const test::CapturedLog log;

@@ -65,7 +65,8 @@ class StudyReader {
     study_.name = name(yaml_.required(root_, "study"), "study");
     if (const YAML::Node parts = root_["parts"]) {
       if (!parts.IsSequence() || parts.size() == 0)
-        yaml_.fail(parts, "`parts` needs a list of maps with any of " + std::string(kKeys));
+        yaml_.fail(parts,
+                   "`parts` must be a list of maps with any of the keys " + std::string(kKeys));
       for (const auto& part : parts) read_part(part);
     } else {
       read_part(YAML::Node{YAML::NodeType::Map});
@@ -77,14 +78,14 @@ class StudyReader {
  private:
   std::string word(const YAML::Node& node, const char* key) const {
     if (!node.IsScalar() || node.Scalar().empty())
-      yaml_.fail(node, fmt::format("`{}` needs a word", key));
+      yaml_.fail(node, fmt::format("`{}` must be a word", key));
     return node.Scalar();
   }
 
   // A word that can be part of a file name.
   std::string name(const YAML::Node& node, const char* key) const {
     if (word(node, key).find('/') != std::string::npos)
-      yaml_.fail(node, fmt::format("`{}` = {}: a name may not hold a `/`", key, node.Scalar()));
+      yaml_.fail(node, fmt::format("`{}` = {}: a name must not contain `/`", key, node.Scalar()));
     return node.Scalar();
   }
 
@@ -110,7 +111,7 @@ class StudyReader {
       yaml_.fail(list              ? list
                  : part.size() > 0 ? part
                                    : root_,
-                 "`scenarios` needs a list of scenario files, relative to this file");
+                 "`scenarios` must be a list of scenario files, relative to this file");
     Parameters overrides;
     if (const YAML::Node node = said(part, "overrides"))
       overrides = component_parameters(node, path_);
@@ -128,7 +129,7 @@ class StudyReader {
                                     const YAML::Node& list) const {
     if (!list) return scenarios;
     if (!list.IsSequence() || list.size() == 0)
-      yaml_.fail(list, "`robots` needs a list of robots' files, relative to this file");
+      yaml_.fail(list, "`robots` must be a list of robot files, relative to this file");
     std::vector<Scenario> all;
     for (const Scenario& scenario : scenarios)
       for (const auto& node : list) all.push_back(with_robot(scenario, node));
@@ -138,7 +139,7 @@ class StudyReader {
   Scenario with_robot(Scenario scenario, const YAML::Node& node) const {
     const std::string file = beside(path_, word(node, "robots"));
     if (!fs::is_regular_file(file))
-      yaml_.fail(node, "no robot file " + file + "; it is looked for relative to this file");
+      yaml_.fail(node, "no robot file " + file + "; the path is relative to this file");
     if (fs::weakly_canonical(file) == fs::weakly_canonical(scenario.robot)) return scenario;
     scenario.robot = file;
     scenario.name += "_" + fs::path{file}.stem().string();
@@ -150,7 +151,7 @@ class StudyReader {
     const YAML::Node file = node.IsMap() ? yaml_.required(node, "file") : node;
     const std::string path = beside(path_, word(file, "scenarios"));
     if (!fs::is_regular_file(path))
-      yaml_.fail(file, "no scenario file " + path + "; it is looked for relative to this file");
+      yaml_.fail(file, "no scenario file " + path + "; the path is relative to this file");
     Scenario scenario = load_scenario(path);
     files_.insert(path);
     if (!node.IsMap()) return scenario;
@@ -171,7 +172,8 @@ class StudyReader {
       return methods;
     }
     if (!list.IsSequence() || list.size() == 0)
-      yaml_.fail(list, "`methods` needs a list of methods, or `all`: those the scenario lists");
+      yaml_.fail(list,
+                 "`methods` must be a list of methods, or `all` for those that the scenario lists");
     for (const auto& node : list) methods.push_back(read_method(node));
     return methods;
   }
@@ -190,15 +192,15 @@ class StudyReader {
     }
     const auto& known = all_methods();
     if (std::find(known.begin(), known.end(), method.method) == known.end())
-      yaml_.fail(node,
-                 fmt::format("method `{}` is none of {}", method.method, fmt::join(known, ", ")));
+      yaml_.fail(
+          node, fmt::format("method `{}` is not one of {}", method.method, fmt::join(known, ", ")));
     return method;
   }
 
   std::vector<Person> read_people(const YAML::Node& list) const {
     if (!list) return {{}};
     if (!list.IsSequence() || list.size() == 0)
-      yaml_.fail(list, "`drivers` needs a list of drivers");
+      yaml_.fail(list, "`drivers` must be a list of drivers");
     std::vector<Person> people;
     for (const auto& node : list) people.push_back(read_person(node));
     return people;
@@ -230,11 +232,11 @@ class StudyReader {
 
   std::vector<unsigned> read_seeds(const YAML::Node& part) const {
     const YAML::Node node = said(part, "seeds");
-    if (!node) yaml_.fail(root_, "`seeds` is missing: 20, 1-20 or [3, 5, 8]");
+    if (!node) yaml_.fail(root_, "`seeds` is missing: give 20, 1-20 or [3, 5, 8]");
     std::vector<unsigned> seeds;
     const auto wrong = [&] {
       yaml_.fail(node, "`seeds` = " + yaml_text(node) +
-                           ": expected 20, 1-20 or [3, 5, 8], the smallest 1");
+                           ": expected 20, 1-20 or [3, 5, 8], with seeds from 1 up");
     };
     const auto number = [&](const YAML::Node& value) {
       unsigned seed = 0;
@@ -274,7 +276,7 @@ class StudyReader {
     scenario.method = method.method;
     if (!person.driver.empty()) scenario.driver = person.driver;
     if (is_replay(scenario.driver) && person.recording.empty() && scenario.recording.empty())
-      throw std::invalid_argument(path_ + ": driver `replay` needs a `recording` beside it, as " +
+      throw std::invalid_argument(path_ + ": driver `replay` also needs a `recording`: " +
                                   "{name: me, driver: replay, recording: FOLDER}");
     const std::string driver = person.name.empty() ? driver_of(scenario) : person.name;
     study_.cells.push_back({std::move(scenario), options, method.name, driver});
@@ -283,7 +285,7 @@ class StudyReader {
       const std::string name = name_of(study_, study_.drives.back());
       if (!names_.insert(name).second)
         throw std::invalid_argument(path_ + ": the drive " + name +
-                                    " is listed twice; give one of them another `name`");
+                                    " is listed twice; give one of the two another `name`");
     }
   }
 

@@ -60,7 +60,7 @@ StudyFolder::StudyFolder(const std::string& folder, const nlohmann::json& study)
     : folder_{folder}, order_{study.at("drives").get<std::vector<std::string>>()} {
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) fail(folder_, error.message() + "; name a folder that exists or can be made");
+  if (error) fail(folder_, error.message() + "; choose a folder that exists or can be created");
   const std::string name = folder_ + "/drives.jsonl";
   file_ = open(name.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail(name, std::strerror(errno));
@@ -69,7 +69,7 @@ StudyFolder::StudyFolder(const std::string& folder, const nlohmann::json& study)
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
     if (fcntl(file_, F_SETLK, &whole) != 0)
-      fail(folder_, "another process writes there; wait for it, or name another folder");
+      fail(folder_, "another process is writing there; wait for it, or choose another folder");
     claim(study);
     read_back();
   } catch (...) {
@@ -85,9 +85,9 @@ void StudyFolder::claim(const nlohmann::json& study) {
   if (!fs::exists(file)) return write_file(file, study.dump(1) + "\n");
   const nlohmann::json kept = read_study(folder_);
   if (kept == study) return;
-  throw std::invalid_argument(folder_ + ": holds another study (" +
+  throw std::invalid_argument(folder_ + ": contains another study (" +
                               difference(kept.at("description"), study.at("description")) +
-                              " differs); name another folder, or remove this one");
+                              " differs); choose another folder, or remove this one");
 }
 
 void StudyFolder::read_back() {
@@ -98,12 +98,12 @@ void StudyFolder::read_back() {
        begin = end + 1, end = text.find('\n', begin), ++number) {
     const auto line = parse_json_or_null(text.substr(begin, end - begin));
     if (!line.is_object() || !line.contains("name") || !line.contains("drive"))
-      fail(name + ":" + std::to_string(number), "no finished drive; remove the line");
+      fail(name + ":" + std::to_string(number), "not a finished drive; remove the line");
     try {
       (void)line.at("drive").get<DriveResult>();
     } catch (const nlohmann::json::exception&) {
       fail(name + ":" + std::to_string(number),
-           "a drive of another version of tandem; name another folder, or remove the line");
+           "a drive of another version of tandem; choose another folder, or remove the line");
     }
     finished_.emplace(line.at("name").get<std::string>(), line);
   }
@@ -152,7 +152,7 @@ nlohmann::json contents_of(const Study& study) {
 nlohmann::json read_study(const std::string& folder) {
   const std::string file = folder + "/study.json";
   std::ifstream in{file};
-  if (!in) fail(file, "no such file, or it cannot be read; name the folder of a study");
+  if (!in) fail(file, "no such file, or it is not readable; give the folder of a study");
   auto study = parse_json_or_null(in);
   const auto is_word = [](const nlohmann::json& value) { return value.is_string(); };
   const auto has = [&](const char* key) { return study.is_object() && study.contains(key); };
@@ -161,9 +161,9 @@ nlohmann::json read_study(const std::string& folder) {
       std::all_of(study["drives"].begin(), study["drives"].end(), is_word))
     return study;
   fail(file,
-       "is damaged: no description of a study; if the study is as it was, remove this file: "
+       "is damaged: it does not describe a study; if the study is unchanged, remove this file: "
        "`tandem study FILE --out " +
-           folder + "` writes it anew and keeps the finished drives");
+           folder + "` writes it again and keeps the finished drives");
 }
 
 void write_file(const std::string& file, const std::string& text) {

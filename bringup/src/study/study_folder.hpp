@@ -22,7 +22,7 @@ namespace tandem {
 class StudyFolder {
  public:
   /// Opens the folder of a study and creates it if necessary. Throws std::invalid_argument if it
-  /// holds another study, std::runtime_error if it cannot be written, is damaged, or is open in
+  /// contains another study, std::runtime_error if it cannot be written, is damaged, or is open in
   /// another process.
   StudyFolder(const std::string& folder, const nlohmann::json& study);
   ~StudyFolder();

@@ -34,9 +34,9 @@ void draw_report(const std::string& folder) {
   const auto interpreter = python();
   if (!interpreter || !fs::exists(script)) {
     std::fprintf(stderr, "no report: %s\n",
-                 interpreter ? (script.string() + " is not there").c_str()
-                             : "it needs matplotlib; apt-get install python3-matplotlib, and run "
-                               "this command again");
+                 interpreter ? (script.string() + " is missing").c_str()
+                             : "matplotlib is missing; run apt-get install python3-matplotlib, "
+                               "then this command again");
     return;
   }
   const std::string command =

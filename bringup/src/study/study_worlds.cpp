@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kMostWorlds = 4;  // per scenario
+constexpr std::size_t kMaxWorlds = 4;  // per scenario
 
 double rounded(double metres) { return std::round(metres * 1000.0) / 1000.0; }
 
@@ -75,8 +75,8 @@ json kept(const StudyFolder& folder) {
   std::ifstream in{file};
   json all = parse_json_or_null(in);
   if (all.is_object() && std::all_of(all.begin(), all.end(), is_scene)) return all;
-  throw std::runtime_error(file + ": is damaged; remove it: only pictures are drawn of it, and " +
-                           "`tandem study FILE --out " + folder.path() + "` writes it anew");
+  throw std::runtime_error(file + ": is damaged; remove it (it is used only to draw pictures): " +
+                           "`tandem study FILE --out " + folder.path() + "` writes it again");
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void write_worlds(const Study& study, const StudyFolder& folder) {
     const fs::path map = finished->second.at("drive").at("map").get<std::string>();
     const bool is_new = !all.contains(cell.scenario.name);
     if (!is_new && (all[cell.scenario.name]["worlds"].contains(map.filename().string()) ||
-                    all[cell.scenario.name]["worlds"].size() >= kMostWorlds))
+                    all[cell.scenario.name]["worlds"].size() >= kMaxWorlds))
       continue;
     Scenario scenario = cell.scenario;
     scenario.map = map.string();
@@ -111,7 +111,7 @@ void merge_worlds(const StudyFolder& from, const StudyFolder& into) {
     if (!all.contains(scenario)) all[scenario] = scene;
     for (const auto& [map, world] : scene.at("worlds").items()) {
       auto& worlds = all[scenario]["worlds"];
-      if (worlds.contains(map) || worlds.size() < kMostWorlds) worlds[map] = world;
+      if (worlds.contains(map) || worlds.size() < kMaxWorlds) worlds[map] = world;
     }
   }
   write_file(file_of(into), all.dump() + "\n");

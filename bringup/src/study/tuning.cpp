@@ -55,7 +55,7 @@ std::optional<Knob> find_number(const System& system, const std::string& compone
     return find_number<ObstacleExtractorNodeParams>(system, component, name);
   if (component == "teleop") return find_number<TeleopNodeParams>(system, component, name);
   throw std::invalid_argument("'" + component +
-                              "' is none of local_planner, obstacle_extractor, teleop");
+                              "' is not one of local_planner, obstacle_extractor, teleop");
 }
 
 // Whether the component affects a drive. Only the planner uses the extractor's shapes.

@@ -19,7 +19,7 @@ TEST(Median, OfThreeHasTheBootstrapsIntervalFromTheLeastToTheGreatest) {
   EXPECT_EQ(median.high, 5.0);
 }
 
-TEST(Median, OfOneValueIsItAndOfNoneNone) {
+TEST(Median, OfOneValueIsThatValueAndOfNoneIsUndefined) {
   const auto median = median_of({2.0}).value();
   EXPECT_EQ(median.low, 2.0);
   EXPECT_EQ(median.high, 2.0);

@@ -68,10 +68,10 @@ TEST_F(StudyFile, DrivesItsScenariosWithOtherRobots) {
   EXPECT_EQ(study.cells[2].scenario.robot, robots + "jackal.yaml");
   EXPECT_NE(study.description, load(text_).description);
   EXPECT_NE(complaint(text_ + "robots: [nowhere.yaml]\n").find("no robot file"), std::string::npos);
-  EXPECT_NE(complaint(text_ + "robots: 3\n").find("`robots` needs a list"), std::string::npos);
+  EXPECT_NE(complaint(text_ + "robots: 3\n").find("`robots` must be a list"), std::string::npos);
 }
 
-TEST_F(StudyFile, WhatAPartDoesNotSayIsSaidAbove) {
+TEST_F(StudyFile, PartsInheritFromTheTopLevel) {
   const Study study = load(text_ +
                            "parts:\n"
                            "  - {seeds: 1}\n"
@@ -146,7 +146,7 @@ TEST_F(StudyFile, OfManyWorldsHasAWorldForEachSeed) {
   const std::string text = "study: t\nscenarios: [{file: " + kScenarios +
                            "forest_task2.yaml, map: w.json}]\nmethods: [manual]\nseeds: ";
   EXPECT_EQ(complaint(text + "1"), "");
-  EXPECT_NE(complaint(text + "1-2").find("seed 2 is none of its worlds; name seeds from 1 to 1"),
+  EXPECT_NE(complaint(text + "1-2").find("seed 2 is not one of its worlds; name seeds from 1 to 1"),
             std::string::npos);
 }
 
@@ -184,7 +184,7 @@ TEST_P(Mistaken, IsRefusedInOneLineThatNamesTheFile) {
 INSTANTIATE_TEST_SUITE_P(
     Files, Mistaken,
     ::testing::Values(
-        Mistake{"key", "seeds", "sedes", ":4: unknown key 'sedes'; known here: "},
+        Mistake{"key", "seeds", "sedes", ":4: unknown key 'sedes'; valid keys: "},
         Mistake{"key_twice", "seeds: 1-3", "seeds: 1\nmethods: [path]",
                 ":5: `methods` is given twice, first in line 3"},
         Mistake{"driver_key_twice", "seeds: 1-3",
@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"no_name", "study: t\n", "", "'study' is missing"},
         Mistake{"name_of_a_path", "study: t", "study: a/t", ":1: `study` = a/t: a name may not"},
         Mistake{"method_name", "leader", "{name: a/b, method: leader}",
-                ":3: `name` = a/b: a name may not hold a `/`"},
+                ":3: `name` = a/b: a name must not contain `/`"},
         Mistake{"no_methods", "[manual, leader]", "[]", ":3: `methods` needs a list of methods"},
         Mistake{"no_seeds", "seeds: 1-3\n", "", "`seeds` is missing"},
         Mistake{"seeds_0", "1-3", "0", "`seeds` = 0: expected 20, 1-20 or [3, 5, 8]"},
@@ -201,33 +201,33 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"seeds_minus", "1-3", "[-3]", "`seeds` = [-3]: expected"},
         Mistake{"seeds_back", "1-3", "3-1", "seeds 3-1: expected A-B with 1 <= A <= B"},
         Mistake{"no_seed", "1-3", "[]", "`seeds` = []: expected"},
-        Mistake{"method", "leader", "magic", ":3: method `magic` is none of manual, "},
+        Mistake{"method", "leader", "magic", ":3: method `magic` is not one of manual, "},
         Mistake{"methods", "[manual, leader]", "some",
-                "`methods` needs a list of methods, or `all`"},
-        Mistake{"no_scenarios", "scenarios: ", "about: ", "`scenarios` needs a list"},
+                "`methods` must be a list of methods, or `all`"},
+        Mistake{"no_scenarios", "scenarios: ", "about: ", "`scenarios` must be a list"},
         Mistake{"twice", "[manual, leader]", "[manual, manual]", "is listed twice"},
         Mistake{"component", "seeds: 1-3", "seeds: 1\noverrides: {planer: {margin: 0.1}}",
-                "parameters for `planer`, which is none of"},
+                "parameters for `planer`, which is not one of"},
         Mistake{"parameter", "seeds: 1-3", "seeds: 1\noverrides: {local_planner: {magrin: 0.1}}",
                 "magrin"},
         Mistake{"driver", "seeds: 1-3", "seeds: 1\ndrivers: [{nmae: x}]", "'name' is missing"},
         Mistake{"replay_of_nothing", "seeds: 1-3", "seeds: 1\ndrivers: [replay]",
-                "driver `replay` needs a `recording` beside it"},
+                "driver `replay` also needs a `recording`"},
         Mistake{"recording_of_another", "seeds: 1-3",
                 "seeds: 1\ndrivers: [{name: x, driver: pointer, recording: y}]",
                 ":5: a `recording` needs `driver: replay`"},
-        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` needs a list"},
+        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` must be a list"},
         Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]", "unknown key 'sede'"}),
     [](const auto& test) { return std::string(test.param.name); });
 
-TEST_F(StudyFile, RefusesAScenarioWhoseNameIsNoFilesName) {
+TEST_F(StudyFile, RefusesAScenarioNameThatIsNotAFileName) {
   EXPECT_NE(complaint("study: t\nscenarios: [{file: " + kScenarios +
                       "forest_task2.yaml, name: a/b}]\nseeds: 1\n")
-                .find("s.yaml:2: `name` = a/b: a name may not hold a `/`"),
+                .find("s.yaml:2: `name` = a/b: a name must not contain `/`"),
             std::string::npos);
 }
 
-TEST_F(StudyFile, NamesTheScenarioThatIsNotThere) {
+TEST_F(StudyFile, NamesAMissingScenario) {
   EXPECT_NE(complaint("study: t\nscenarios: [nowhere.yaml]\nseeds: 1\n")
                 .find("s.yaml:2: no scenario file " + (folder_ / "nowhere.yaml").string()),
             std::string::npos);
@@ -287,7 +287,7 @@ TEST_F(Folder, KeepsWhatIsFinishedInTheStudysOrder) {
   EXPECT_EQ(results[1].time_to_goal_s, 3.0);
 }
 
-TEST_F(Folder, SaysWhichBuildMadeADrive) {
+TEST_F(Folder, RecordsWhichBuildMadeADrive) {
   const std::string path = (folder_ / "out").string();
   {
     StudyFolder folder{path, kStudy};
@@ -330,11 +330,12 @@ TEST_F(Folder, RefusesAnotherStudyAndSaysWhatDiffers) {
     const StudyFolder folder{path, other};
     FAIL() << "took another study";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string{error.what()}.find("holds another study (a differs)"), std::string::npos);
+    EXPECT_NE(std::string{error.what()}.find("contains another study (a differs)"),
+              std::string::npos);
   }
 }
 
-TEST_F(Folder, SaysWhichStudysDescriptionIsDamagedAndHowToMendIt) {
+TEST_F(Folder, NamesADamagedStudyDescriptionAndItsRemedy) {
   const std::string path = (folder_ / "out").string(), file = path + "/study.json";
   StudyFolder{path, kStudy}.append("one", line_of(1.0));
   for (const char* text : {"", "{", "[]", "{}", R"({"study": "t", "description": {}})",
@@ -346,7 +347,7 @@ TEST_F(Folder, SaysWhichStudysDescriptionIsDamagedAndHowToMendIt) {
         ADD_FAILURE() << "took " << text;
       } catch (const std::runtime_error& error) {
         const std::string line = error.what();
-        EXPECT_TRUE(line.starts_with(file + ": is damaged: no description of a study")) << line;
+        EXPECT_TRUE(line.starts_with(file + ": is damaged: it does not describe a study")) << line;
         EXPECT_NE(line.find("remove this file"), std::string::npos) << line;
       }
   }
@@ -372,7 +373,7 @@ TEST_F(Folder, RefusesASecondProcessThatWrites) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-TEST_F(Folder, RefusesALineThatIsNoDrive) {
+TEST_F(Folder, RefusesALineThatIsNotADrive) {
   const std::string path = (folder_ / "out").string();
   { const StudyFolder folder{path, kStudy}; }
   std::ofstream{path + "/drives.jsonl"} << "nonsense\n";

@@ -41,7 +41,7 @@ TEST(Knob, OfAnIntegerIsOne) {
 
 TEST(Knob, ThatIsNoneIsRefusedWithTheReason) {
   EXPECT_NE(complaint("weight_x").find("component.parameter"), std::string::npos);
-  EXPECT_NE(complaint("nobody.weight_x").find("none of local_planner"), std::string::npos);
+  EXPECT_NE(complaint("nobody.weight_x").find("not one of local_planner"), std::string::npos);
   EXPECT_NE(complaint("local_planner.solver").find("has no number"), std::string::npos);
   EXPECT_NE(complaint("local_planner.weight_x:5:1").find("increasing"), std::string::npos);
   EXPECT_NE(complaint("local_planner.weight_x:1:1e9").find("within"), std::string::npos);
