@@ -32,7 +32,7 @@ void check_methods(const Scenario& scenario) {
   names.insert(names.end(), scenario.expect.except.begin(), scenario.expect.except.end());
   for (const auto& name : names)
     if (std::find(all_methods().begin(), all_methods().end(), name) == all_methods().end())
-      throw std::invalid_argument(scenario.path + ": method `" + name + "` is none of " +
+      throw std::invalid_argument(scenario.path + ": method `" + name + "` is not one of " +
                                   fmt::format("{}", fmt::join(all_methods(), ", ")));
   if (scenario.method == "goal" && !std::holds_alternative<PoseGoal>(scenario.goal))
     throw std::invalid_argument(scenario.path +
@@ -194,12 +194,12 @@ void check_robot(const Scenario& scenario) {
     const std::string key = unused.substr(unused.find(": ", scenario.robot.size()) + 2);
     if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
     if (const char* instead = instead_of(key))
-      throw std::invalid_argument(unused + ": this name meant several things; " + instead);
+      throw std::invalid_argument(unused + ": this name was ambiguous; " + instead);
     const std::string meant = nearest_parameter(key);
     throw std::invalid_argument(
-        unused + " is no parameter of any component; " +
-        (meant.empty() ? "tandem describe COMPONENT lists them" : "is `" + meant + "` meant?") +
-        " What is for nodes of others belongs under their names instead of /**");
+        unused + ": unknown parameter; " +
+        (meant.empty() ? "see tandem describe COMPONENT." : "did you mean `" + meant + "`?") +
+        " Put parameters of other programs' nodes under the nodes' names instead of /**");
   }
 }
 

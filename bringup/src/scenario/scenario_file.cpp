@@ -19,9 +19,9 @@ namespace {
 using Values = std::map<std::string, rt::ParameterValue>;
 
 constexpr double kLongest = 1e6;  // [s] of a drive
-constexpr int kMostPeople = 100;
-constexpr double kMostOfAPerson = 5.0;  // [m/s, m] speed or radius
-constexpr double kThinnest = 0.05;      // [m] radius
+constexpr int kMaxPeople = 100;
+constexpr double kMaxOfAPerson = 5.0;  // [m/s, m] speed or radius
+constexpr double kThinnest = 0.05;     // [m] radius
 
 [[noreturn]] void fail(const std::string& path, const YAML::Node& at, const std::string& what) {
   const std::string line = at.Mark().is_null() ? "" : ":" + std::to_string(at.Mark().line + 1);
@@ -92,7 +92,7 @@ class Section {
   void finish() const {
     for (const auto& key : given_)
       if (std::find(known_.begin(), known_.end(), key) == known_.end())
-        fail(key, "unknown key `" + key + "`; known here: " + joined(known_));
+        fail(key, "unknown key `" + key + "`; valid keys: " + joined(known_));
   }
   // Throws an error about the value of a key that is present.
   [[noreturn]] void fail(const std::string& key, const std::string& what) const {
@@ -176,7 +176,7 @@ PoseGoal read_tolerances(Section& section) {
 std::string read_edge(Section& section) {
   const auto edge = section.optional<std::string>("of", "");
   if (!edge.empty() && edge != "front" && edge != "rear" && edge != "left" && edge != "right")
-    section.fail("of", "`of` = " + edge + " is none of front, rear, left, right");
+    section.fail("of", "`of` = " + edge + " is not one of front, rear, left, right");
   return edge;
 }
 
@@ -216,16 +216,16 @@ std::vector<Eigen::Vector2d> read_points(Section& section, const char* key) {
 
 double read_above(Section& section, const char* key, double value, double least) {
   value = section.optional(key, value);
-  if (!(value >= least && value <= kMostOfAPerson))
-    section.fail(key, fmt::format("`{}` outside [{}, {}]", key, least, kMostOfAPerson));
+  if (!(value >= least && value <= kMaxOfAPerson))
+    section.fail(key, fmt::format("`{}` outside [{}, {}]", key, least, kMaxOfAPerson));
   return value;
 }
 
 Crossings read_crossings(Section& section) {
   Crossings crossings;
   crossings.count = section.required<int>("crossings");
-  if (crossings.count < 0 || crossings.count > kMostPeople)
-    section.fail("crossings", fmt::format("`crossings` outside [0, {}] people", kMostPeople));
+  if (crossings.count < 0 || crossings.count > kMaxPeople)
+    section.fail("crossings", fmt::format("`crossings` outside [0, {}] people", kMaxPeople));
   const auto area = read_points(section, "area");
   if (area.size() != 2 || !(area[0].array() < area[1].array()).all())
     section.fail("area", "`area` needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
@@ -287,7 +287,7 @@ std::map<std::string, Values> read_parameters(const YAML::Node& node, const std:
   for (const auto& name : keys_of(node, path)) {
     if (std::find(components.begin(), components.end(), name) == components.end())
       fail(path, node[name],
-           "parameters for `" + name + "`, which is none of " + joined(components));
+           "parameters for `" + name + "`, which is not one of " + joined(components));
     all[name] = read_values(node[name], path);
   }
   return all;

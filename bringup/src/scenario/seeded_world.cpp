@@ -35,8 +35,9 @@ struct World {
 int number_of(const std::string& family, unsigned seed) {
   const auto numbers = barn_world_numbers(family);
   if (seed >= 1 && seed <= numbers.size()) return numbers[seed - 1];
-  throw std::invalid_argument(fmt::format(
-      "{}: seed {} is none of its worlds; name seeds from 1 to {}", family, seed, numbers.size()));
+  throw std::invalid_argument(
+      fmt::format("{}: seed {} is not one of its worlds; name seeds from 1 to {}", family, seed,
+                  numbers.size()));
 }
 
 World world_of(const std::string& family, unsigned seed) {

@@ -85,13 +85,13 @@ TEST_F(Replay, ReadsTheStickFromThePersonsCommands) {
   EXPECT_EQ(stick.linear[1], 1.0);
 }
 
-TEST_F(Replay, SaysWhenNobodyIsAtTheStick) {
+TEST_F(Replay, ReportsARecordingWithoutAStick) {
   write({"/cmd_vel", "geometry_msgs/msg/Twist"}, {{0, twist(0.4, -0.2)}});
   EXPECT_THROW((void)recorded_stick(folder_, {}), std::runtime_error);
   EXPECT_THROW((void)recorded_stick("/no/such/recording", {}), std::runtime_error);
 }
 
-TEST_F(Replay, OfTwoRobotsAsksWhichAndPlaysOneAlone) {
+TEST_F(Replay, AsksWhichOfTwoRobotsToReplayAndPlaysOnlyThatOne) {
   {
     BagWriter writer{folder_};
     const int a = writer.add_topic({"/a/joy", "sensor_msgs/msg/Joy"});
@@ -119,7 +119,7 @@ TEST_F(Replay, OfTwoRobotsAsksWhichAndPlaysOneAlone) {
   EXPECT_NO_THROW((void)system_of(drive, {}));
 }
 
-TEST_F(Replay, SaysWhatItWantsInsteadOfAFileThatIsNoRecording) {
+TEST_F(Replay, ExplainsWhatItExpectsWhenGivenAFileThatIsNotARecording) {
   try {
     (void)recorded_stick(test::source_path("bringup/scenarios/forest_task2.yaml"), {});
     FAIL() << "read";
@@ -130,7 +130,7 @@ TEST_F(Replay, SaysWhatItWantsInsteadOfAFileThatIsNoRecording) {
   }
 }
 
-TEST_F(Replay, SkipsBytesThatAreNoMessage) {
+TEST_F(Replay, SkipsBytesThatAreNotAMessage) {
   write({"/joy", "sensor_msgs/msg/Joy"}, {{0, {0, 1, 0, 0, 7}}, {1, joy(0.0F, 1.0F, 1)}});
   EXPECT_EQ(recorded_stick(folder_, {}).t.size(), 1U);
 }

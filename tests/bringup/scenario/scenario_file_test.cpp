@@ -58,12 +58,12 @@ class ScenarioFile : public ::testing::Test {
   fs::path file_ = folder_ / "s.yaml";
 };
 
-TEST_F(ScenarioFile, ThatIsSoundRaisesNoComplaint) {
+TEST_F(ScenarioFile, AValidFileIsAccepted) {
   write(text_);
   EXPECT_EQ(complaint(), "");
 }
 
-TEST_F(ScenarioFile, MayHavePeopleWhomFilterAndPlannerThenWatch) {
+TEST_F(ScenarioFile, MayHavePeopleThatFilterAndPlannerThenWatch) {
   write(text_, "duration: 60",
         "duration: 60\npeople: [{way: [0, -2, 2, -2], speed: 1.2}, {crossings: 3, area: [-1, -1, "
         "1, 1]}]");
@@ -113,7 +113,8 @@ TEST_F(ScenarioFile, MayWantAnEdgeOfTheRobotAtItsGoal) {
   EXPECT_EQ(drive.after->high.x(), 2.0);
   EXPECT_EQ(drive.p_BA.x(), front);
   write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "pose: [4, 2, 0], of: nose");
-  EXPECT_NE(complaint().find("`of` = nose is none of front, rear, left, right"), std::string::npos);
+  EXPECT_NE(complaint().find("`of` = nose is not one of front, rear, left, right"),
+            std::string::npos);
   write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "region: [3.0, 1.5, 5.0, 3.5], of: left");
   EXPECT_NE(complaint().find("`of` is about a pose or `after`"), std::string::npos);
   write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "pose: [4, 2, 0], stand: -1");
@@ -161,7 +162,7 @@ TEST_F(ScenarioFile, OfManyWorldsHasAWorldForEachSeedOrRefusesIt) {
     FAIL() << "went round";
   } catch (const std::exception& error) {
     EXPECT_NE(std::string{error.what()}.find(
-                  "c.json: seed 3 is none of its worlds; name seeds from 1 to 2"),
+                  "c.json: seed 3 is not one of its worlds; name seeds from 1 to 2"),
               std::string::npos)
         << error.what();
   }
@@ -184,7 +185,7 @@ TEST_P(Mistaken, IsRefusedInOneLineThatNamesFileAndValue) {
 INSTANTIATE_TEST_SUITE_P(
     Files, Mistaken,
     ::testing::Values(
-        Mistake{"unknown_key", "duration", "durtion", ":7: unknown key `durtion`; known here: "},
+        Mistake{"unknown_key", "duration", "durtion", ":7: unknown key `durtion`; valid keys: "},
         Mistake{"missing_key", "method: leader\n", "", "`method` is missing"},
         Mistake{"key_twice", "duration: 60", "duration: 60\nduration: 70", "is given twice"},
         Mistake{"key_no_word", "duration: 60", "? [a]\n: 1", "a key must be a word"},
@@ -199,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"start_nan", "[-4.0, ", "[.nan, ", "is not a list of finite numbers"},
         Mistake{"start_short", "-4.0, 0.0]", "-4.0]", "start needs three numbers"},
         Mistake{"start_in_a_pole", "[-4.0, -4.0, ", "[-2.0, -2.0, ",
-                "start: [-2, -2, 0] puts the robot's outline into an obstacle"},
+                "start: at [-2, -2, 0] the robot's outline overlaps an obstacle"},
         Mistake{"region_nan", "[3.0, ", "[.nan, ", ":5: `region` = [.nan, 1.5, 5.0, 3.5]"},
         Mistake{"region_inverted", "[3.0, ", "[6.0, ", "with x1 < x2 and y1 < y2"},
         Mistake{"region_short", ", 3.5]", "]", "region needs [x1, y1, x2, y2]"},
@@ -211,17 +212,17 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"hindsight_without_poses", "leader", "hindsight",
                 "`hindsight` needs goal: {poses:"},
         Mistake{"goal_without_pose", "leader", "goal", "method `goal` needs goal: {pose:"},
-        Mistake{"method", "leader", "magic", "method `magic` is none of manual, safety_filter"},
-        Mistake{"except", "true}", "true, except: [magic]}", "method `magic` is none of"},
+        Mistake{"method", "leader", "magic", "method `magic` is not one of manual, safety_filter"},
+        Mistake{"except", "true}", "true, except: [magic]}", "method `magic` is not one of"},
         Mistake{"expect_nan", "true}", "true, max_final_position_error: .nan}", "= .nan is not"},
-        Mistake{"route_odd", "[4.0, 2.5]", "[4.0]", "route: needs points x1, y1, x2, y2"},
+        Mistake{"route_odd", "[4.0, 2.5]", "[4.0]", "route: expected points x1, y1, x2, y2"},
         Mistake{"route_nan", "[4.0, 2.5]", "[4.0, .nan]", ":8: node /driver: route = nan outside"},
-        Mistake{"unknown_parameter", "{route", "{rout", "rout = [4.0, 2.5] is no parameter of"},
+        Mistake{"unknown_parameter", "{route", "{rout", "rout = [4.0, 2.5] is not a parameter of"},
         Mistake{"unknown_component", "{driver", "{diver", ":8: parameters for `diver`, which is"},
         Mistake{"parameters_scalar", "{driver: {route: [4.0, 2.5]}}", "5", ":8: expected `key"},
         Mistake{"parameters_list", "{route: [4.0, 2.5]}", "[1, 2]", ":8: expected `key: value`"},
         Mistake{"slice_over_everything", "duration: 60", "slice: {z_min: 5, z_max: 6}",
-                "holds nothing from 5 m to 6 m"},
+                "contains nothing between 5 m and 6 m"},
         Mistake{"people_no_list", "duration: 60", "people: 3", ":7: `people` needs a list"},
         Mistake{"people_without_way", "duration: 60", "people: [{speed: 1}]", "`way` is missing"},
         Mistake{"people_odd_way", "duration: 60", "people: [{way: [1, 2, 3]}]", "`way` needs x1"},
@@ -276,7 +277,7 @@ TEST_F(ScenarioFile, RobotWithADifferentNumberOfVerticesThanItsPartsIsRefused) {
       << complaint();
 }
 
-TEST_F(ScenarioFile, RobotWithAMisspeltKeyIsRefusedWithTheNameThatIsMeant) {
+TEST_F(ScenarioFile, RobotWithAMisspeltKeyIsRefusedWithASuggestion) {
   std::ofstream{folder_ / "misspelt.yaml"} << "/**:\n  ros__parameters:\n    widht: 0.5\n";
   write(text_, test::source_path("bringup/robots/mir100.yaml"), "misspelt.yaml");
   try {
@@ -285,7 +286,7 @@ TEST_F(ScenarioFile, RobotWithAMisspeltKeyIsRefusedWithTheNameThatIsMeant) {
   } catch (const std::invalid_argument& error) {
     const std::string line = error.what();
     EXPECT_TRUE(line.starts_with((folder_ / "misspelt.yaml").string() + ":3: widht is no")) << line;
-    EXPECT_NE(line.find("is `width` meant?"), std::string::npos) << line;
+    EXPECT_NE(line.find("did you mean `width`?"), std::string::npos) << line;
   }
 }
 

@@ -45,7 +45,7 @@ TEST(ShortestWay, OfARobotOfSeveralPartsIsThatOfThePartAroundItsOrigin) {
             shortest_path(room(3.0), kRobot, {1.0, 1.0, 0.0}, kGoal));
 }
 
-TEST(ShortestWay, IsNoneWithoutAPlaceOrAWay) {
+TEST(ShortestWay, IsEmptyWithoutAReachableGoal) {
   EXPECT_FALSE(shortest_path(room(0.0), kRobot, {1.0, 1.0, 0.0}, RoamGoal{}).has_value());
   EXPECT_FALSE(shortest_path(room(6.0), kRobot, {1.0, 1.0, 0.0}, kGoal).has_value());
 }
