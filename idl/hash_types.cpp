@@ -81,7 +81,7 @@ class Parser {
     } else if (what == "const") {
       while (peek() != ";") next();
     } else {
-      fail("'" + what + "' is none of module, struct, const");
+      fail("'" + what + "' is not one of module, struct, const");
     }
     expect(";");
   }

@@ -74,7 +74,7 @@ Structures from_package() {
   return all;
 }
 
-TEST(RosPackage, SaysWhatTheIdlSays) {
+TEST(RosPackage, MatchesTheIdl) {
   const Structures idl = from_idl();
   ASSERT_GE(idl.size(), 8U);
   EXPECT_EQ(from_package(), idl);

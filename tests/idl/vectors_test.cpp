@@ -151,7 +151,7 @@ TEST(TandemMessages, ReadBackWhatTheyWrote) {
 }
 
 // Recordings made before `remedy`, the last field, was added contain such messages; see the README.
-TEST(TandemMessages, AnArbitrationStatusWithoutRemedyIsNone) {
+TEST(TandemMessages, AnArbitrationStatusWithoutRemedyIsRejected) {
   tandem_msgs::msg::ArbitrationStatus status, read;
   status.silent_sources({"user"});
   Bytes bytes = serialize(status);

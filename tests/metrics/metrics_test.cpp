@@ -35,7 +35,7 @@ DriveSample steady(const Twist2& user, const Twist2& robot, double clearance = 1
   return {.twist = robot, .user = user, .clearance = clearance};
 }
 
-TEST(Metrics, OfADriveThatDoesWhatIsAsked) {
+TEST(Metrics, OfADriveThatFollowsTheCommand) {
   const auto r = measure(2.0, [](double t) {
     DriveSample sample = steady({0.5, 0.0}, {0.5, 0.0});
     sample.X_MB.x = 0.5 * t;
@@ -68,7 +68,7 @@ TEST(Metrics, AgreementComparesDirectionsInSharesOfTheLimits) {
   EXPECT_NEAR(r.obedience_rms, std::sqrt(0.125), 1e-12);
 }
 
-TEST(Metrics, AgreementIsMinusOneForTheOppositeAndNoneForAPersonWhoRests) {
+TEST(Metrics, AgreementIsMinusOneForTheOppositeAndUndefinedForAPersonAtRest) {
   EXPECT_NEAR(measure(1.0,
                       [](double) {
                         return steady({0.5, 0.0}, {-0.2, 0.0});
@@ -209,7 +209,7 @@ TEST(DriveCounts, CountsInterventionsAndUnbrokenRunsOfThem) {
   EXPECT_EQ(counts.filter_episodes, 2);
 }
 
-TEST(DriveCounts, LooksAtTheFirstWordOfEachBeat) {
+TEST(DriveCounts, UsesTheFirstStatusOfEachPeriod) {
   DriveCounts counts;
   for (int n = 1; n <= 1000; ++n) counts.on_filtered(0.01 * n, n % 5 == 0);
   EXPECT_EQ(counts.filter_commands, 201);

@@ -51,7 +51,7 @@ TEST(Jerk, OfASpeedQuadraticInTimeIsItsSecondDerivative) {
               1e-9);
 }
 
-TEST(Jerk, OfTwoWindowsIsNone) {
+TEST(Jerk, OfTwoWindowsIsUndefined) {
   EXPECT_FALSE(rms_of_second_difference(std::vector{1.0, 2.0}).has_value());
 }
 
@@ -107,7 +107,7 @@ TEST(SpectralArcLength, IsWhatTheDefinitionSays) {
   }
 }
 
-TEST(SpectralArcLength, OfARobotThatStandsIsNone) {
+TEST(SpectralArcLength, OfAStandingRobotIsUndefined) {
   EXPECT_FALSE(spectral_arc_length(std::vector<double>(20, 0.0)).has_value());
   EXPECT_FALSE(spectral_arc_length(std::vector<double>{}).has_value());
 }

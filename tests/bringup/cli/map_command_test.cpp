@@ -110,7 +110,7 @@ TEST_F(MapCommand, DrawsAPngOfAMap) {
   }
 }
 
-TEST_F(MapCommand, SaysWhatAMapHolds) {
+TEST_F(MapCommand, PrintsTheContentsOfAMap) {
   testing::internal::CaptureStdout();
   run("map info " + (kMaps / "forest.bt").string());
   const std::string text = testing::internal::GetCapturedStdout();
@@ -118,7 +118,7 @@ TEST_F(MapCommand, SaysWhatAMapHolds) {
   EXPECT_NE(text.find("204 × 204 cells"), std::string::npos) << text;
 }
 
-TEST_F(MapCommand, ThrowsOneLineForWhatCannotBe) {
+TEST_F(MapCommand, ErrorsAreOneLine) {
   std::ofstream(in_folder("cut.bt")) << bytes_of(kMaps / "forest.bt").substr(0, 3000);
   for (const std::string& arguments :
        {"map info " + in_folder("none.bt"), "map info " + in_folder("cut.bt"),

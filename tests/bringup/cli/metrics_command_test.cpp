@@ -133,7 +133,7 @@ TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
 // Nobody but the stamped command steers: the planner goes to the goal by itself. The drive ends a
 // dozen plans after all who read the command have found it: the recorder, arbitration, the planner
 // and the measures.
-TEST_F(MetricsProgram, HearsAPersonWhoseCommandsAreStamped) {
+TEST_F(MetricsProgram, AcceptsStampedCommandsOfThePerson) {
   rt::Node person{"person"};
   const auto user = person.create_publisher(
       rt::Topic<geometry_msgs::msg::TwistStamped>{topics::cmd_vel_user.name, topics::kCommand});
@@ -159,7 +159,7 @@ TEST_F(MetricsProgram, HearsAPersonWhoseCommandsAreStamped) {
   EXPECT_TRUE(recorded.at("agreement_magnitude").is_number());
 }
 
-TEST_F(MetricsProgram, SaysWhatIsWrongWithARecording) {
+TEST_F(MetricsProgram, ErrorsNameWhatIsWrongWithARecording) {
   std::ofstream{file("none.db3")} << "no recording";
   const test::CapturedLog log;
   EXPECT_EQ(run({"metrics", file("none.db3"), "--scenario", kScenario}), 1);

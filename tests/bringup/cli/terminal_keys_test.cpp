@@ -18,7 +18,7 @@ TEST(TerminalKeys, HoldAStickWhileTheyRepeat) {
   EXPECT_FALSE(keys.held(1.99 + 1.1 * TerminalKeys::kRepeat));
 }
 
-TEST(TerminalKeys, AKeyThatIsTypedOnceIsLetGo) {
+TEST(TerminalKeys, AKeyTypedOnceIsReleased) {
   TerminalKeys keys;
   (void)keys.type("j", 0.0);
   EXPECT_FALSE(keys.held(1.1 * TerminalKeys::kFirst));
@@ -33,7 +33,7 @@ TEST(TerminalKeys, AnyOtherKeyStops) {
   }
 }
 
-TEST(TerminalKeys, ArrowsDriveAndALoneEscapeIsNoKey) {
+TEST(TerminalKeys, ArrowsDriveAndALoneEscapeIsIgnored) {
   TerminalKeys keys;
   (void)keys.type("\x1b[D", 0.0);
   EXPECT_EQ(keys.held(0.1), (TerminalKeys::Stick{0.0, 0.8}));
@@ -56,7 +56,7 @@ TEST(TerminalKeys, ScaleAndKeepDriving) {
 
 // Over ssh a connection stalls, its silence releases the key, and then the backlog arrives at once.
 // A key that was held all the time must be seen released before the robot drives.
-TEST(TerminalKeys, WhatAStalledLineHasKeptBackHoldsNoStickUntilItIsLetGo) {
+TEST(TerminalKeys, KeysDelayedByAStalledLineHoldNoStickUntilReleased) {
   TerminalKeys keys;
   (void)keys.type("i", 0.0);
   for (double t = 0.04; t < 1.0; t += 0.04) (void)keys.type("i", t);
