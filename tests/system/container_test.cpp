@@ -105,7 +105,7 @@ TEST_F(ContainerOverDds, AnswersBadRequestsWithTheReasonAndGoesOn) {
   request.package_name("tandem_teleop");
   expect_refused(request, "package 'tandem_teleop' has no plugin 'tandem::Arbitration'");
   request.package_name("composition");
-  expect_refused(request, "package 'composition' is not known here");
+  expect_refused(request, "package 'composition' is unknown");
   request = arbitration();
   request.parameters({parameter("user_timeuot", 1.0)});
   expect_refused(request, "user_timeuot");

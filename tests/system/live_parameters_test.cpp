@@ -64,7 +64,7 @@ class LiveParameters : public OneComponent {
 };
 
 // A stray `ros2 param set` must not disable a person's protection.
-TEST_F(LiveParameters, AreNoneOfTheSafetyFilters) {
+TEST_F(LiveParameters, DoNotIncludeTheSafetyFilters) {
   const auto filter = load("safety_filter", {});
   EXPECT_EQ(live("/safety_filter"), Names{});
   EXPECT_NE(set("/safety_filter", "enforce", 0.0).find("read-only"), std::string::npos);
@@ -99,7 +99,8 @@ TEST_F(LiveParameters, OfThePlannerAreItsMethodToo) {
   ASSERT_TRUE(wait_until([&] { return method == "leader"; }));
   EXPECT_EQ(set("/local_planner", "method", std::string{"path"}), "");
   EXPECT_TRUE(wait_until([&] { return method == "path"; }));
-  EXPECT_NE(set("/local_planner", "method", std::string{"dwa"}).find("none of"), std::string::npos);
+  EXPECT_NE(set("/local_planner", "method", std::string{"dwa"}).find("not one of"),
+            std::string::npos);
 }
 
 TEST_F(LiveParameters, OfTheExtractorAreItsFit) {

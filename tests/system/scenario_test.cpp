@@ -86,7 +86,7 @@ TEST_P(BadOptions, AreRefusedInOneLineBeforeAnythingMoves) {
 INSTANTIATE_TEST_SUITE_P(
     Words, BadOptions,
     ::testing::Values(
-        BadOption{"method", {"--lockstep", "--method", "magic"}, "method `magic` is none of"},
+        BadOption{"method", {"--lockstep", "--method", "magic"}, "method `magic` is not one of"},
         BadOption{"goal_without_pose", {"--method", "goal"}, "method `goal` needs goal: {pose:"},
         BadOption{"seed", {"--lockstep", "--seed", "4294967295"}, "above the largest, 2147483647"},
         BadOption{"seeds", {"--lockstep", "--seeds", "1-2x"}, "--seeds 1-2x: expected A-B"},

@@ -164,7 +164,7 @@ void expect_complaint(const std::vector<std::string>& words, const std::string& 
 
 TEST_F(StudyProgram, AndAllOthersThatDriveRefuseAMisspeltKeyOfARobot) {
   std::ofstream{folder() / "robot.yaml"} << "/**:\n  ros__parameters:\n    a_brk: 1.5\n";
-  const std::string scenario = out("misspelt.yaml"), key = "robot.yaml:3: a_brk is no parameter";
+  const std::string scenario = out("misspelt.yaml"), key = "robot.yaml:3: a_brk: unknown parameter";
   std::ofstream{scenario} << "scenario: t\nmap: " << test::source_path("maps/forest.bt")
                           << "\nrobot: robot.yaml\nstart: [-4.0, -4.0, 0.0]\n"
                              "goal: {region: [3.0, 1.5, 5.0, 3.5]}\nmethod: leader\n";

@@ -67,7 +67,8 @@ int main(int argc, char** argv) {
                                     " is empty; is a variable of the shell unset?");
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-      throw std::runtime_error("standard output takes no more");
+      throw std::runtime_error(
+          "cannot write to standard output (is the disk full, or was the pipe closed?)");
     return status;
   } catch (const CLI::RequiredError& error) {
     const std::string unknown = unknown_command(app);

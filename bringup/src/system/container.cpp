@@ -71,9 +71,10 @@ std::string yaml_of(const Parameter& parameter) {
     case type::PARAMETER_DOUBLE_ARRAY:
       return list(value.double_array_value());
     default:
-      throw std::invalid_argument("parameter '" + parameter.name() +
-                                  "': no parameter here is unset, of bytes, or a list of texts or "
-                                  "truths");
+      throw std::invalid_argument(
+          "parameter '" + parameter.name() +
+          "': no parameter here is unset, of bytes, or a list of strings or "
+          "truths");
   }
 }
 
@@ -87,8 +88,9 @@ void check_extra(const Parameter& extra) {
         "forward_global_arguments: true is not done here; give remap rules and parameters in the "
         "request");
   }
-  throw std::invalid_argument("extra argument '" + extra.name() +
-                              "' is none of {use_intra_process_comms, forward_global_arguments}");
+  throw std::invalid_argument(
+      "extra argument '" + extra.name() +
+      "' is not one of {use_intra_process_comms, forward_global_arguments}");
 }
 
 }  // namespace
@@ -97,7 +99,7 @@ std::string component_of(const std::string& package, const std::string& plugin) 
   const std::string name = snake_case(plugin);
   if (package != "tandem" && !package.starts_with("tandem_"))
     throw std::invalid_argument("package '" + package +
-                                "' is not known here: there are tandem and tandem_<component>");
+                                "' is unknown; available: tandem and tandem_<component>");
   if (package != "tandem" && package != "tandem_" + name)
     throw std::invalid_argument("package '" + package + "' has no plugin '" + plugin + "'");
   return name;

@@ -116,7 +116,7 @@ void examine_nodes(const Domain& domain, std::vector<Finding>& found) {
     for (const auto& participant : domain.participants)
       if (participant.form == GraphForm::kNone)
         found.push_back({"participant " + participant.id.substr(0, 16) +
-                             "… has endpoints but tells of no nodes",
+                             "… has endpoints but announces no nodes",
                          "a plain DDS program: nothing to do unless it should be a ROS 2 node"});
   if (domain.malformed > 0)
     found.push_back(
@@ -135,7 +135,7 @@ void examine_commands(const Domain& domain, std::vector<Finding>& found) {
     std::string all;
     for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
     found.push_back({topic + " has " + std::to_string(names.size()) + " publishers (" + all +
-                         "): what is not the safety filter's goes past it",
+                         "): all but the safety filter's bypass it",
                      "remap all but one, to cmd_vel_nav or cmd_vel_user, or give each robot a "
                      "namespace"});
   }
@@ -309,8 +309,8 @@ int visit(double duration) {
   if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr &&
       std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE") == nullptr)
     found.push_back(
-        {"this is a part of the domain: a discovery server tells a client of nobody but those whom "
-         "it speaks to",
+        {"this list may be incomplete: a discovery server tells a client only about the "
+         "participants it communicates with",
          "make it a SUPER_CLIENT by a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as ROS 2's own "
          "tools need it"});
   clock.examine(found);

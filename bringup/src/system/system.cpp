@@ -145,7 +145,8 @@ int run_here(const System& system, const std::vector<std::string>& only) {
   RunningSystem running{system, only};
   if (only.empty())  // a separate process does not know the other processes' parameters
     for (const auto& key : rt::unused_wildcard_keys())
-      rt::Logger{"tandem"}.warn("{} is no parameter of any component of {}", key, system.path);
+      rt::Logger{"tandem"}.warn("{}: unknown parameter; no component of {} has it", key,
+                                system.path);
   rt::wait_for_shutdown();
   running.stop();
   running.wait();
@@ -160,8 +161,8 @@ void warn_of_unknown(const rt::RosArguments& arguments) {
   for (const auto& [key, value] : all->second) {
     if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
     const std::string meant = nearest_parameter(key);
-    rt::Logger{"tandem"}.warn("-p {}:={}: {} is no parameter of any component of ours{}", key,
-                              value, key, meant.empty() ? "" : "; is `" + meant + "` meant?");
+    rt::Logger{"tandem"}.warn("-p {}:={}: unknown parameter `{}`{}", key, value, key,
+                              meant.empty() ? "" : "; did you mean `" + meant + "`?");
   }
 }
 

@@ -46,7 +46,7 @@ TEST(Doctor, NamesBothSidesOfQosThatDoesNotFit) {
             "qos_overrides./odom.publisher.reliability: reliable at /robot");
 }
 
-TEST(Doctor, LetsPassWhatASecondSubscriptionHears) {
+TEST(Doctor, AcceptsAMismatchIfASecondSubscriptionMatches) {
   auto well = domain();
   well.endpoints[1].policies.reliability = 0;
   well.endpoints.push_back(
@@ -65,7 +65,7 @@ TEST(Doctor, FindsTypesAndHashesThatDiffer) {
   EXPECT_TRUE(examine(sick).empty());
 }
 
-TEST(Doctor, FindsTwinsStrangersAndHumbleBesideOthers) {
+TEST(Doctor, FindsDuplicateNodesPlainDdsProgramsAndHumbleBesideOthers) {
   auto sick = domain();
   sick.participants[1].nodes = {"/tandem"};
   EXPECT_TRUE(finds(examine(sick), "2 nodes are called /tandem"));
@@ -73,13 +73,13 @@ TEST(Doctor, FindsTwinsStrangersAndHumbleBesideOthers) {
   sick.participants[1].form = GraphForm::kHumble;
   EXPECT_TRUE(finds(examine(sick), "Humble"));
   sick.participants[1] = {"bb", false, GraphForm::kNone, {}};
-  EXPECT_TRUE(finds(examine(sick), "tells of no nodes"));
+  EXPECT_TRUE(finds(examine(sick), "announces no nodes"));
   sick = domain();
   sick.malformed = 3;
   EXPECT_TRUE(finds(examine(sick), "3 samples of ros_discovery_info"));
 }
 
-TEST(Doctor, FindsWhoElseMovesTheBase) {
+TEST(Doctor, FindsOtherPublishersOfCmdVel) {
   auto sick = domain();
   const std::string type = "geometry_msgs/msg/Twist";
   sick.endpoints.push_back({"aa", "/safety_filter", "/a/cmd_vel", type, true, {1, 0}, "h"});
@@ -112,7 +112,7 @@ diagnostic_msgs::msg::DiagnosticArray word(const std::string& name, std::uint8_t
   return msg;
 }
 
-TEST(Doctor, TellsOfARobotThatStandsItsFirstCauseAndRemedy) {
+TEST(Doctor, ReportsTheFirstCauseAndRemedyOfAStandingRobot) {
   Diagnoses diagnoses;
   add(diagnoses, word("arbitration", 1, "safety filter: no map yet"));
   add(diagnoses, word("safety_filter", 1, "no map yet", "start a map_server"));
@@ -134,7 +134,7 @@ diagnostic_msgs::msg::DiagnosticArray link(const std::string& name, const std::s
   return msg;
 }
 
-TEST(Doctor, FollowsNodesThatWaitForEachOtherToTheFirstCause) {
+TEST(Doctor, FollowsWaitingNodesToTheFirstCause) {
   Diagnoses diagnoses;
   add(diagnoses,
       link("local_planner", "obstacles are silent", "/plan /cmd_vel_shared", "/obstacles"));
@@ -148,24 +148,24 @@ TEST(Doctor, FollowsNodesThatWaitForEachOtherToTheFirstCause) {
   EXPECT_EQ(first_cause(diagnoses, diagnoses["local_planner"]).name(), "octomap_builder");
 }
 
-TEST(Doctor, TakesANodeThatIsWellOrAnotherRobotsForNoCause) {
+TEST(Doctor, AHealthyNodeOrAnotherRobotsNodeIsNotACause) {
   Diagnoses diagnoses;
   add(diagnoses, link("a/local_planner", "obstacles are silent", "/a/plan", "/a/obstacles"));
   add(diagnoses, link("b/obstacle_extractor", "no map yet", "/b/obstacles", ""));
-  auto well = link("a/obstacle_extractor", "lists what is near", "/a/obstacles", "");
+  auto well = link("a/obstacle_extractor", "publishing nearby obstacles", "/a/obstacles", "");
   well.status()[0].level(0);
   add(diagnoses, well);
   EXPECT_EQ(first_cause(diagnoses, diagnoses["a/local_planner"]).name(), "a/local_planner");
 }
 
-TEST(Doctor, EndsWhereNodesWaitForEachOtherInACircle) {
+TEST(Doctor, StopsAtACycleOfWaitingNodes) {
   Diagnoses diagnoses;
   add(diagnoses, link("first", "b is silent", "/a", "/b"));
   add(diagnoses, link("second", "a is silent", "/b", "/a"));
   EXPECT_FALSE(first_cause(diagnoses, diagnoses["first"]).name().empty());
 }
 
-TEST(Doctor, TellsOnceWhatSeveralNodesSayAndWhatWasFoundAlready) {
+TEST(Doctor, ReportsOnceWhatSeveralNodesReportOrWasAlreadyFound) {
   Diagnoses diagnoses;
   add(diagnoses, word("obstacle_extractor", 1, "no map yet"));
   add(diagnoses, word("safety_filter", 1, "no map yet"));
@@ -176,7 +176,7 @@ TEST(Doctor, TellsOnceWhatSeveralNodesSayAndWhatWasFoundAlready) {
   EXPECT_EQ(examine(diagnoses, found).size(), 1U);
 }
 
-TEST(Doctor, TellsNothingOfANodeThatIsWellAgain) {
+TEST(Doctor, ReportsNothingAboutARecoveredNode) {
   Diagnoses diagnoses;
   add(diagnoses, word("safety_filter", 1, "no map yet"));
   add(diagnoses, word("safety_filter", 0, "clear"));

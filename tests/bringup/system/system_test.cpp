@@ -84,7 +84,7 @@ TEST_F(SystemFile, IsReadWithPathsRelativeToIt) {
   EXPECT_EQ(options.remappings.at("p"), "q");
 }
 
-TEST_F(SystemFile, ThatIsWrongIsRefusedWithItsLine) {
+TEST_F(SystemFile, ErrorsNameTheLine) {
   const std::string head = "components:\n  - ";
   expect_complaint("component: []\n", {path_ + ":1", "unknown key 'component'"});
   expect_complaint(head + "{component: c, nam: x}\n", {path_ + ":2", "'nam'"});
@@ -155,7 +155,7 @@ TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
   EXPECT_EQ(program.wait(5.0), 1);  // the exit status reports the killed process
 }
 
-TEST_F(SystemFile, StartsAgainWhatIsToRespawn) {
+TEST_F(SystemFile, RestartsComponentsMarkedRespawn) {
   std::string yaml = kTwoDoublers;
   yaml.replace(yaml.find("name: first"), 11, "name: first, respawn: true");
   ChildProcess program{"run_system", {"run", write(yaml), "--separate"}};
@@ -182,7 +182,7 @@ TEST_F(SystemFile, DoesNotStartAgainWhatAWrongParameterEnded) {
   EXPECT_EQ(program.wait(10.0), 1);
 }
 
-TEST(Respawn, WaitsLongerAfterEachEarlyEndAndStartsAnewAfterAHealthyLife) {
+TEST(Respawn, WaitsLongerAfterEachEarlyExitAndResetsAfterAHealthyRun) {
   EXPECT_EQ(respawn_delay(0.0, 10.0), 0.5);
   EXPECT_EQ(respawn_delay(0.5, 1.0), 1.0);
   EXPECT_EQ(respawn_delay(16.0, 1.0), 30.0);
