@@ -75,7 +75,7 @@ struct ReasonText {
 [[nodiscard]] constexpr ReasonText words(Reason reason) {
   switch (reason) {
     case Reason::kNothingSensed:
-      return {"nothing is heard on scan or cloud_in…",
+      return {"no data on scan or cloud_in…",
               "start a sensor's driver, or remap scan or cloud_in to its topic"};
     case Reason::kSensorMissing:
       return {"… is silent, and required_sensors names it…",

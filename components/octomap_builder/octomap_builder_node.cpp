@@ -204,7 +204,7 @@ std::string OctomapBuilderNode::why_no_pose(const Stamp& stamp) {
 std::string OctomapBuilderNode::reason() {
   if (!scanner_.watch.is_heard() && !camera_.watch.is_heard() &&
       params_->watch.required_sensors.empty())
-    return "nothing is heard on scan or cloud_in: is a sensor's driver running?";
+    return "no data on scan or cloud_in: is a sensor's driver running?";
   std::string all;
   for (Sensor* sensor : {&scanner_, &camera_})
     if (const std::string why = sensor->watch.reason(node_.now()); !why.empty())

@@ -217,7 +217,7 @@ TEST_F(Sweep, OfThePlannerAndWhatItWaitsFor) {
   local_on_ = false;
   expect_reason("obstacle_extractor: octomap_local is silent", Reason::kLocalMapSilent);
   run("octomap_builder");
-  expect_reason("octomap_builder: nothing is heard on scan or cloud_in", Reason::kNothingSensed);
+  expect_reason("octomap_builder: no data on scan or cloud_in", Reason::kNothingSensed);
   end("octomap_builder");
   end("obstacle_extractor");
   local_on_ = true;
@@ -264,7 +264,7 @@ TEST_F(Sweep, OfSensors) {
   run("octomap_builder", {{"scan_pose", "[0.0, 0.0, 0.3, 0.0, 0.0, 0.0]"}});
   run("safety_filter", {{"map_source", "local"}});
   push();
-  expect_reason("octomap_builder: nothing is heard on scan or cloud_in", Reason::kNothingSensed);
+  expect_reason("octomap_builder: no data on scan or cloud_in", Reason::kNothingSensed);
   const auto scans = node_.create_publisher(topics::scan);
   sensor_msgs::msg::LaserScan scan;
   scan.header().frame_id("laser");

@@ -9,7 +9,7 @@ namespace tandem::test {
 namespace {
 
 TEST_F(BuilderOverDds, ReportsSensorStatusFromTheStartEvenWithoutSensors) {
-  ASSERT_TRUE(wait_until([&] { return says("nothing is heard on scan or cloud_in"); }));
+  ASSERT_TRUE(wait_until([&] { return says("no data on scan or cloud_in"); }));
   ASSERT_TRUE(wait_for_maps(1));
   ASSERT_TRUE(wait_until([&] { return says("scan is silent"); }));
   const long before = statuses_;
