@@ -42,7 +42,7 @@ enum class ArbitrationReason {
 [[nodiscard]] const char* name(Source source);
 [[nodiscard]] const char* name(ArbitrationReason reason);
 
-/// Throws std::invalid_argument, listing the policies, if `text` is none of them.
+/// Throws std::invalid_argument, listing the policies, if `text` is not one of them.
 [[nodiscard]] Policy policy_from(const std::string& text);
 
 /// Weights of policy `blend`; may change while the robot drives.

@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Delayed,
                          ::testing::Values("leader", "intention", "path", "blend"),
                          [](const auto& test) { return std::string(test.param); });
 
-// Motors of 0.4 s: told of them, the planner gives the filter less to do and is there sooner.
+// Motors of 0.4 s: a planner that knows the lag arrives sooner and leaves less to the filter.
 TEST(MotorLag, ToldToThePlannerSparesTheFilter) {
   double told_time = 0.0, untold_time = 0.0, told_changes = 0.0, untold_changes = 0.0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -243,7 +243,7 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Manual,
                          ::testing::Values("forest_task1", "forest_task2", "corridor", "crossing"),
                          [](const auto& test) { return std::string(test.param); });
 
-TEST(Planner, AvoidsAloneAndTheFilterSeldomSpeaks) {
+TEST(Planner, AvoidsObstaclesAloneAndTheFilterSeldomIntervenes) {
   for (const char* method : {"leader", "intention"}) {
     const DriveResult alone = drive(file("forest_task2"), method, 1, false);
     EXPECT_EQ(alone.collisions, 0) << method;
@@ -251,7 +251,7 @@ TEST(Planner, AvoidsAloneAndTheFilterSeldomSpeaks) {
   }
 }
 
-TEST(Tables, SteadyStateErrorsComeOutBesideTheThesis) {
+TEST(Tables, SteadyStateErrorsAreComparedWithTheThesis) {
   for (const auto& [name, thesis] : {std::pair{"table_3_1", 0.1283}, {"table_3_2", 0.1142}}) {
     const DriveResult result = drive(file(name), "goal", 1);
     std::printf("%s: steady-state error %.4f m (thesis %.4f m), path %.2f m\n", name,

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kHeard = 3;            // how `peer probe` ends that heard something or was heard
+constexpr int kHeard = 3;  // exit status of a `peer probe` that received something or was received
 constexpr int kParticipants = 24;    // of the system and others, with some to spare
 constexpr double kTimeout = 30.0;    // [s]
 constexpr double kBackwards = -0.7;  // [m/s] only the probe asks for less

@@ -4,14 +4,14 @@
 namespace tandem::test {
 namespace {
 
-TEST_F(TeleopOverDds, DrivesWhileTheDeadManIsHeldAndSaysOneZeroAtItsRelease) {
+TEST_F(TeleopOverDds, DrivesWhileTheDeadManIsHeldAndPublishesOneZeroAtItsRelease) {
   take_stick();
   axes_ = {-1.0f, 1.0f};
   ASSERT_TRUE(wait_for(kScale, -kScale));
   buttons_ = {0, 0};
   ASSERT_TRUE(wait_for(0.0, 0.0));
   const long until_release = commands_;
-  buttons_ = {0, 1};  // the answer to it shows that released sticks were heard since
+  buttons_ = {0, 1};  // the answer to it shows that released sticks have arrived since
   ASSERT_TRUE(wait_until([&] { return ends_ > 0; }));
   EXPECT_EQ(commands_, until_release);
 }
@@ -131,7 +131,7 @@ TEST_F(TeleopBesideAProgram, TheLeaderFollowsOneThatStampsToo) {
   EXPECT_TRUE(leads_to(kRobot.x + kLeash));
 }
 
-TEST_F(TeleopOverDds, WhatIsLateByItsStampIsNoStick) {
+TEST_F(TeleopOverDds, AJoyMessageWithALateStampIsDropped) {
   take_stick();
   axes_ = {0.0f, 1.0f};
   stamp_age_ = 0.0;

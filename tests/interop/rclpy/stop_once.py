@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The emergency stop pressed once by programs that leave, heard by our robot and by a reliable rclpy
-subscriber of depth 10 beside it.
+"""The emergency stop pressed once by programs that leave, received by our robot and, beside it, by a reliable
+rclpy subscriber of depth 10.
 
-    stop_once.py TRIES    so many programs of each kind of sender; exit 1 if the subscriber hears more of
+    stop_once.py TRIES    so many programs of each kind of sender; exit 1 if the subscriber receives more of
                           one kind than the robot
 
-Each program sends as soon as its publisher is matched with anybody and leaves 0.1 s later, so what is
-heard depends on how soon robot and subscriber are discovered. Started by stop_once.
+Each program sends as soon as its publisher is matched with anybody and leaves 0.1 s later, so what
+arrives depends on how soon robot and subscriber are discovered. Started by stop_once.
 """
 import os
 import signal

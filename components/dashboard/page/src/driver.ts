@@ -45,7 +45,7 @@ export class Driver {
   private dropped = false;
   private source?: Source; // that holds the stick
   private pressed = 0; // [ms] when the stick was taken
-  private begun = false; // teleop was told of this press
+  private begun = false; // teleop received this press
 
   constructor(
     private connection: Connection,
@@ -107,7 +107,7 @@ export class Driver {
   }
 }
 
-/** Where the stick is, whoever holds it, and how strongly it resists: a ring around it. */
+/** Shows where the stick is, also when keys or a gamepad hold it, and how strongly it resists: a ring around it. */
 export function showStick(element: HTMLElement, knob: HTMLElement, stick?: Stick, resistance = 0): void {
   element.style.setProperty("--resistance", `${stick ? Math.round(22 * resistance) : 0}px`);
   const reach = element.offsetWidth / 2 - knob.offsetWidth / 2;

@@ -53,7 +53,7 @@ export class Robot {
   overruns = 0;
   collisions = 0;
   inContact = false;
-  goal?: Pose; // the newest, whoever set it
+  goal?: Pose; // the newest, from any publisher
 
   private mapOdom: Pose = { x: 0, y: 0, heading: 0 };
   private odomFrame = "odom";

@@ -144,7 +144,7 @@ export class UserTest {
     });
     if (sent) {
       this.running = { id, phase, later };
-      this.say(TASK[phase.task]!); // until the robot is heard
+      this.say(TASK[phase.task]!); // until the robot answers
       return;
     }
     this.say("The connection is lost");

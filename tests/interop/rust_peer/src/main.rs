@@ -77,7 +77,7 @@ where
   pin_mut!(service, late);
   select! {
     _ = service => (),
-    _ = late => println!("not told of the service"),
+    _ = late => println!("the service was not discovered"),
   }
 }
 
