@@ -87,7 +87,7 @@ TEST_P(AtTheStick, RestStopsTheRobotWhereItStopsByHandAndNothingRollsBack) {
   EXPECT_NEAR(track.back().twist.v, 0.0, 1e-3);
 }
 
-TEST_P(AtTheStick, GoesOnAfterARestThatWasShort) {
+TEST_P(AtTheStick, ContinuesAfterAShortRest) {
   const std::vector<Push> pushes{{0.0, 1.0, 0.0}, {4.0, 0.0, 0.0}, {4.1, 1.0, 0.0}};
   const auto track = track_of(hall(), GetParam(), pushes, 5.0);
   for (const DriveSample& sample : track) EXPECT_TRUE(sample.t < 4.0 || sample.twist.v > 0.4);
@@ -104,7 +104,7 @@ TEST_P(AtTheStick, ThrownRoundTurnsTheRobotBackAlmostAsSoonAsByHand) {
 }
 
 // A wheelchair 0.65 m wide before a gap of 0.60 m.
-TEST_P(AtTheStick, PushedAtAGapThatIsTooNarrowStandsBeforeItAndLooksIntoIt) {
+TEST_P(AtTheStick, PushedAtTooNarrowAGapItStopsBeforeItFacingIt) {
   const Scenario gap = place("maps/home.bt", "wheelchair", {4.9, 6.1, 0.0});
   const auto track = track_of(gap, GetParam(), {{0.0, 1.0, 0.0}}, 6.0);
   double turned = 0.0;

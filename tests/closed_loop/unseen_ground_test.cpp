@@ -29,7 +29,7 @@ std::shared_ptr<const StaticMap> room(double half_length, double half_width) {
 }
 
 // From the middle of a corridor 1.4 m wide to its closed end, and back.
-TEST(UnseenGround, ARobotThatSeesAheadOnlyLeavesADeadEndByTheWayItCame) {
+TEST(UnseenGround, ARobotThatSeesOnlyAheadLeavesADeadEndTheWayItCame) {
   BlindDrive drive({}, room(4.0, 0.7), {-1.0, 0.0, 0.0});
   drive.run({0.8, 0.0}, 8.0);
   ASSERT_GT(drive.X().x, 3.0);

@@ -66,7 +66,7 @@ TEST_F(SimOverDds, ObeysACommandAndStopsWhenCommandsFallSilent) {
   EXPECT_TRUE(wait_until([&] { return stands(); }));
 }
 
-TEST_F(SimOverDds, ACommandThatIsNotANumberIsNone) {
+TEST_F(SimOverDds, ACommandThatIsNotANumberIsIgnored) {
   ASSERT_TRUE(wait_until_at_start());
   push_ = {-0.3, 0.0};
   ASSERT_TRUE(wait_until([&] { return truth_.twist.v < -0.2; }));

@@ -34,7 +34,7 @@ class ForeignDrivers : public OneComponent {
   rt::Node other_{"driver_of_another_make"};
 };
 
-TEST_F(ForeignDrivers, AreHeardThoughTheyOfferBestEffortAndVolatile) {
+TEST_F(ForeignDrivers, AreReceivedAlthoughTheyOfferBestEffortAndVolatile) {
   EXPECT_TRUE(hears_best_effort(topics::odom));
   EXPECT_TRUE(hears_best_effort(topics::tf));
   EXPECT_TRUE(hears_best_effort(topics::tf_static));

@@ -64,7 +64,7 @@ class FilterOnGrid : public OneComponent {
   rt::Timer beat_;
 };
 
-TEST_F(FilterOnGrid, StandsUntilTheMapComesAndHeedsItsWalls) {
+TEST_F(FilterOnGrid, StandsUntilTheMapArrivesAndRespectsItsWalls) {
   const auto running = filter({});
   ASSERT_TRUE(wait_until([this] { return v_ == 0.0 && reason_ == "no map yet"; }));
   map_.publish(room(0));
@@ -73,13 +73,13 @@ TEST_F(FilterOnGrid, StandsUntilTheMapComesAndHeedsItsWalls) {
   EXPECT_TRUE(is_slowed());
 }
 
-TEST_F(FilterOnGrid, HearsTheMapThatWasPublishedBefore) {
+TEST_F(FilterOnGrid, ReceivesAMapPublishedEarlier) {
   map_.publish(room(0));
   const auto running = filter({});
   EXPECT_TRUE(drives());
 }
 
-TEST_F(FilterOnGrid, HeedsTheWallsOfAMapThatIsTurned) {
+TEST_F(FilterOnGrid, RespectsTheWallsOfARotatedMap) {
   const auto running = filter({});
   map_.publish(room(100, std::numbers::pi));  // the wall is behind
   ASSERT_TRUE(drives());
@@ -112,7 +112,7 @@ TEST_F(FilterOnGrid, RefusesAMapThatContradictsItselfAndKeepsTheOneBefore) {
 
 // Grid and lidar together: obstacles of the map persist although the lidar sees over them;
 // obstacles that the lidar sees appear and disappear.
-TEST_F(FilterOnGrid, WithLiveSensingHeedsBoth) {
+TEST_F(FilterOnGrid, WithLiveSensingItRespectsBoth) {
   const auto running = filter({{"map_source", "both"}});
   const auto local = node_.create_publisher(topics::octomap_local);
   octomap::OcTree tree(0.05);

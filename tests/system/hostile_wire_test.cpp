@@ -48,7 +48,7 @@ TEST(HostileWire, MutatedDatagramsOfTheSessionEndNoProcessAndFillNoMemory) {
   EXPECT_TRUE(attacked.stops());
 }
 
-TEST(HostileWire, AnnouncementsOfNobodyFillNoMemoryAndARealProcessJoins) {
+TEST(HostileWire, ForgedAnnouncementsFillNoMemoryAndARealProcessJoins) {
   AttackedSystem attacked;
   ASSERT_TRUE(attacked.system().wait_until_driving());
   attacked.note_memory();

@@ -71,7 +71,7 @@ class JoystickOverDds : public OneComponent {
   int count_ = 0;
 };
 
-TEST_F(JoystickOverDds, SendsADeviceThatIsPluggedInAndLetsGoWhenItIsPulledOut) {
+TEST_F(JoystickOverDds, PublishesAPluggedInDeviceAndReleasesWhenItIsUnplugged) {
   const auto component = load("joystick", {{"device_name", "stick of a test"}});
   {
     const VirtualJoystick device;

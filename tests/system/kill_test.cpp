@@ -97,7 +97,7 @@ TEST(SecondSource, OfCmdVelMakesTheBaseStandUntilItIsGone) {
 }
 
 // The restarted node does not know whether the emergency stop was pressed.
-TEST(KillArbitration, ThatRespawnsStandsUntilTheStopIsTakenBackAndReleased) {
+TEST(KillArbitration, AfterARespawnItStandsUntilTheStopIsWithdrawnAndReleased) {
   SystemUnderTest system;
   for (const char* name : kComponents)
     if (std::string{name} != "arbitration") system.start(name);

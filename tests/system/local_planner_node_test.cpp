@@ -106,7 +106,7 @@ TEST_F(PlannerOverDds, SilentObstaclesAreAReasonToStand) {
   EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
 }
 
-TEST_F(PlannerOverDds, OdometryThatIsNotANumberIsNone) {
+TEST_F(PlannerOverDds, OdometryThatIsNotANumberIsIgnored) {
   ASSERT_TRUE(wait_until_driving());
   sees_nan_ = true;
   EXPECT_TRUE(wait_until_standing("not localized"));
@@ -123,7 +123,7 @@ TEST_F(PlannerOverDds, RefusesAGoalThatIsNotANumberAndKeepsTheOldOne) {
   EXPECT_TRUE(wait_until([&] { return X_.x > before + 0.5 && command_.v > 0.2; }));
 }
 
-TEST_F(PlannerOverDds, RefusesAGoalOfAnotherFrameAndTakesOneOfNone) {
+TEST_F(PlannerOverDds, RefusesAGoalInAnotherFrameAndAcceptsOneWithoutAFrame) {
   goal_.publish(to_msg(Pose2{5.0, 0.0, 0.0}, header({}, "odom")));
   ASSERT_TRUE(wait_until(
       [&] { return log_.lines("goal_pose is given in frame `odom`, not `map`: dropped") == 1; }));
@@ -132,7 +132,7 @@ TEST_F(PlannerOverDds, RefusesAGoalOfAnotherFrameAndTakesOneOfNone) {
   EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
 }
 
-TEST_F(PlannerOverDds, AnObstacleThatIsNotANumberIsDroppedAndTheOthersStay) {
+TEST_F(PlannerOverDds, AnObstacleThatIsNotANumberIsDroppedAndTheOthersAreKept) {
   ASSERT_TRUE(wait_until_driving());
   around_ = {{.p_MO = {kNaN, 0.0}, .a = 1.0, .b = 1.0}, wall_at(X_.x + 2.5)};
   const double wall = X_.x + 2.5;
@@ -141,7 +141,7 @@ TEST_F(PlannerOverDds, AnObstacleThatIsNotANumberIsDroppedAndTheOthersStay) {
   EXPECT_LT(X_.x, wall);
 }
 
-TEST_F(PlannerOverDds, SaysHowItsSolutionWasJudgedAndNothingOfItOnceItStands) {
+TEST_F(PlannerOverDds, ReportsTheVerdictOnItsSolutionButNotOnceItStands) {
   ASSERT_TRUE(wait_until_driving());
   EXPECT_TRUE(wait_until([&] { return status_.verdict() == "confirmed"; }));
   EXPECT_EQ(status_.solver(), "structured");
@@ -218,7 +218,7 @@ TEST_F(LeaderOverDds, FollowsTheLeaderAndStandsWhenItFallsSilent) {
   EXPECT_TRUE(wait_until_standing("leader_pose is silent"));
 }
 
-TEST_F(LeaderOverDds, ALeaderThatIsLateByItsStampIsSilent) {
+TEST_F(LeaderOverDds, ALeaderWithALateStampCountsAsSilent) {
   double age = 0.7;
   const auto leader = node_.create_publisher(topics::leader_pose);
   const auto lead = node_.create_wall_timer(kBeat, [&] {

@@ -51,7 +51,7 @@ TEST_F(ArbitrationOverDds, PassesThePersonOnAndStopsWhenTheyFallSilent) {
   EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
 }
 
-TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsNoCommand) {
+TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsIgnored) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   push_v_ = kNaN;
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
@@ -59,7 +59,7 @@ TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsNoCommand) {
 
 // Arbitration also reports the complaints of planner and filter, so that one topic shows
 // everything.
-TEST_F(ArbitrationOverDds, SaysInStatusAndDiagnosticsWhyTheRobotStandsWhoeverStoppedIt) {
+TEST_F(ArbitrationOverDds, ReportsInStatusAndDiagnosticsWhyTheRobotStandsWhateverStoppedIt) {
   using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
   const auto says = [&](int level, const std::string& why) {
     return wait_until([&] { return reason_ == why && diagnosis_ == std::pair{level, why}; });
@@ -79,7 +79,7 @@ TEST_F(ArbitrationOverDds, SaysInStatusAndDiagnosticsWhyTheRobotStandsWhoeverSto
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0; }));
 }
 
-TEST_F(ArbitrationOverDds, SaysWhyTheStickOfThePersonMovesNothing) {
+TEST_F(ArbitrationOverDds, ReportsWhyThePersonsStickMovesNothing) {
   push_ = {};
   ASSERT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
   const auto teleop = node_.create_publisher(topics::teleop_status);
@@ -94,7 +94,7 @@ TEST_F(ArbitrationOverDds, SaysWhyTheStickOfThePersonMovesNothing) {
 
 // Non-finite values in unused fields have no effect. Otherwise the command is dropped and the
 // timeout stops the robot.
-TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
+TEST_F(ArbitrationOverDds, NeverForwardsANonFiniteNumberOfAnyCommand) {
   push_ = {};
   auto nav = node_.create_publisher(topics::cmd_vel_nav);
   auto shared = node_.create_publisher(topics::cmd_vel_shared);
@@ -120,7 +120,7 @@ TEST_F(ArbitrationOverDds, NoNumberOfAnyCommandThatIsNotFiniteGetsThrough) {
   EXPECT_TRUE(sound_);
 }
 
-TEST_F(ArbitrationOverDds, EmergencyStopIsHeardFromEveryKindOfSender) {
+TEST_F(ArbitrationOverDds, EmergencyStopIsReceivedFromEveryKindOfPublisher) {
   const rt::Client<std_srvs::srv::Trigger> client = node_.create_client(
       rt::ServiceName<std_srvs::srv::Trigger>{"/arbitration/release_emergency_stop"});
   ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
@@ -182,7 +182,7 @@ class EmergencyStopOverDds : public ArbitrationOverDds {
       rt::ServiceName<std_srvs::srv::Trigger>{"/arbitration/release_emergency_stop"});
 };
 
-TEST_F(EmergencyStopOverDds, IsNotTakenBackByAnotherSenderWhileOneThatIsThereSaysTrue) {
+TEST_F(EmergencyStopOverDds, IsNotWithdrawnByAnotherPublisherWhileOneThatIsAliveSendsTrue) {
   const auto pressed = button(rt::kLatched), other = button(rt::kDefault);
   ASSERT_TRUE(is_known(pressed, 3) && is_known(other, 2));
   say(pressed, true);
@@ -196,7 +196,7 @@ TEST_F(EmergencyStopOverDds, IsNotTakenBackByAnotherSenderWhileOneThatIsThereSay
   EXPECT_TRUE(is_released_soon());
 }
 
-TEST_F(EmergencyStopOverDds, OfAProgramThatHasLeftStaysUntilAnySenderSaysFalse) {
+TEST_F(EmergencyStopOverDds, FromAProgramThatLeftStaysUntilAnyPublisherSendsFalse) {
   auto pressed = button(rt::kDefault);
   const auto other = button(rt::kBestEffort(10));
   ASSERT_TRUE(is_known(pressed, 2) && is_known(other, 1));
@@ -214,7 +214,7 @@ TEST_F(EmergencyStopOverDds, OfAProgramThatHasLeftStaysUntilAnySenderSaysFalse) 
 
 // One that presses, takes it back and leaves, 30 times: every `false` is taken, and no reader
 // brings an older `true` after it.
-TEST_F(EmergencyStopOverDds, OfAShortLivedSenderIsTakenBackByOneFalseEachTime) {
+TEST_F(EmergencyStopOverDds, FromAShortLivedPublisherIsWithdrawnByOneFalseEachTime) {
   for (int i = 0; i < 30; ++i) {
     const rt::QoS qos = i % 2 == 0 ? rt::kLatched : rt::kDefault;
     {
@@ -345,7 +345,7 @@ class FilterAmongPeople : public FilterOverDds {
   std::string frame_ = "map";
 };
 
-TEST_F(FilterAmongPeople, SlowsForSomebodyAheadAndStandsWhenNobodySaysWhereTheyAre) {
+TEST_F(FilterAmongPeople, SlowsForAPersonAheadAndStandsWhenPeopleIsSilent) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
   list_.emplace();
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));  // nobody is there
@@ -357,7 +357,7 @@ TEST_F(FilterAmongPeople, SlowsForSomebodyAheadAndStandsWhenNobodySaysWhereTheyA
   EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
 }
 
-TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
+TEST_F(FilterAmongPeople, AListWithAnInvalidEntryIsIgnored) {
   list_ = somebody(5.0);
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   list_->push_back(somebody(kNaN).front());
@@ -369,7 +369,7 @@ TEST_F(FilterAmongPeople, AListThatIsNotWhollyUnderstoodIsNone) {
 }
 
 // Another robot's tracker reports an empty list, and at a higher rate.
-TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
+TEST_F(FilterAmongPeople, ListsFromTwoPublishersAreIgnored) {
   list_ = somebody(5.0);
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   const auto other = node_.create_publisher(topics::people);
@@ -385,7 +385,7 @@ TEST_F(FilterAmongPeople, ListsOfTwoAreNone) {
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
 }
 
-TEST_F(FilterAmongPeople, NoNumberOfAnyoneMayBeNotFinite) {
+TEST_F(FilterAmongPeople, IgnoresAListWithAnyNonFiniteNumber) {
   people_beat_ = {};
   using Person = tandem_msgs::msg::Obstacle;
   const std::pair<const char*, std::function<void(Person&, double)>> numbers[] = {
@@ -429,7 +429,7 @@ TEST_F(FilterOverDds, StopsForACommandThatIsNotANumberAndForLostOdometry) {
 }
 
 // However often it looks between commands: here each command comes after the wrong one of the two.
-TEST_F(FilterOverDds, StandsAsLongAsTwoTellOfDifferentPlaces) {
+TEST_F(FilterOverDds, StandsWhileTwoPublishersGiveDifferentPoses) {
   send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   other_ = Pose2{0.0, 0.5, 0.0};
@@ -463,7 +463,7 @@ TEST_F(OneComponent, AMapThatIsMissingStopsTheStart) {
       std::runtime_error);
 }
 
-TEST_F(OneComponent, AFilterSaysThatSomebodyElseMovesTheBase) {
+TEST_F(OneComponent, AFilterReportsAnotherPublisherOfCmdVel) {
   const auto filter = load("safety_filter", {{"map_is_odom", "true"}});
   std::string said;
   const auto diagnostics = node_.create_subscription(topics::diagnostics, [&](const auto& msg) {

@@ -66,7 +66,7 @@ class ExtractorOverDds : public OneComponent {
   long lists_ = 0;
 };
 
-TEST_F(ExtractorOverDds, ListsWhatTheMapHoldsNearTheRobot) {
+TEST_F(ExtractorOverDds, ListsTheMapsObstaclesNearTheRobot) {
   map_.publish(forest());
   ASSERT_TRUE(wait_for_lists(1));
   EXPECT_EQ(frame_, "map");
@@ -156,7 +156,7 @@ TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
   EXPECT_TRUE(wait_until([&] { return !covered(kPole); })) << "refused once is not for ever";
 }
 
-TEST_F(ExtractorOverDds, TakesTheMapOfAMapServerThatBeganAnew) {
+TEST_F(ExtractorOverDds, AcceptsTheMapOfARestartedMapServer) {
   map_.publish(forest());
   ASSERT_TRUE(wait_for_lists(1));
   map_ = {};
@@ -241,7 +241,7 @@ class ExtractorWithoutAFinishedMap : public ExtractorOverDds {
   rt::Publisher<octomap_msgs::msg::Octomap> local_ = node_.create_publisher(topics::octomap_local);
 };
 
-TEST_F(ExtractorWithoutAFinishedMap, SaysThatNobodyLooksAnyMore) {
+TEST_F(ExtractorWithoutAFinishedMap, ReportsThatSensingStopped) {
   EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: no map yet") > 0; }));
   octomap::OcTree seen{0.05};
   seen.updateNode(kPole.x(), kPole.y(), 0.3, true);
@@ -252,7 +252,7 @@ TEST_F(ExtractorWithoutAFinishedMap, SaysThatNobodyLooksAnyMore) {
   EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: octomap_local is silent") > 0; }));
 }
 
-TEST_F(ExtractorOverDds, OdometryThatIsNotANumberIsNone) {
+TEST_F(ExtractorOverDds, OdometryThatIsNotANumberIsIgnored) {
   map_.publish(forest());
   ASSERT_TRUE(wait_for_lists(1));
   odometry_ = odometry({kNaN, 0.0, 0.0});

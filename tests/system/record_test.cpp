@@ -45,7 +45,7 @@ class Recording : public testing::Test {
   rt::Node node_{"tester"};
 };
 
-TEST_F(Recording, PlaysBackWhatItHeardOfKnownAndUnknownTypes) {
+TEST_F(Recording, PlaysBackRecordedMessagesOfKnownAndUnknownTypes) {
   const rt::Topic<std_msgs::msg::Float64> kNumbers{"numbers"};
   const std::vector<std::uint8_t> foreign_bytes{0, 1, 0, 0, 4, 0, 0, 0, 9, 9, 9, 9};
   {
@@ -88,7 +88,7 @@ TEST_F(Recording, PlaysBackWhatItHeardOfKnownAndUnknownTypes) {
 }
 
 // Three types under one name are more than a process can hear; a DDS program's name may be any.
-TEST_F(Recording, OneTopicThatCannotBeHeardOrSentCostsNoOther) {
+TEST_F(Recording, AnUnusableTopicDoesNotAffectOthers) {
   const fs::path odd = root_ / "odd";
   {
     BagWriter writer{odd};
@@ -118,7 +118,7 @@ TEST_F(Recording, OneTopicThatCannotBeHeardOrSentCostsNoOther) {
   EXPECT_EQ(play.wait(kLong), 0);
 }
 
-TEST_F(Recording, TakesNamesWithoutASlashAndSaysOfWhichTopicNothingCame) {
+TEST_F(Recording, AcceptsNamesWithoutASlashAndReportsSilentTopics) {
   const auto numbers = node_.create_publisher(rt::Topic<std_msgs::msg::Float64>{"/numbers"});
   ChildProcess record{"../tandem", {"record", "numbers", "/numbres", "-o", folder_}};
   ASSERT_TRUE(wait_until([&] { return numbers.matched() == 1; }));

@@ -96,7 +96,7 @@ std::vector<Stray> strays() {
            sends(topics::initial_pose, initial)}};
 }
 
-TEST_F(OneComponent, NothingIsTakenFromAFrameThatNobodyKnows) {
+TEST_F(OneComponent, RefusesEverythingInAnUnknownFrame) {
   for (const Stray& stray : strays()) {
     SCOPED_TRACE(stray.topic + " of " + stray.component);
     const CapturedLog log;
