@@ -187,7 +187,7 @@ def page(study):
         f"<p>{len(study.drives)} simulated drives, {simulated / 3600:.1f} hours, "
         f"{collisions} collisions; {len(study.scenarios)} scenarios, {len(study.methods)} methods, "
         f"{len(study.drivers)} drivers."
-        + (f" <b>{missing} drives are still to be made.</b>" if missing else "")
+        + (f" <b>{missing} drives are missing.</b>" if missing else "")
         + (f" <b>Made by {len(study.builds)} builds of tandem: "
            f"{', '.join(map(str, study.builds.values()))} drives.</b>"
            if len(study.builds) > 1 else "") + "</p>",
@@ -197,12 +197,12 @@ def page(study):
     ]
     thesis = thesis_table(study, driver)
     if thesis:
-        parts += ["<h2>Beside the thesis</h2>",
-                  f"<p>Devalla 2020 (chapters 4 and 5, table C.2: seven people) beside the "
-                  f"simulated {html.escape(driver)}, each seed another person. The thesis gives no "
-                  "rule for what counts as one collision.</p>", thesis]
-        for file, text in ((collisions_picture(study, driver), "collisions beside the thesis"),
-                           (times_picture(study, driver), "times beside the thesis")):
+        parts += ["<h2>Comparison with the thesis</h2>",
+                  f"<p>Devalla 2020 (chapters 4 and 5, table C.2: seven people) and the "
+                  f"simulated {html.escape(driver)}, a different person for each seed. The thesis "
+                  "does not define what counts as one collision.</p>", thesis]
+        for file, text in ((collisions_picture(study, driver), "collisions, compared with the thesis"),
+                           (times_picture(study, driver), "times, compared with the thesis")):
             if file:
                 parts.append(image(file, text))
     paths = world_pictures(study)
@@ -216,8 +216,8 @@ def page(study):
         parts += [image(paths[key], f"paths in {key[1]}") for key in shown]
     planner = planner_table(study)
     if planner:
-        parts += ["<h2>The planner</h2><p>Medians over drives of each drive's quantiles; the "
-                  "longest of all. A plan that takes longer than the control period misses its "
+        parts += ["<h2>The planner</h2><p>Medians over drives of each drive's quantiles, and the "
+                  "maximum over all drives. A plan that takes longer than the control period misses its "
                   "deadline.</p>", planner]
     return (f"<!doctype html><html lang=en><meta charset=utf-8><title>Study "
             f"{html.escape(study.name)}</title><style>{STYLE}</style>" + "\n".join(parts))

@@ -102,7 +102,7 @@ def collisions_picture(study, driver):
     if not ours:
         return None
     return beside_thesis(
-        study, "thesis_collisions", "Task 1: two minutes at will in the forest",
+        study, "thesis_collisions", "Task 1: two minutes of free driving in the forest",
         "collisions of a drive; the bar is the median", THESIS_COLLISIONS, ours,
         lambda v: f"{sum(v)} in {len(v)} drives, mean {statistics.mean(v):.2f}")
 
