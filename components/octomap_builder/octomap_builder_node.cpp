@@ -163,7 +163,7 @@ void OctomapBuilderNode::note_own_body(Sensor& sensor, std::size_t echoes) {
 }
 
 void OctomapBuilderNode::take(Sensor& sensor, const Sight& sight) {
-  const LookUse use = sensor.watch.judge(sight.judged, sight.composition, node_.now());
+  const LookUse use = sensor.watch.assess(sight.watched, sight.composition, node_.now());
   if (use == LookUse::kNone || (use == LookUse::kTake && !insert(sensor, sight.looks))) return;
   sensor.watch.on_taken(node_.now());
   unsent_ = sight.stamp;

@@ -78,9 +78,9 @@ class OctomapBuilderNode {
     std::size_t own_body = 0;             // returns of the last look inside the outline
     bool own_body_told = false;
   };
-  // A look before it is judged and inserted.
+  // A look before it is assessed and inserted.
   struct Sight {
-    JudgedLook judged;
+    WatchedLook watched;
     std::string composition;
     std::vector<Look> looks;
     Stamp stamp;

@@ -35,7 +35,7 @@ struct Motion {
 
 // How the returns move in the sensor's frame if the robot moves by X_BN. The line through a
 // return's neighbours approximates the surface that it lies on.
-Motion motion_of(const JudgedLook& look, const Pose2& X_BN) {
+Motion motion_of(const WatchedLook& look, const Pose2& X_BN) {
   const Eigen::Isometry3d X_NS = look.X_BS.inverse() * in_space(inverse(X_BN)) * look.X_BS;
   const auto& p_SQ = look.seen.p_SQ;
   const std::size_t last = p_SQ.size() - 1;
@@ -76,7 +76,7 @@ void SensorWatch::on_trouble(std::string why, double t) {
   trouble_ = std::move(why);
 }
 
-LookUse SensorWatch::judge(const JudgedLook& look, const std::string& composition, double t) {
+LookUse SensorWatch::assess(const WatchedLook& look, const std::string& composition, double t) {
   if (!(look.valid_share > 0.0 && look.valid_share >= params_.min_valid_share)) {
     on_trouble("gives no valid range (" + composition +
                    "): is it covered or broken? If these values mean that nothing is in range, add "
@@ -97,7 +97,7 @@ void SensorWatch::on_taken(double t) {
 }
 
 // Checks whether the returns repeat. Without odometry at their time the expected motion is unknown.
-void SensorWatch::compare(const JudgedLook& look) {
+void SensorWatch::compare(const WatchedLook& look) {
   if (look.seen.p_SQ.empty()) return repeated_.reset();
   const std::uint64_t hash = hash_of(look.seen.p_SQ);
   if (!repeated_ || repeated_->hash != hash) {

@@ -34,8 +34,8 @@ struct SensorWatchParams {
   }
 };
 
-/// A look with the data needed to judge it.
-struct JudgedLook {
+/// A look with the data needed to assess it.
+struct WatchedLook {
   const RangeReturns& seen;        ///< without the robot's own body
   const Eigen::Isometry3d& X_BS;   ///< pose of the sensor
   std::optional<Pose2> X_WB = {};  ///< odometry when it was taken; nullopt: unknown
@@ -74,7 +74,7 @@ class SensorWatch {
 
   /// Judges a look; `composition` summarizes its beams for the reason. Unless the result is kNone,
   /// call on_taken once the look is in the map, or on_trouble.
-  [[nodiscard]] LookUse judge(const JudgedLook& look, const std::string& composition, double t);
+  [[nodiscard]] LookUse assess(const WatchedLook& look, const std::string& composition, double t);
   void on_taken(double t);
 
   /// Does not compare the next look with earlier ones.
@@ -103,7 +103,7 @@ class SensorWatch {
 
   void on_message(double t);
   void watch_clock(double t);
-  void compare(const JudgedLook& look);
+  void compare(const WatchedLook& look);
   void watch_share(double share);
   [[nodiscard]] bool is_frozen() const;
 

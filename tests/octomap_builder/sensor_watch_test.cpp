@@ -37,7 +37,7 @@ class Watched : public testing::Test {
   LookUse look(const RangeReturns& seen, double t, double x = 0.0, double theta = 0.0,
                double valid_share = 1.0) {
     const LookUse use =
-        watch_.judge({seen, kOnTop, Pose2{x, 0.0, theta}, valid_share}, "9 beams: 9 nan", t);
+        watch_.assess({seen, kOnTop, Pose2{x, 0.0, theta}, valid_share}, "9 beams: 9 nan", t);
     if (use != LookUse::kNone) watch_.on_taken(t);
     return use;
   }

@@ -106,8 +106,8 @@ std::optional<Grid> LiveSensing::look(const RangeScan& scan, const SliceParams& 
     watch_.on_trouble(reading.error, t);
     return before;
   }
-  const LookUse use = watch_.judge({reading.seen, X_BS_, odometry_.at(t), reading.valid_share},
-                                   reading.composition, t);
+  const LookUse use = watch_.assess({reading.seen, X_BS_, odometry_.at(t), reading.valid_share},
+                                    reading.composition, t);
   if (use == LookUse::kNone) return before;
   const Look look{reading.seen, in_space(*X_MB) * X_BS_};
   if (use == LookUse::kTake && !map_.insert({&look, 1}, t)) return before;
