@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fourteen hostile web clients beside one that presses the emergency stop and takes the wheel, timed:
-attacks.py TANDEM SYSTEM [PRESSES]. Prints the table of dashboard/README.md; a run of few presses is judged
-by what the machine does when nobody attacks, one of 200 by the limits themselves. The time that another process of
-the robot's priority stood meanwhile is printed beside, and added to the limit of the worst."""
+"""Times a client that presses the emergency stop and takes the wheel beside fourteen hostile ones:
+attacks.py TANDEM SYSTEM [PRESSES]. Prints the table of dashboard/README.md; a run of few presses is compared
+with the same machine without an attack, one of 200 with the limits themselves. The longest stall of another process
+of the robot's priority is printed too, and added to the limit of the worst."""
 
 import contextlib
 import itertools
@@ -30,7 +30,7 @@ from client import LONG, PROTOCOL, Client, Robot, string
 HOSTILE = 14
 RATE, BYTE_RATE, PARTS = 290.0, 480e3, 2900.0  # [Hz], [B/s], [Hz]: just within the limits
 MEDIAN, WORST, GROWTH, END = 0.020, 0.050, 100.0, 2.0  # [s], [s], [MB], [s]
-FULL = 200  # presses from which on the limits themselves hold
+FULL = 200  # from this many presses on, the limits are checked strictly
 TOKEN = "a-token-for-the-attacks"
 APART = (0.01, 0.05)  # [s] between two presses
 
@@ -46,7 +46,7 @@ def message(channel, payload):
 
 
 def call(service, size=1):
-    """With a request that is so many zeros: an empty one, or lists without elements."""
+    """With a request of that many zero bytes: an empty one, or lists without elements."""
     return struct.pack("<BIII", 2, service, 10**6, 3) + b"cdr" + b"\0\1\0\0" + bytes(size)
 
 
@@ -93,7 +93,7 @@ def presses(_):
             *200 * [message(1, b"\0"), message(1, b"\1")]]
 
 
-# What each of them sends over and over, from what the server has told it.
+# What each of them sends repeatedly, built from what the server announced.
 KINDS = {
     "getParameters of 5,500 nodes": lambda _: [text(op="getParameters", parameterNames=unknown_names(5500))],
     "getParameters of all": lambda _: [text(op="getParameters", parameterNames=[])],
@@ -116,7 +116,7 @@ STRANGER = "files, and half a request"
 
 
 class Hostile:
-    """One connection that sends what it is told as fast as its limits allow, and comes back when it is closed."""
+    """One connection that sends the given frames as fast as its limits allow, and reconnects when closed."""
 
     def __init__(self, kind, url, over):
         self.kind, self.url, self.over = kind, url, over
@@ -169,7 +169,7 @@ class Hostile:
 
 
 def stranger(port, over):
-    """Without a token: fetches the page again and again beside half a request on other connections."""
+    """Without a token: fetches the page repeatedly and holds half a request on other connections."""
     count, half = 0, []
     while not over():
         with contextlib.suppress(OSError):
@@ -185,7 +185,7 @@ def stranger(port, over):
 
 
 def work(pipe):
-    """A process of its own for each hostile client: does what it is told until it is told otherwise."""
+    """A separate process for each hostile client, which repeats its order until it gets another."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.nice(19)
     with contextlib.suppress(EOFError, OSError):
@@ -201,8 +201,8 @@ def work(pipe):
 
 
 def stand(pipe):
-    """How long [s] this process stood at most while it wanted to run, since it was asked last: what other programs
-    on the machine do to one of the robot's priority."""
+    """The longest time [s] since the last query that this process was runnable but not running: how much other
+    programs delay a process of the robot's priority."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(EOFError, OSError):
         most = 0.0
@@ -217,7 +217,8 @@ def stand(pipe):
 
 
 class Crowd:
-    """The hostile clients, and one process that only looks how busy the machine is. Made before the robot, so that forking them copies no threads."""
+    """The hostile clients, and one process that measures how busy the machine is. Created before the robot, so
+    that the forks copy no threads."""
 
     def __init__(self):
         fork = multiprocessing.get_context("fork")
@@ -230,13 +231,13 @@ class Crowd:
         fork.Process(target=stand, args=(its,), daemon=True).start()
 
     def stood(self):
-        """[s], at most, since it was asked last."""
+        """Maximum [s] since the last query."""
         self.machine.send(None)
         return self.machine.recv()
 
     @contextlib.contextmanager
     def attacking(self, kinds, url, port, seconds=1.5):
-        """What came of it, once it is over: frames sent, connections that were closed."""
+        """The totals at the end: frames sent, connections that were closed."""
         outcome = []
         for pipe, kind in zip(self.pipes, kinds):
             pipe.send((kind, url, port))
@@ -253,7 +254,7 @@ class Crowd:
 # --- the one that is not hostile ---------------------------------------------------------------------------
 
 class Person(Client):
-    """Presses the emergency stop, and hears the robot's topic say it; takes the wheel, and hears that it drives."""
+    """Presses the emergency stop until the robot's topic reports it; takes the wheel until it drives."""
 
     def __init__(self, port, presses=True, **options):
         super().__init__(port, "?token=" + TOKEN, **options)
@@ -283,7 +284,7 @@ class Person(Client):
         return time.monotonic() - begin
 
     def as_driver(self, service, payload, wanted):
-        """Calls a service that only the driver may call, until it is done: others take the wheel meanwhile."""
+        """Calls a service that only the driver may call until it succeeds; others take the wheel meanwhile."""
         self.until(lambda: {"/dashboard/take_wheel", service} <= self.services.keys())
         answer, end = b"", time.monotonic() + LONG
         while wanted not in answer:
@@ -293,7 +294,7 @@ class Person(Client):
             answer = answer if isinstance(answer, bytes) else answer.encode()
 
     def time_leaving(self):
-        """Another client lets the robot drive by itself, and its connection is lost: until the policy is shared."""
+        """Another client starts autonomous driving and loses its connection: the time until the policy is shared."""
         policy = lambda: self.newest("/arbitration/status").policy
         if self.pressed:
             self.time_stop()
@@ -307,7 +308,7 @@ class Person(Client):
         return time.monotonic() - begin
 
     def times(self, count):
-        """[s], each: of so many presses and so many take-overs, at random moments."""
+        """Times [s] of that many presses and take-overs at random moments."""
         chance, stops, wheels = random.Random(7), [], []
         for _ in range(count):
             for what, times in ((self.time_stop, stops), (self.time_wheel, wheels)):
@@ -317,7 +318,7 @@ class Person(Client):
 
 
 class Memory(threading.Thread):
-    """The most [MB] that the robot's process has had since it was asked last."""
+    """Peak memory [MB] of the robot's process since the last query."""
 
     def __init__(self, robot):
         super().__init__(daemon=True)
@@ -334,10 +335,10 @@ class Memory(threading.Thread):
 # --- a reverse proxy -------------------------------------------------------------------------------------------
 
 class Proxy(threading.Thread):
-    """Forwards TCP, and adds X-Forwarded-For to the first request: the address that its socket comes from."""
+    """Forwards TCP, and adds X-Forwarded-For with the peer's address to the first request."""
 
     def __init__(self, port, apart=False):
-        """`apart`: in a process of its own, as little in the way of others as the hostile clients."""
+        """`apart`: in a separate process with the low priority of the hostile clients."""
         super().__init__(daemon=True)
         self.to, self.apart = port, apart
         self.listener = socket.create_server(("127.0.0.1", 0), backlog=1000)
@@ -383,7 +384,7 @@ def row(kind, tries, outcome):
 
 
 class Limits:
-    """What has to hold, and whether it does."""
+    """Prints what must hold and whether it does."""
 
     def __init__(self, presses, idle):
         self.failed = []
@@ -428,7 +429,7 @@ def measure(kind, kinds, crowd, robot, person, limits, count, port=None):
 
 
 def half_open(port, limits, source=None):
-    """Half a request on 60 connections, renewed as soon as they are closed; then one with a token comes."""
+    """Half a request on 60 connections, reopened when closed; then a client with a token connects."""
     over, opened = threading.Event(), [0]
 
     def hold():
@@ -464,7 +465,7 @@ def status(port, token, source=None):
 
 
 def guess(port, limits, count, source=None, other=None):
-    """Wrong tokens, one after another, and a valid one from the same address in between."""
+    """Wrong tokens in sequence, and a valid one from the same address in between."""
     answers, valid = {}, []
     for i in range(count):
         answer = status(port, f"guess-number-{i:06}", source)
@@ -507,7 +508,7 @@ def behind_a_proxy(tandem, system, token_file, crowd, mix, limits, presses):
 
 
 def end(crowd, kinds, robot, limits):
-    """SIGINT in the middle of it."""
+    """SIGINT during the attack."""
     with crowd.attacking(kinds, f"ws://127.0.0.1:{robot.port}/?token={TOKEN}", robot.port):
         begin = time.monotonic()
         robot.process.send_signal(signal.SIGINT)
@@ -519,13 +520,13 @@ def end(crowd, kinds, robot, limits):
 
 def main(tandem, system, presses):
     resource.setrlimit(resource.RLIMIT_NOFILE, (4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
-    logging.disable(logging.CRITICAL)  # of websockets, about connections that are cut
+    logging.disable(logging.CRITICAL)  # messages of websockets about lost connections
     crowd = Crowd()
     with tempfile.NamedTemporaryFile("w", suffix=".token") as file:
         file.write(TOKEN + "\n")
         file.flush()
         robot = Robot(tandem, system, "token_file:=" + file.name)
-        mix = [*KINDS][:HOSTILE - 2] + [RECONNECTS, STRANGER]  # the twelve that weigh most
+        mix = [*KINDS][:HOSTILE - 2] + [RECONNECTS, STRANGER]  # the twelve most expensive
         try:
             person = Person(robot.port)
             crowd.stood()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A WebSocket client that is not ours beside a robot of ours: client.py TANDEM SYSTEM CHECK."""
+"""Runs a check with a third-party WebSocket client against our robot: client.py TANDEM SYSTEM CHECK."""
 
 import itertools
 import json
@@ -25,7 +25,7 @@ SANITIZED = "TANDEM_SANITIZED" in os.environ
 
 
 class Robot:
-    """The system in a process of its own, and the port of its dashboard."""
+    """The system in a separate process, and the port of its dashboard."""
 
     def __init__(self, tandem, system, *parameters):
         options = [option for p in ("port:=0", *parameters) for option in ("-p", "dashboard:" + p)]
@@ -64,12 +64,12 @@ class Robot:
 
 
 class Client:
-    """Speaks the protocol; messages decoded by the schemas that the server sends."""
+    """Implements the protocol; decodes messages with the schemas that the server sends."""
 
     def __init__(self, port, query="", **options):
         self.socket = connect(f"ws://127.0.0.1:{port}/{query}", subprotocols=[PROTOCOL], max_size=None, **options)
         self.channels, self.services, self.statuses, self.messages, self.answers = {}, {}, [], {}, {}
-        self.offered = []  # channels, also of one topic with several types
+        self.offered = []  # channels, including one per type of a topic
         self.parameters, self.decodes = {}, True
         self.types = get_typestore(Stores.EMPTY)
         self.wanted = {}
@@ -152,8 +152,8 @@ def joy(linear, angular, held):
 
 
 def push(client, linear, angular):
-    """A beat that takes the stick and pushes it: at rest first, as every device of ours does. A few times, for
-    teleop may not be there yet."""
+    """A beat that pushes the stick after a rest, as all our devices do. It rests several times, because teleop
+    may not be running yet."""
     rest, pushed = joy(0.0, 0.0, 1), joy(linear, angular, 1)
     samples = itertools.chain(([rest] + 30 * [pushed]) * 5, itertools.repeat(pushed))
     return lambda: client.publish(1, next(samples))
@@ -176,7 +176,7 @@ def drive(robot):
     client.until(lambda: client.newest("/odom").twist.twist.linear.x > 0.2,
                  beat=push(client, 1.0, 0.0))
     client.until(lambda: len(client.newest("/plan").poses) > 1)
-    client.until(lambda: abs(client.newest("/odom").twist.twist.linear.x) < 0.01)  # silent: it stands
+    client.until(lambda: abs(client.newest("/odom").twist.twist.linear.x) < 0.01)  # silence stops the robot
     assert b"policy is now manual" in client.call("/arbitration/set_policy", string("manual"))
     client.until(lambda: client.newest("/arbitration/status").policy == "manual")
     client.say(op="getParameters", parameterNames=["/teleop.leash"], id="a")
@@ -206,15 +206,15 @@ def seat(robot):
     first.until(lambda: "someone else is driving" in first.statuses)
     second.publish(1, joy(0.0, 0.0, 1))
     second.socket.close()
-    let_go = time.monotonic() + 5.5  # the ousted client has to, for seat_timeout
+    let_go = time.monotonic() + 5.5  # the preempted client must release for seat_timeout
     first.until(lambda: time.monotonic() > let_go)
     assert abs(first.newest("/odom").twist.twist.linear.x) < 0.02
     first.until(lambda: first.newest("/odom").twist.twist.linear.x > 0.2,
-                beat=push(first, 1.0, 0.0))  # the seat is free again
+                beat=push(first, 1.0, 0.0))  # the driver lock is free again
 
 
 def leave(robot):
-    """A person whose connection ends with the stick held: coming back with it held moves nothing."""
+    """A connection that ends while the stick is held: reconnecting with the stick held moves nothing."""
     gone = Client(robot.port)
     gone.subscribe("/odom")
     gone.advertise(1, "/joy", "sensor_msgs/msg/Joy")
@@ -237,7 +237,7 @@ def leave(robot):
 
 
 def trial(robot):
-    """A trial of the user test is measured at the robot, for who drives."""
+    """A trial of the user test is measured on the robot, for the client that drives."""
     client, other = Client(robot.port), Client(robot.port)
     for c in (client, other):
         c.subscribe("/odom")
@@ -262,14 +262,14 @@ def trial(robot):
     assert all(came_to[key] == asked[key] for key in ("method", "task", "practice", "allowed"))
     assert came_to["time"] == 2.0 and came_to["collisions"] == 0 and not came_to["reached"]
     assert 0.1 < came_to["path_length"] < 3.0 and 0.0 < came_to["min_clearance"] <= 1.0
-    late = Client(robot.port)  # a page that was away meanwhile, and everybody may look
+    late = Client(robot.port)  # a page that connects later; watching needs no lock
     late.subscribe("/dashboard/trial")
     late.until(lambda: late.newest("/dashboard/trial"))
     assert late.newest("/dashboard/trial") == told[-1]
 
 
 def ask(port, host):
-    """The first line of the answer to who asks for a WebSocket at that name."""
+    """The first line of the answer to a WebSocket request for that host name."""
     with socket.create_connection(("127.0.0.1", port), LONG) as raw:
         raw.sendall((f"GET / HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                      f"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
@@ -283,7 +283,7 @@ def door(robot):
         raise AssertionError("a page of another site came in")
     except InvalidStatus as refused:
         assert refused.response.status_code == 403
-    # Another site's name may lead here by its DNS.
+    # The DNS of another site may resolve its name to this address (DNS rebinding).
     assert ask(robot.port, "evil.example").startswith("HTTP/1.1 403")
     assert ask(robot.port, f"localhost:{robot.port}").startswith("HTTP/1.1 101")
     client = Client(robot.port, origin=f"http://127.0.0.1:{robot.port}")
@@ -292,7 +292,7 @@ def door(robot):
     assert any("/?[2J?forged??" in line for line in robot.lines), "a client writes to the terminal"
     client.advertise(1, "/cmd_vel", "geometry_msgs/msg/Twist")
     client.advertise(2, "/joy", "std_msgs/msg/Bool")
-    client.advertise(5, "/goal_pose", "geometry_msgs/PoseStamped")  # as Lichtblick says it
+    client.advertise(5, "/goal_pose", "geometry_msgs/PoseStamped")  # as Lichtblick writes it
     client.publish(3, b"")
     for complaint in ("web clients may not publish /cmd_vel", "/joy takes sensor_msgs/msg/Joy in cdr",
                       "a message on a channel that was not advertised"):
@@ -301,14 +301,14 @@ def door(robot):
 
 
 def knock(port, times):
-    """More connections than max_clients, as many at once as the machine allows, and none says a word."""
+    """Opens more connections than max_clients, as many at once as the machine allows, all silent."""
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, times + 200), most))
     sockets = []
     for _ in range(times):
         try:
             sockets.append(socket.create_connection(("127.0.0.1", port), 1.0))
-        except OSError:  # of files or ports there are no more
+        except OSError:  # out of files or ports
             while sockets:
                 sockets.pop().close()
     for one in sockets:
@@ -316,7 +316,7 @@ def knock(port, times):
 
 
 def soon(condition):
-    """A machine under a sanitizer lets the planner stand for a moment."""
+    """Under a sanitizer the planner may stall for a moment."""
     end = time.monotonic() + 3.0
     while not condition() and time.monotonic() < end:
         time.sleep(0.02)
@@ -387,7 +387,7 @@ def token(robot):
 
 
 def soak(robot):
-    """Five clients that hear everything, one of them driving; TANDEM_SOAK: for how long [s]."""
+    """Five clients that subscribe to everything, one of them driving; TANDEM_SOAK: duration [s]."""
     clients = [Client(robot.port) for _ in range(5)]
     for client in clients:
         client.decodes = False
@@ -428,7 +428,7 @@ def expect_closed(client):
 
 
 def foreign(robot):
-    """Others on the domain: three types under one name, a name with "__", several who latch."""
+    """Other nodes on the domain: three types under one name, a name with "__", several latched publishers."""
     client = Client(robot.port)
     client.decodes = False
     joys = lambda: [c for c in client.offered if c["topic"] == "/joy"]
@@ -449,10 +449,10 @@ def foreign(robot):
 
 
 def slow(robot):
-    """A client that takes nothing is dropped."""
+    """A client that reads nothing is disconnected."""
     lazy, other = Client(robot.port), Client(robot.port)
     for topic in ("/odom", "/scan", "/map", "/octomap_binary"):
-        lazy.subscribe(topic)  # and never hears it
+        lazy.subscribe(topic)  # and never reads it
     other.until(lambda: "/dashboard/seat" in other.channels)
     driver_channel = other.channels["/dashboard/seat"]
     other.say(op="subscribe", subscriptions=[{"id": 7, "channelId": driver_channel["id"]}])

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// People in a real browser: browser_test.mjs MODULES TANDEM SYSTEMS CHROMIUM [PICTURES]
-// Two robots share a domain. At one, which lives in a namespace, a person takes the user test, with the
-// stick on the screen and with the keyboard. At the other one drives in every view and by every hand,
-// stops in an emergency, loses the network, meets someone else who drives. Both at the same time.
+// Drives two robots in a real browser: browser_test.mjs MODULES TANDEM SYSTEMS CHROMIUM [PICTURES]
+// Two robots share a domain. On one, which is in a namespace, a person takes the user test with the stick
+// on the screen and with the keyboard. At the same time the other is driven in every view and by every
+// input device, stopped in an emergency, cut off from the network, and taken over by another page.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -42,13 +42,13 @@ async function start(system, ...args) {
   });
 }
 
-// The tested person starts half way to the region.
+// The user test starts half way to the region.
 const START = [1.6, -1.9, 1.3];
 const apart = ["__ns:=/robot1", "/tf:=tf", "/clock:=clock"].flatMap((r) => ["-r", r]);
 const TOKEN = "a-token-of-the-test";
 writeFileSync(`${results}/token`, TOKEN);
 const testParameters = [`dashboard:user_tests:=${results}`, `dashboard:token_file:=${results}/token`, `diff_drive_sim:start:=[${START.join()}]`];
-// Its joystick has its stick and its button elsewhere, and its axis turned round.
+// The joystick has other axis and button numbers, and a reversed axis.
 const otherJoystick = ["axis_linear:=4", "deadman_button:=5", "scale_linear:=-0.8", "leader_scale_linear:=-0.9"].flatMap((p) => ["-p", `teleop:${p}`]);
 const [address, testAddress] = await Promise.all([
   start("teleop", ...otherJoystick),
@@ -179,10 +179,10 @@ async function driveToRegion(page, hands) {
   return plans.size;
 }
 
-// --- at the robot in a namespace ------------------------------------------------------------------
+// --- the robot in a namespace ------------------------------------------------------------------
 const banner = (page, text) => until(page, (t) => document.getElementById("banner").textContent.startsWith(t), text);
 
-// Once used, the token is the tab's: not in the address, and there after a reload.
+// After first use the tab keeps the token: it is not in the address, and it survives a reload.
 async function keepsTheToken(page) {
   assert.ok(!page.url().includes(TOKEN) && page.url().includes("user_test"), page.url());
   await page.reload();
@@ -217,7 +217,7 @@ async function userTest(page) {
   checkResults(await page.locator("#results tr").allInnerTexts());
 }
 
-// The table on the page, and the files at the robot.
+// The table on the page, and the files on the robot.
 function checkResults(rows) {
   console.log(rows.join("\n"));
   assert.equal(rows.length, 5);
@@ -240,13 +240,13 @@ function checkResults(rows) {
   assert.ok(trials[5].path_length > 3 && trials[5].min_clearance < 1); // between poles
 }
 
-// --- at the other one ---------------------------------------------------------------------------
+// --- the other robot ---------------------------------------------------------------------------
 async function backToTheStart() {
   await page.locator("#reset").click();
   await until(page, () => window.tandem.robot.pose.x < -3.9);
 }
 
-// Where the robot, and what is a metre ahead of it, are on the picture [px].
+// Positions of the robot and of the point one metre ahead of it in the picture [px].
 const seen = () =>
   page.evaluate(() => {
     const { view, robot } = window.tandem, { x, y, heading } = robot.pose;
@@ -306,7 +306,7 @@ async function driveToAGoal() {
 async function driveAndDisturb() {
   await step("the keyboard drives in each view, and a key let go stops", driveInEachView);
 
-  await step("a page that loses the focus lets go", async () => {
+  await step("a page that loses the focus releases the stick", async () => {
     await page.keyboard.down("i");
     await moves(page);
     await page.evaluate(() => window.dispatchEvent(new Event("blur")));
@@ -314,7 +314,7 @@ async function driveAndDisturb() {
     await page.keyboard.up("i");
   });
 
-  await step("a press whose first sample is lost drives all the same", async () => {
+  await step("a press whose first sample is lost still drives", async () => {
     await page.evaluate(() => {
       const { connection } = window.tandem, publish = connection.publishFresh.bind(connection);
       connection.publishFresh = () => ((connection.publishFresh = publish), true);
@@ -330,7 +330,7 @@ async function driveAndDisturb() {
       window.pad = { connected: true, id: "pad", axes: [0, -0.6], buttons: [{ pressed: true }] };
       navigator.getGamepads = () => [window.pad];
     });
-    // It may lie on the table, or not have reported where its stick is.
+    // It may be unused, or may not have reported its stick yet.
     await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "stick is not at rest");
     await until(page, () => document.getElementById("notice").textContent.startsWith("The stick is not at rest"));
     assert.ok((await speed(page)) < STANDS);
@@ -379,7 +379,7 @@ async function driveAndDisturb() {
     await page.mouse.up({ button: "right" });
   });
 
-  await step("who only watches is told, and may take the wheel", async () => {
+  await step("a page that only watches is notified, and can take the wheel", async () => {
     await page.keyboard.down("i");
     await moves(page);
     await until(watcher, () => window.tandem.robot.seat.driver === "other");
@@ -392,9 +392,9 @@ async function driveAndDisturb() {
     await until(page, () => window.tandem.robot.seat.driver === "you");
   });
 
-  await step("the planner drives to a goal that is pointed out, and to one that is typed", driveToAGoal);
+  await step("the planner drives to a goal set on the map, and to one that is typed", driveToAGoal);
 
-  await step("losing the network stops the robot, and nothing of it comes late, nor does it start off again", async () => {
+  await step("losing the network stops the robot; nothing arrives late, and it does not restart", async () => {
     await backToTheStart();
     await page.keyboard.down("i");
     await moves(watcher);
@@ -413,7 +413,7 @@ async function driveAndDisturb() {
     await until(page, () => !window.tandem.driver.dropped); // the page has seen it
   });
 
-  await step("a robot that drives by itself stops when who let it is gone", async () => {
+  await step("an autonomous robot stops when the page that started it disconnects", async () => {
     const third = await open(address, LAPTOP);
     const choose = async (group, name) => third.locator(group).getByText(name, { exact: true }).click();
     await until(third, () => window.tandem.robot.seat.driver === "nobody");
