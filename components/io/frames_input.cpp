@@ -109,9 +109,9 @@ Placing FramesInput::place(std::string_view a, std::string_view b, const Stamp& 
   const auto found = find(a, b, seconds_of(stamp));
   if (!found) return {.refusal = tree_.why_not(a, b)};
   if (!is_fresh(*found))
-    return {.refusal = fmt::format(
-                "the transform from `{}` to `{}` on /tf is older than transform_timeout, {} s", b,
-                a, timeout_)};
+    return {.refusal =
+                fmt::format("the pose of `{}` in `{}` on /tf is older than transform_timeout, {} s",
+                            b, a, timeout_)};
   if (found->drift > kMaxDrift)
     return {.refusal = fmt::format("`{}` moves in `{}`, and /tf has no transform for that time yet",
                                    b, a)};
@@ -170,7 +170,7 @@ std::string FramesInput::two_parents() const {
   std::string text;
   for (const auto& [child, two] : tree_.two_parents()) {
     if (node_.now() - two.t > kRecently) continue;
-    text += fmt::format("{}frame `{}` has two parents on /tf: `{}` from {}, `{}` from {}",
+    text += fmt::format("{}frame `{}` has two parents on /tf: `{}` by {}, `{}` by {}",
                         text.empty() ? "" : "; ", child, two.parent, name_of(two.sender), two.other,
                         name_of(two.other_sender));
     if (text.size() > 500) return text + "; …";

@@ -138,7 +138,7 @@ TEST_F(FramesOverDds, OdometryInAnotherFrameAndOfAnotherPartOfTheRobotIsTransfor
   tf_links_ = {link("map", "odom", kOdomInMap), link("odom", "odom_combined", {0.5, 0.0, 0.0})};
   odom_frame_ = "/odom_combined";
   child_ = "base_footprint";
-  EXPECT_TRUE(wait_for_reason("not localized: odom is of frame `base_footprint`")) << reason_;
+  EXPECT_TRUE(wait_for_reason("not localized: odom is for frame `base_footprint`")) << reason_;
   tf_static_.publish(message_of({link("base_footprint", "base_link", {-0.3, 0.0, 0.0})}));
   // 0.5 m on by the frame, 0.3 m back on the robot.
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0 && clearance_ < 0.21; })) << reason_;
