@@ -100,7 +100,7 @@ struct NmpcParams {
           "[1/m²] path: weight of the error across the trail (contouring error)");
     field("weight_along", weight_along, Range{0.0, 1e4},
           "[1/m²] path: weight of the error along the trail (lag error); below "
-          "path_contouring_weight the robot prefers being late to cutting corners");
+          "weight_across the robot prefers being late to cutting corners");
     field("terminal_weight", terminal_weight, Range{0.0, 1e4},
           "goal: factor by which the last pose counts more");
     field("heading_fade", heading_fade, Range{0.0, 10.0},
