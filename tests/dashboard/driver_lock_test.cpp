@@ -43,7 +43,7 @@ TEST(DriverLock, IsNotRegainedByHoldingOn) {
   double t = 1.0;
   for (; t < 3.0 * kTimeout; t += 0.04)
     EXPECT_FALSE(driver_lock.drive(1, t));  // 2 has left long ago
-  EXPECT_TRUE(driver_lock.drive(1, t + kTimeout + 0.1)) << "let go for a while";
+  EXPECT_TRUE(driver_lock.drive(1, t + kTimeout + 0.1)) << "released for a while";
   driver_lock.take(2, 100.0);
   driver_lock.take(1, 101.0);
   EXPECT_TRUE(driver_lock.drive(1, 101.1)) << "taken back";

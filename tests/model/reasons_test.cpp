@@ -79,7 +79,7 @@ TEST(Reasons, OfASensorHaveARemedyOfTheirOwn) {
   for (const std::string& trouble :
        {std::string{}, std::string{"gives no valid range (360 nan)"}, std::string{"is refused: x"},
         std::string{"is dropped: /tf_static does not say where its frame `x` is"},
-        std::string{"is dropped: it is given in frame `map`, in which the robot moves"},
+        std::string{"is dropped: it is given in frame `map`, which does not move with the robot"},
         std::string{"is dropped: not localized: odom is silent"},
         std::string{"is dropped: no odometry of its time: its stamp is 2.0 s ahead of odometry's"},
         std::string{"is dropped: (9999, 0) is farther than an OctoMap reaches"}}) {

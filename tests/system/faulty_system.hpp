@@ -191,7 +191,7 @@ class FaultTest : public ::testing::Test {
                 fault.zero_within + std::max(v / kBraking, w / kTurnBraking) + 2 * kOdomPeriod);
     }
     EXPECT_TRUE(system_.wait_until([&] { return system_.said(fault.reason, fault.told); }, 5.0))
-        << "`" << fault.reason << "` is not told; " << system_.sayings();
+        << "`" << fault.reason << "` is not reported; " << system_.sayings();
     const double lasts = fault.stands() || fault.done ? fault.lasts : std::max(fault.lasts, kLasts);
     EXPECT_TRUE(system_.wait_until([&] { return system_.sim_time >= began + lasts; }, lasts + 5.0));
     if (fault.done) {

@@ -122,7 +122,7 @@ TEST(KillArbitration, AfterARespawnItStandsUntilTheStopIsWithdrawnAndReleased) {
     return system.wait_until([&] { return answered; }, 5.0);
   };
   ASSERT_TRUE(ask());
-  EXPECT_FALSE(released) << "nobody took the press back";
+  EXPECT_FALSE(released) << "no publisher withdrew the stop";
   const auto e_stop = system.node().create_publisher(topics::e_stop);
   // Repeats the press: the killed node's subscriptions count as matched for another 20 s.
   const auto take_back =

@@ -156,7 +156,7 @@ TEST_F(PlannerOverDds, ReportsTheVerdictOnItsSolutionButNotOnceItStands) {
   EXPECT_EQ(status_.cost() + status_.cost_pose() + status_.cost_twist() + status_.cost_change(), 0);
   EXPECT_EQ(status_.solve_time() + status_.slack() + status_.clearance(), 0.0);
   EXPECT_EQ(status_.iterations() + status_.guesses() + status_.solves(), 0);
-  EXPECT_GE(status_.cycles(), cycles) << "what counts from the start is kept";
+  EXPECT_GE(status_.cycles(), cycles) << "what is set at the start is kept";
 }
 
 // A goal so far away that its cost is not finite: no solver succeeds, and the last plan is used for

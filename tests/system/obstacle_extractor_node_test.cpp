@@ -144,7 +144,7 @@ TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
     EXPECT_TRUE(covered(kPole));
   }
   ASSERT_TRUE(wait_for_lists(15));
-  EXPECT_TRUE(covered(kPole)) << "the one that is left says the same as before";
+  EXPECT_TRUE(covered(kPole)) << "the remaining one publishes the same as before";
 
   // As a map_server that is brought back while DDS still believes in the one that died.
   const auto next = node_.create_publisher(topics::octomap_binary);
@@ -153,7 +153,7 @@ TEST_F(ExtractorOverDds, KeepsItsMapWhenASecondRobotPublishesAnother) {
   ASSERT_TRUE(wait_for_lists(15));
   EXPECT_TRUE(covered(kPole));
   map_ = {};
-  EXPECT_TRUE(wait_until([&] { return !covered(kPole); })) << "refused once is not for ever";
+  EXPECT_TRUE(wait_until([&] { return !covered(kPole); })) << "one refusal is not permanent";
 }
 
 TEST_F(ExtractorOverDds, AcceptsTheMapOfARestartedMapServer) {

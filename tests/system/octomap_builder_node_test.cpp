@@ -39,7 +39,7 @@ TEST_F(BuilderOverDds, CoversWhatItsBeamsPassAndWhereItsOutlineStandsAndNothingE
   EXPECT_TRUE(is_known(0.0, 2.0, 0.3));
   EXPECT_FALSE(is_known(0.0, -0.3, 0.3));
   for (const double z : {0.125, 0.3}) EXPECT_FALSE(is_known(0.0, -1.0, z)) << "behind it";
-  EXPECT_FALSE(is_known(0.0, 3.3, 0.3)) << "behind the echo";
+  EXPECT_FALSE(is_known(0.0, 3.3, 0.3)) << "behind the return";
 }
 
 TEST_F(BuilderOverDds, IsSilentWithoutScans) {

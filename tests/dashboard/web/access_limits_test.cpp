@@ -131,7 +131,7 @@ TEST(ClientAddress, IsTheLastThatNoTrustedProxyHas) {
   const auto of = [&](const char* header) {
     return client_address(ip("127.0.0.1"), header, proxies);
   };
-  EXPECT_EQ(of("6.6.6.6, 1.2.3.4"), "1.2.3.4") << "what stands before it is the client's own word";
+  EXPECT_EQ(of("6.6.6.6, 1.2.3.4"), "1.2.3.4") << "earlier entries are only claimed by the client";
   EXPECT_EQ(of("6.6.6.6, 1.2.3.4, 10.0.0.2"), "1.2.3.4");
   EXPECT_EQ(of("10.0.0.2,127.0.0.1"), "10.0.0.2");
   EXPECT_EQ(of(" 1.2.3.4:567 "), "1.2.3.4");

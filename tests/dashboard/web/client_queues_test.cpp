@@ -91,7 +91,7 @@ TEST(ClientQueues, AreBoundedInFramesAndBytesForEachClient) {
 TEST(ClientQueues, PutPressesAheadOfTheirOwnClientsOtherFrames) {
   auto queues = queues_of(1);
   queues.set_urgent(1, {"stop"});
-  ASSERT_TRUE(queues.push(say(1, "stopper"))) << "text is no message";
+  ASSERT_TRUE(queues.push(say(1, "stopper"))) << "text is not a message";
   ASSERT_TRUE(queues.push(press(1, "!")));
   EXPECT_EQ(queues.next(Lane::kUrgent, 0.0)->bytes, "stop!");
   EXPECT_FALSE(queues.next(Lane::kUrgent, 0.0));
@@ -146,7 +146,7 @@ TEST(ClientQueues, LetAClientGoAfterItsPressesAndBeforeTheOthersFrames) {
   ASSERT_TRUE(queues.push(press(1, "!")));
   queues.leave(1);
   EXPECT_FALSE(queues.next(Lane::kLeft, 0.0)) << "its press comes first";
-  EXPECT_FALSE(queues.next(Lane::kUsual, 0.0)) << "it is no usual client any more";
+  EXPECT_FALSE(queues.next(Lane::kUsual, 0.0)) << "it no longer counts as a usual client";
   EXPECT_EQ(queues.next(Lane::kUrgent, 0.0)->client, 1U);
   EXPECT_EQ(queues.next(Lane::kLastWords, 0.0)->bytes, "goal");
   const auto left = queues.next(Lane::kLeft, 0.0);
@@ -169,7 +169,7 @@ TEST(ClientQueues, SayNothingOfAClientThatLeftBeforeItsArrivalWasTaken) {
   ClientQueues queues{{}};
   queues.join(1, 0.0);
   ASSERT_TRUE(queues.push(say(1, "a")));
-  EXPECT_FALSE(queues.next(Lane::kUsual, 0.0)) << "its arrival comes first";
+  EXPECT_FALSE(queues.next(Lane::kUsual, 0.0)) << "its arrival is first";
   queues.leave(1);
   for (const Lane lane : {Lane::kJoined, Lane::kLeft, Lane::kUsual, Lane::kLastWords})
     EXPECT_FALSE(queues.next(lane, 0.0));

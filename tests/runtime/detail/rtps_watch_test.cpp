@@ -145,7 +145,7 @@ TEST_P(Progress, RejectsASingleLeapingHeartbeat) {
     EXPECT_EQ(taken_, 1) << first;
   }
   (void)narrowed(from_peer().add_heartbeat(20, 29, 0x40000000));
-  EXPECT_EQ(taken_, 1) << "the reader would hear none with a smaller count";
+  EXPECT_EQ(taken_, 1) << "the reader would ignore one with a smaller count";
   EXPECT_TRUE(
       passes(from_peer().add_data({.number = 20}, Octets(8, 1)).add_heartbeat(20, 29, 103)));
 }
