@@ -30,6 +30,8 @@ class EmergencyStop {
   /// Releases the latch if the last signal was `false`. Returns whether the stop is released now.
   [[nodiscard]] bool release();
   [[nodiscard]] bool latched() const { return latched_; }
+  /// Whether a person has ever sent a command.
+  [[nodiscard]] bool heard_person() const { return heard_person_; }
 
   /// Takes the person's command, which must be finite.
   void on_user(const Twist2& twist, double t);

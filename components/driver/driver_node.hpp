@@ -6,6 +6,7 @@
 #include "tandem/driver/driver.hpp"
 #include "tandem/io/map_input.hpp"
 #include "tandem/io/robot_state_input.hpp"
+#include "tandem/model/stamped.hpp"
 #include "tandem/runtime/node.hpp"
 
 namespace tandem {
@@ -44,8 +45,7 @@ class DriverNode {
   Driver driver_;
   RobotStateInput robot_;
   std::optional<MapInput> map_;
-  std::optional<Pose2> X_ML_;
-  double leader_time_ = 0.0;
+  Stamped<Pose2> X_ML_;
   bool holds_ = false;   // whether the last sample held the dead-man
   bool let_go_ = false;  // teleop reported that the stick has no effect
 

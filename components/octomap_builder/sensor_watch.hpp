@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "tandem/config/params.hpp"
 #include "tandem/map/range_returns.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -85,11 +85,9 @@ class SensorWatch {
   /// A warning in one line if fewer than half of the usually usable beams are usable; else empty.
   [[nodiscard]] std::string warning() const;
 
-  [[nodiscard]] bool is_heard() const { return heard_since_.has_value(); }
+  [[nodiscard]] bool is_heard() const { return seen_.has_value(); }
 
  private:
-  static constexpr double kNever = -std::numeric_limits<double>::infinity();
-
   // Identical returns in consecutive looks, and odometry's pose at the first of them.
   struct Repeated {
     std::uint64_t hash;
@@ -109,9 +107,9 @@ class SensorWatch {
   SensorWatchParams params_;
   double voxel_;
   bool required_;
-  std::optional<double> heard_since_;  // [s]
-  double heard_ = kNever, looked_ = kNever, newest_ = kNever;
-  std::string trouble_;  // of the last message; empty if that was a look
+  std::optional<double> seen_;    // when it last saw, or sent its first message [s]
+  Stamped<std::string> trouble_;  // of the last message; empty if that was a look
+  double newest_ = Stamped<std::string>::kNever;
   std::optional<Repeated> repeated_;
   double usual_share_ = 0.0, share_ = 0.0;
   int looks_with_few_ = 0;  // in a row

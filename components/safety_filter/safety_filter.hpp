@@ -207,8 +207,8 @@ class SafetyFilter {
   std::shared_ptr<const StaticMap> map_, unseen_;
   PeopleSeen people_;
   TwistCheck twist_check_;
-  std::optional<TimedTwist> command_;
-  std::vector<TimedTwist> sent_;  // oldest first
+  Stamped<Twist2> command_;
+  std::vector<Stamped<Twist2>> sent_;  // oldest first
   std::optional<RobotState> last_state_;
   double jumped_until_;  // [s]
   double updated_;       // [s]
