@@ -141,7 +141,6 @@ bool Arbiter::set_policy(Policy policy) {
 }
 
 Decision Arbiter::decide(double now) {
-  watch_clock(now);
   Decision decision = ramp(choose(now), now);
   decision.performance = performance_.performance();
   last_ = decision;
@@ -149,13 +148,13 @@ Decision Arbiter::decide(double now) {
   return decision;
 }
 
-// After the clock was set back, older timestamps lie in the future: discard them.
-void Arbiter::watch_clock(double now) {
-  if (now >= last_time_) return;
-  for (auto* input : {&user_, &shared_, &nav_}) input->forget_later_than(now);
-  for (auto* trouble : {&stick_, &planner_, &filter_}) trouble->forget_later_than(now);
-  clearance_.forget_later_than(now);
-  stop_.set_clock_back(now);
+void Arbiter::on_time_jump(double now) {
+  for (auto* input : {&user_, &shared_, &nav_}) input->reset();
+  for (auto* trouble : {&stick_, &planner_, &filter_}) trouble->reset();
+  clearance_.reset();
+  stop_.on_time_jump(now);
+  handover_.end_ramp();
+  last_time_ = now;
 }
 
 bool Arbiter::steers(double now) const {

@@ -136,6 +136,10 @@ class Arbiter {
   [[nodiscard]] bool set_policy(Policy policy);
   [[nodiscard]] Policy policy() const { return policy_; }
 
+  /// Call after the clock jumped back to `now`: discards all inputs. Policy and emergency stop
+  /// stay.
+  void on_time_jump(double now);
+
   [[nodiscard]] Decision decide(double now);
   /// Why the robot moves or stands after `decision`: the first that applies of
   ///
@@ -154,7 +158,6 @@ class Arbiter {
   [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
 
  private:
-  void watch_clock(double now);
   [[nodiscard]] std::string trouble_of_filter(double now) const;
   [[nodiscard]] Decision choose(double now);
   [[nodiscard]] Decision choose_by_policy(double now);

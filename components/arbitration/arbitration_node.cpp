@@ -61,6 +61,7 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
   offer_services();
   watchdog_ = node.create_wall_timer(kWatchdog, [this] { watch(); });
   status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
+  time_jump_ = node.on_time_jump([this] { arbiter_.on_time_jump(node_.now()); });
 }
 
 void ArbitrationNode::on_command(const Twist2& twist, Source source) {

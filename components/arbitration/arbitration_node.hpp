@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -89,6 +90,7 @@ class ArbitrationNode {
   std::array<rt::Subscription, 3> stops_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

@@ -38,8 +38,8 @@ class EmergencyStop {
   /// `autonomous`: autonomy was chosen after the stop was pressed. Then no steering is required,
   /// and no letting go either if no person has ever sent a command.
   [[nodiscard]] Awaits awaits(double now, bool autonomous);
-  /// Call when the clock was set back to `now`: a rest in progress restarts there.
-  void set_clock_back(double now);
+  /// Call after the clock jumped back to `now`: a rest in progress restarts there.
+  void on_time_jump(double now);
 
  private:
   [[nodiscard]] bool has_let_go(double now) const {

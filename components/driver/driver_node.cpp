@@ -31,6 +31,7 @@ DriverNode::DriverNode(rt::Node& node)
   on_trouble_ = node.create_subscription(
       topics::teleop_status, [this](const auto& msg) { let_go_ = !msg.data().empty(); });
   timer_ = node.create_timer(1.0 / params_->driver.navigator.rate, [this] { tick(); });
+  time_jump_ = node.on_time_jump([this] { X_ML_.reset(); });
 }
 
 void DriverNode::tick() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "tandem/driver/driver.hpp"
@@ -52,6 +53,7 @@ class DriverNode {
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Subscription leader_, on_trouble_;
   rt::Timer timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

@@ -39,6 +39,7 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
   status_.method(name(method_));
   subscribe();
   start_timers(params_->live.nmpc.control_period);
+  time_jump_ = node.on_time_jump([this] { forget_inputs(); });
 }
 
 void LocalPlannerNode::start_timers(double control_period) {
@@ -131,19 +132,17 @@ PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const
   return request;
 }
 
-void LocalPlannerNode::watch_clock(double now) {
-  if (std::exchange(last_time_, now) <= now) return;
-  obstacles_.forget_later_than(now);
-  user_.forget_later_than(now);
-  command_.forget_later_than(now);
-  filter_.forget_later_than(now);
-  leader_.forget_later_than(now);
+void LocalPlannerNode::forget_inputs() {
+  obstacles_.reset();
+  user_.reset();
+  command_.reset();
+  filter_.reset();
+  leader_.reset();
   nmpc_.reset();
 }
 
 void LocalPlannerNode::plan() {
   const double now = node_.now();
-  watch_clock(now);
   const auto robot = robot_.state();
   if (!robot) {
     diagnostics_.report_trouble(robot_.missing(), topics::odom.name);

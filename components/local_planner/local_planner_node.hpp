@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,7 +80,7 @@ class LocalPlannerNode {
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
   void subscribe();
-  void watch_clock(double now);
+  void forget_inputs();
   void plan();
   void watch();
   /// Why planning is impossible now; nullopt if it is possible.
@@ -116,9 +117,9 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  std::string standing_for_;                    ///< last logged reason for standing
-  double last_time_ = Stamped<Twist2>::kNever;  ///< clock at the last plan(), detects jumps [s]
+  std::string standing_for_;  ///< last logged reason for standing
   rt::Timer timer_, watchdog_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

@@ -34,7 +34,7 @@ struct LocalizationParams {
 };
 
 /// Composes X_MB = X_MW X_WB. Returns nullopt while either part is missing or too old: the robot
-/// must not be driven then. If the clock is set back, everything received before counts as too old.
+/// must not be driven then.
 class Localization {
  public:
   explicit Localization(const LocalizationParams& params) : params_{params} {}
@@ -42,14 +42,12 @@ class Localization {
   /// Takes odometry that arrived at time t, `late` [s] later than usual, so it describes the time t
   /// − late. Ignored if newer odometry was received before.
   void on_odom(const Pose2& X_WB, const Twist2& twist, double t, double late = 0.0) {
-    watch_clock(t);
     if (!is_finite(X_WB) || !is_finite(twist)) return;
     if (t - late < odom_.t) return;
     odom_ = {{X_WB, twist}, t - late};
   }
   /// Takes a transform that arrived at time t; its oldest link is `late` [s] older.
   void on_transform(const Pose2& X_MW, double t, double late = 0.0) {
-    watch_clock(t);
     if (!is_finite(X_MW)) return;
     X_MW_ = {X_MW, t - late};
     has_localiser_ = true;
@@ -63,8 +61,14 @@ class Localization {
     is_static_ = true;
   }
 
-  [[nodiscard]] std::optional<RobotState> state(double now) {
-    watch_clock(now);
+  /// Call after the clock jumped back: discards everything received before, except for a static
+  /// transform.
+  void on_time_jump() {
+    odom_.reset();
+    if (!is_static_) X_MW_.reset();
+  }
+
+  [[nodiscard]] std::optional<RobotState> state(double now) const {
     if (!odom_.fresh(now, params_.odom_timeout)) return std::nullopt;
     const auto& [X_WB, twist] = odom_.value;
     if (params_.map_is_odom) return RobotState{X_WB, twist, odom_.t, X_WB};
@@ -80,13 +84,6 @@ class Localization {
     Pose2 X_WB;
     Twist2 twist;
   };
-
-  // After the clock jumps back, older timestamps lie in the future; discard them, or they would
-  // count as fresh once the clock reaches them again.
-  void watch_clock(double now) {
-    odom_.forget_later_than(now);
-    if (!is_static_) X_MW_.forget_later_than(now);
-  }
 
   LocalizationParams params_;
   Stamped<Odometry> odom_;

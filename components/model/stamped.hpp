@@ -20,12 +20,8 @@ struct Stamped {
   [[nodiscard]] bool fresh(double now, double timeout) const {
     return t <= now && age(now) <= timeout;
   }
-  /// Discards the value.
+  /// Discards the value, for example after the clock jumped back: its age is unknown then.
   void reset() { *this = {}; }
-  /// Call after the clock was set back to `now`.
-  void forget_later_than(double now) {
-    if (t > now) reset();
-  }
 };
 
 }  // namespace tandem

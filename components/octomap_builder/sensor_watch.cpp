@@ -66,7 +66,6 @@ SensorWatch::SensorWatch(std::string topic, const SensorWatchParams& params, dou
 }
 
 void SensorWatch::on_message(double t) {
-  watch_clock(t);
   if (!seen_) seen_ = t;
   trouble_.t = t;
 }
@@ -123,8 +122,7 @@ void SensorWatch::watch_share(double share) {
   looks_with_few_ = share < kLostShare * usual_share_ ? looks_with_few_ + 1 : 0;
 }
 
-std::string SensorWatch::reason(double now) {
-  watch_clock(now);
+std::string SensorWatch::reason(double now) const {
   if (!seen_)
     return required_ ? topic_ + " is silent, and required_sensors names it: is its driver running?"
                      : std::string{};
@@ -146,10 +144,8 @@ std::string SensorWatch::warning() const {
          percent(usual_share_) + " before: is it dirty, or partly covered?";
 }
 
-void SensorWatch::watch_clock(double t) {
-  if (std::exchange(newest_, t) <= t) return;
-  if (seen_) seen_ = t;
-  trouble_.t = std::min(trouble_.t, t);
+void SensorWatch::on_time_jump(double now) {
+  if (seen_) seen_ = trouble_.t = now;
   repeated_.reset();
 }
 

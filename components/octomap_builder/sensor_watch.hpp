@@ -58,8 +58,7 @@ enum class LookUse {
 /// than two voxels mean a frozen sensor or slipping wheels. In both cases the robot must stop.
 /// Motion along a surface does not count, because without noise a long wall looks the same
 /// everywhere: 5 % of the returns must have moved across their surface, or all of them by 2 m on
-/// average. A look without returns is never frozen. Times are seconds on one clock; setting it back
-/// resets the state.
+/// average. A look without returns is never frozen. Times are seconds on one monotonic clock.
 class SensorWatch {
  public:
   /// `topic`: of the sensor, may be named in required_sensors. `voxel`: side length of a voxel [m].
@@ -75,12 +74,16 @@ class SensorWatch {
   [[nodiscard]] LookUse judge(const JudgedLook& look, const std::string& composition, double t);
   void on_taken(double t);
 
+  /// Call after the clock jumped back to `now`: the sensor has the whole time-out for its next
+  /// look.
+  void on_time_jump(double now);
+
   /// Does not compare the next look with earlier ones.
   void forget() { repeated_.reset(); }
 
   /// Why the robot must stop, in one line that begins with the topic; empty if the sensor sees, or
   /// if it has never sent anything and is not required.
-  [[nodiscard]] std::string reason(double now);
+  [[nodiscard]] std::string reason(double now) const;
 
   /// A warning in one line if fewer than half of the usually usable beams are usable; else empty.
   [[nodiscard]] std::string warning() const;
@@ -98,7 +101,6 @@ class SensorWatch {
   };
 
   void on_message(double t);
-  void watch_clock(double t);
   void compare(const JudgedLook& look);
   void watch_share(double share);
   [[nodiscard]] bool is_frozen() const;
@@ -109,7 +111,6 @@ class SensorWatch {
   bool required_;
   std::optional<double> seen_;    // when it last saw, or sent its first message [s]
   Stamped<std::string> trouble_;  // of the last message; empty if that was a look
-  double newest_ = Stamped<std::string>::kNever;
   std::optional<Repeated> repeated_;
   double usual_share_ = 0.0, share_ = 0.0;
   int looks_with_few_ = 0;  // in a row

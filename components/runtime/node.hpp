@@ -145,6 +145,10 @@ class Node {
   /// [s] of steady time since the last /clock (or the node's start); 0 without use_sim_time.
   [[nodiscard]] double clock_silence() const;
   [[nodiscard]] bool use_sim_time() const;
+  /// Calls `fn` whenever /clock jumps back, before a later message is delivered: times taken from
+  /// now() earlier may then lie in the future, and their age is unknown. Never calls it without
+  /// use_sim_time. Destroying the result cancels the calls.
+  [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   /// Timestamp for message headers: system clock, or /clock under use_sim_time.
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
 

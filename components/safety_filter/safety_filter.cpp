@@ -84,13 +84,12 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
   people_check_.emplace(params.people, robot, body_);
   unseen_check_ =
       std::make_shared<const UnseenCheck>(params.unseen_speed, body_, robot.wheel_separation);
-  jumped_until_ = updated_ = -std::numeric_limits<double>::infinity();
+  jumped_until_ = -std::numeric_limits<double>::infinity();
 }
 
 void SafetyFilter::on_command(const Twist2& twist, double t) { command_ = {twist, t}; }
 
 Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now) {
-  watch_clock(now);
   if (state) on_state(*state, now);
   Filtered out = decide(state, now);
   const bool drives =
@@ -109,13 +108,10 @@ Filtered SafetyFilter::stop(FilterReason reason, double now) {
   return out;
 }
 
-// After the clock jumps back, older timestamps lie in the future: discard them. The last command
-// sent is still acting.
-void SafetyFilter::watch_clock(double now) {
-  if (std::exchange(updated_, now) <= now) return;
-  command_.forget_later_than(now);
+void SafetyFilter::on_time_jump(double now) {
+  command_.reset();
   twist_check_.clear();
-  people_.forget_later_than(now);
+  people_.reset();
   jumped_until_ = std::min(jumped_until_, now + params_.jump_rest);
   if (!sent_.empty()) sent_.assign(1, {sent_.back().value, now});
 }

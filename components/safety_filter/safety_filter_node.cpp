@@ -51,6 +51,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     cmd_vel_ = node.create_publisher(topics::cmd_vel);
   looks_ = node.create_wall_timer(kLook, [this] { look_for_others(); });
   watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
+  time_jump_ = node.on_time_jump([this] { filter_.on_time_jump(node_.now()); });
 }
 
 void SafetyFilterNode::update() {

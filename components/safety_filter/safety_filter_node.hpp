@@ -80,6 +80,7 @@ class SafetyFilterNode {
   TwistInput command_;
   std::size_t others_ = 0;  // other publishers of cmd_vel
   rt::Timer watchdog_, looks_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

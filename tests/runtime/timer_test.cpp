@@ -97,6 +97,24 @@ TEST_F(SimTime, DrivesTimersButNotWallTimers) {
   }
 }
 
+TEST_F(SimTime, ReportsThatTheClockJumpedBackOnceAndBeforeAnythingElse) {
+  int jumps = 0;
+  double now = -1.0;
+  const auto jump = node_.on_time_jump([&] {
+    ++jumps;
+    now = node_.now();
+  });
+  auto cancelled = node_.on_time_jump([&] { FAIL(); });
+  cancelled.reset();
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  for (const double time : {12.5, 12.6, 3.0, 3.1}) {
+    set_clock(time);
+    ASSERT_TRUE(spin_until([&] { return node_.now() == time; }, kTimeout, node_)) << time;
+  }
+  EXPECT_EQ(jumps, 1);
+  EXPECT_EQ(now, 3.0);
+}
+
 TEST(Node, UseSimTimeIsAParameter) {
   rt::NodeOptions options{.name = "by_parameter"};
   options.parameters.values["use_sim_time"] = {"true", "test"};
