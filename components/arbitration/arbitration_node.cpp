@@ -148,9 +148,8 @@ void ArbitrationNode::log_reason(rt::LogLevel level) {
   node_.log().write_every(kReminder, level, what, what);
 }
 
-// While the clock stands still nothing ages, so old messages would count as fresh.
 bool ArbitrationNode::stands_without_clock() {
-  if (node_.clock_silence() <= kClockSilence) return false;
+  if (!node_.clock_is_silent()) return false;
   cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
   decision_ = Decision{};
   decision_.reason = ArbitrationReason::kClockSilent;

@@ -47,7 +47,6 @@ class ArbitrationNode {
   static constexpr double kWatchdog = 0.0125;  // [s]
   static constexpr double kRepeat = 0.025;     // [s] output gap after which the command is repeated
   static constexpr double kStatusPeriod = 0.05;  // [s]
-  static constexpr double kClockSilence = 0.5;   // [s] of steady time
 
   static constexpr int kStopDepth = 100;  // messages queued while the process is stalled
 

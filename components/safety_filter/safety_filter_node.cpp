@@ -70,9 +70,8 @@ void SafetyFilterNode::update() {
   diagnose();
 }
 
-// While the clock stands still nothing ages, so old messages would count as fresh.
 Filtered SafetyFilterNode::next() {
-  if (node_.clock_silence() > kClockSilence) {
+  if (node_.clock_is_silent()) {
     node_.log().warn_every(10.0, "/clock is silent: stopping");
     return filter_.stop(FilterReason::kClockSilent, node_.now());
   }

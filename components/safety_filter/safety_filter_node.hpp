@@ -46,8 +46,6 @@ struct SafetyFilterNodeParams {
 /// with enforce = false unless the clock is simulated: a real robot never runs without the filter.
 class SafetyFilterNode {
  public:
-  static constexpr double kClockSilence = 0.5;  // [s] of steady time
-
   explicit SafetyFilterNode(rt::Node& node);
 
  private:

@@ -220,8 +220,8 @@ double NodeCore::now() const {
   return use_sim_time ? 1e-9 * static_cast<double>(clock_) : steady_seconds();
 }
 
-double NodeCore::clock_silence() const {
-  return use_sim_time ? steady_seconds() - clock_arrival_ : 0.0;
+bool NodeCore::clock_is_silent() const {
+  return use_sim_time && steady_seconds() - clock_arrival_ > Node::kClockSilence;
 }
 
 builtin_interfaces::msg::Time NodeCore::stamp() const {

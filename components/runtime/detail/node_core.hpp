@@ -61,7 +61,7 @@ class NodeCore {
 
   [[nodiscard]] std::string resolve(const char* topic) const;
   [[nodiscard]] double now() const;
-  [[nodiscard]] double clock_silence() const;
+  [[nodiscard]] bool clock_is_silent() const;
   [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
 
