@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,9 +9,8 @@
 #include "tandem/io/robot_state_input.hpp"
 #include "tandem/io/twist_input.hpp"
 #include "tandem/local_planner/nmpc.hpp"
+#include "tandem/local_planner/plan_inputs.hpp"
 #include "tandem/map/virtual_fixtures.hpp"
-#include "tandem/model/reasons.hpp"
-#include "tandem/model/stamped.hpp"
 #include "tandem/runtime/node.hpp"
 
 namespace tandem {
@@ -35,9 +33,7 @@ struct LocalPlannerNodeParams {
   RobotStateParams input;
   std::vector<double> goal;
   std::string fixtures;
-  double user_timeout = 0.12;
-  double obstacle_timeout = 0.1;
-  double in_force_timeout = 0.2;
+  PlanInputParams timeouts;
   StampParams stamp;
 
   template <class Visitor>
@@ -48,12 +44,7 @@ struct LocalPlannerNodeParams {
     field("goal", goal, Range{-1e5, 1e5},
           "[m, m, rad] first goal of method goal; /goal_pose later");
     field("fixtures", fixtures, "YAML file of guidance lines; empty: none");
-    field("user_timeout", user_timeout, Range{0.02, 5.0},
-          "[s] silence of leader_pose or cmd_vel_user that stops");
-    field("obstacle_timeout", obstacle_timeout, Range{0.02, 5.0},
-          "[s] silence of obstacles that stops");
-    field("in_force_timeout", in_force_timeout, Range{0.02, 5.0},
-          "[s] age of cmd_vel, the command in force, after which it is taken as zero");
+    timeouts.visit(field);
     stamp.visit(field);
   }
 };
@@ -80,16 +71,8 @@ class LocalPlannerNode {
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
   void subscribe();
-  void forget_inputs();
   void plan();
   void watch();
-  /// Why planning is impossible now; nullopt if it is possible.
-  [[nodiscard]] std::optional<Reason> missing(double now) const;
-  struct FilterState {
-    bool enforces = false, refuses = false;
-  };
-
-  [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
   void publish_paths(const Plan& plan, const PlanRequest& request);
@@ -99,14 +82,9 @@ class LocalPlannerNode {
   rt::Node& node_;
   rt::Parameters<LocalPlannerNodeParams> params_;
   Method method_;
-  std::vector<GuidanceLine> guidance_;
+  PlanInputs inputs_;
   Nmpc nmpc_;
   RobotStateInput robot_;
-  Stamped<std::vector<Obstacle>> obstacles_;
-  Stamped<Twist2> user_, command_;
-  Stamped<FilterState> filter_;
-  Stamped<Pose2> leader_;
-  std::optional<Pose2> X_MG_;
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
