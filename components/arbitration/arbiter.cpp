@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tandem/model/reasons.hpp"
 
@@ -18,7 +17,6 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
 // [s] without steering that counts as letting go. Shorter rests occur while driving: a stick passes
 // its centre, and a key is released between two presses.
 constexpr double kLetsGo = 1.0;
-constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
 constexpr double kGone = 0.5;  // [s] of silence after which a node is gone rather than late
 
 bool is_rest(const Twist2& twist, double threshold) {
@@ -26,6 +24,12 @@ bool is_rest(const Twist2& twist, double threshold) {
 }
 
 Decision stop(ArbitrationReason reason) { return {{}, Source::kNone, reason, 0.0}; }
+
+// Whether the input was received once and is silent now.
+template <class T>
+bool is_silent(const Stamped<T>& input, double now, double timeout) {
+  return input.t > Stamped<T>::kNever && !input.fresh(now, timeout);
+}
 
 }  // namespace
 
@@ -95,13 +99,6 @@ Policy policy_from(const std::string& text) {
                               "' is not one of {manual, shared, blend, adaptive, autonomous}");
 }
 
-void Arbiter::Input::receive(const Twist2& value, double time) {
-  if (!is_finite(value)) return;
-  twist = value;
-  t = time;
-  heard = true;
-}
-
 Arbiter::Arbiter(const ArbiterParams& params)
     : params_{params},
       policy_{policy_from(params.policy)},
@@ -116,19 +113,20 @@ void Arbiter::set_blend(const BlendParams& blend) {
 }
 
 void Arbiter::on_user(const Twist2& twist, double t) {
-  user_.receive(twist, t);
   if (!is_finite(twist)) return;
+  user_ = {twist, t};
   performance_.on_user(twist, t, params_.adaptive);
   stop_.on_user(twist, t);
 }
-void Arbiter::on_shared(const Twist2& twist, double t) { shared_.receive(twist, t); }
-void Arbiter::on_nav(const Twist2& twist, double t) { nav_.receive(twist, t); }
+void Arbiter::on_shared(const Twist2& twist, double t) {
+  if (is_finite(twist)) shared_ = {twist, t};
+}
+void Arbiter::on_nav(const Twist2& twist, double t) {
+  if (is_finite(twist)) nav_ = {twist, t};
+}
 
 void Arbiter::on_clearance(double clearance, double t) {
-  if (std::isnan(clearance)) return;
-  clearance_ = clearance;
-  clearance_time_ = t;
-  clearance_heard_ = true;
+  if (!std::isnan(clearance)) clearance_ = {clearance, t};
 }
 
 void Arbiter::on_emergency_stop(bool pressed) {
@@ -143,7 +141,6 @@ bool Arbiter::set_policy(Policy policy) {
 }
 
 Decision Arbiter::decide(double now) {
-  watch_clock(now);
   Decision decision = ramp(choose(now), now);
   decision.performance = performance_.performance();
   last_ = decision;
@@ -151,19 +148,17 @@ Decision Arbiter::decide(double now) {
   return decision;
 }
 
-// After the clock was set back, older timestamps lie in the future: discard them.
-void Arbiter::watch_clock(double now) {
-  if (now >= last_time_) return;
-  for (Input* input : {&user_, &shared_, &nav_})
-    if (input->t > now) input->t = kNever;
-  for (Word* word : {&stick_, &planner_, &filter_})
-    if (word->t > now) *word = {};
-  if (clearance_time_ > now) clearance_heard_ = false;
-  stop_.set_clock_back(now);
+void Arbiter::on_time_jump(double now) {
+  for (auto* input : {&user_, &shared_, &nav_}) input->reset();
+  for (auto* trouble : {&stick_, &planner_, &filter_}) trouble->reset();
+  clearance_.reset();
+  stop_.on_time_jump(now);
+  handover_.end_ramp();
+  last_time_ = now;
 }
 
 bool Arbiter::steers(double now) const {
-  return hears_person(now) && !is_rest(user_.twist, params_.takeover_threshold);
+  return hears_person(now) && !is_rest(user_.value, params_.takeover_threshold);
 }
 
 Decision Arbiter::choose(double now) {
@@ -172,7 +167,8 @@ Decision Arbiter::choose(double now) {
     case EmergencyStop::Awaits::kRelease:
       return stop(ArbitrationReason::kEmergencyStop);
     case EmergencyStop::Awaits::kLettingGo:
-      return stop(user_.heard ? ArbitrationReason::kLetGoFirst : ArbitrationReason::kUserSilent);
+      return stop(stop_.heard_person() ? ArbitrationReason::kLetGoFirst
+                                       : ArbitrationReason::kUserSilent);
     case EmergencyStop::Awaits::kSteering:
       return stop(hears_person(now) ? ArbitrationReason::kSteerFirst
                                     : ArbitrationReason::kUserSilent);
@@ -186,13 +182,13 @@ Decision Arbiter::choose_by_policy(double now) {
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
   if (!hears_person(now)) return stop(ArbitrationReason::kUserSilent);
   if (policy_ == Policy::kManual)
-    return {user_.twist, Source::kUser, ArbitrationReason::kFollowsSource, 0.0};
+    return {user_.value, Source::kUser, ArbitrationReason::kFollowsSource, 0.0};
   if (!shared_.fresh(now, params_.shared_timeout)) return stop(ArbitrationReason::kSharedSilent);
   if (policy_ == Policy::kShared)
-    return {shared_.twist, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
+    return {shared_.value, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
   if (policy_ == Policy::kAdaptive) return adapt(now);
   const double disagreement =
-      std::hypot(user_.twist.v - shared_.twist.v, user_.twist.w - shared_.twist.w) /
+      std::hypot(user_.value.v - shared_.value.v, user_.value.w - shared_.value.w) /
       params_.blend.disagreement;
   return blend(now, params_.blend.min, disagreement);
 }
@@ -200,28 +196,28 @@ Decision Arbiter::choose_by_policy(double now) {
 // Low clearance still gives the planner full authority at once; the person's errors act only over
 // time.
 Decision Arbiter::adapt(double now) {
-  performance_.update(shared_.twist, params_.blend.disagreement, now, params_.adaptive);
+  performance_.update(shared_.value, params_.blend.disagreement, now, params_.adaptive);
   return blend(now, performance_.share(params_.adaptive), 0.0);
 }
 
 Decision Arbiter::choose_autonomous(double now) const {
-  if (steers(now)) return {user_.twist, Source::kUser, ArbitrationReason::kUserTakesOver, 0.0};
+  if (steers(now)) return {user_.value, Source::kUser, ArbitrationReason::kUserTakesOver, 0.0};
   if (nav_.fresh(now, params_.nav_timeout))
-    return {nav_.twist, Source::kNav, ArbitrationReason::kFollowsSource, 0.0};
+    return {nav_.value, Source::kNav, ArbitrationReason::kFollowsSource, 0.0};
   if (shared_.fresh(now, params_.shared_timeout))
-    return {shared_.twist, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
+    return {shared_.value, Source::kShared, ArbitrationReason::kFollowsSource, 1.0};
   return stop(ArbitrationReason::kAllSilent);
 }
 
 // The planner's share grows with danger (little clearance) and with disagreement: a planner that
 // departs from the person's command has probably seen something the person has not.
 Decision Arbiter::blend(double now, double least, double disagreement) {
-  const bool known = clearance_heard_ && now - clearance_time_ <= params_.shared_timeout;
-  const double danger = known ? 1.0 - clearance_ / params_.blend.clearance : 1.0;
+  const bool known = clearance_.fresh(now, params_.shared_timeout);
+  const double danger = known ? 1.0 - clearance_.value / params_.blend.clearance : 1.0;
   const double target = std::clamp(std::max(danger, disagreement), least, 1.0);
   const double step = params_.blend.rate * std::max(0.0, now - last_time_);
   alpha_ = std::clamp(target, alpha_ - step, alpha_ + step);
-  return {mix(user_.twist, shared_.twist, alpha_), Source::kBlend,
+  return {mix(user_.value, shared_.value, alpha_), Source::kBlend,
           ArbitrationReason::kFollowsSource, alpha_};
 }
 
@@ -243,25 +239,24 @@ std::string Arbiter::why(const Decision& decision, double now) const {
   const std::string own = name(decision.reason);
   const bool stops_here = decision.source == Source::kNone;
   if (stops_here && decision.reason != ArbitrationReason::kUserSilent) return own;
-  if (stops_here && !stick_.trouble.empty() && now - stick_.t <= kGone) return stick_.trouble;
+  if (stops_here && !stick_.value.empty() && stick_.fresh(now, kGone)) return stick_.value;
   if (const std::string trouble = trouble_of_filter(now); !trouble.empty()) return trouble;
   const bool planned = decision.source == Source::kShared || decision.source == Source::kBlend;
-  if (planned && !planner_.trouble.empty() && now - planner_.t <= kGone)
-    return "planner: " + planner_.trouble;
+  if (planned && !planner_.value.empty() && planner_.fresh(now, kGone))
+    return "planner: " + planner_.value;
   return own;
 }
 
 std::string Arbiter::trouble_of_filter(double now) const {
-  if (filter_.heard && now - filter_.t > kGone) return text_of(Reason::kFilterSilent);
-  return filter_.trouble.empty() ? std::string{} : "safety filter: " + filter_.trouble;
+  if (is_silent(filter_, now, kGone)) return text_of(Reason::kFilterSilent);
+  return filter_.value.empty() ? std::string{} : "safety filter: " + filter_.value;
 }
 
 std::vector<std::string> Arbiter::silent_sources(double now) const {
   std::vector<std::string> silent;
-  if (user_.heard && !user_.fresh(now, params_.user_timeout)) silent.emplace_back("cmd_vel_user");
-  if (shared_.heard && !shared_.fresh(now, params_.shared_timeout))
-    silent.emplace_back("cmd_vel_shared");
-  if (nav_.heard && !nav_.fresh(now, params_.nav_timeout)) silent.emplace_back("cmd_vel_nav");
+  if (is_silent(user_, now, params_.user_timeout)) silent.emplace_back("cmd_vel_user");
+  if (is_silent(shared_, now, params_.shared_timeout)) silent.emplace_back("cmd_vel_shared");
+  if (is_silent(nav_, now, params_.nav_timeout)) silent.emplace_back("cmd_vel_nav");
   return silent;
 }
 

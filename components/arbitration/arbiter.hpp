@@ -12,6 +12,7 @@
 #include "tandem/arbitration/performance.hpp"
 #include "tandem/config/params.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -117,11 +118,11 @@ class Arbiter {
   /// Distance from the robot to the nearest obstacle [m]; policy blend uses it.
   void on_clearance(double clearance, double t);
   /// Why a held stick does not move the robot; empty: nothing prevents it.
-  void on_stick(std::string trouble, double t) { stick_ = {std::move(trouble), t, true}; }
+  void on_stick(std::string trouble, double t) { stick_ = {std::move(trouble), t}; }
   /// Why the planner has no plan; empty: it has one.
-  void on_planner(std::string trouble, double t) { planner_ = {std::move(trouble), t, true}; }
+  void on_planner(std::string trouble, double t) { planner_ = {std::move(trouble), t}; }
   /// Why the safety filter passes nothing; empty: it passes something.
-  void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t, true}; }
+  void on_filter(std::string trouble, double t) { filter_ = {std::move(trouble), t}; }
 
   /// Latches; only release_emergency_stop() releases it, and only if the last signal was `false`.
   /// Pressing ends policy kAutonomous (kShared follows). After the release the robot stands until
@@ -137,6 +138,10 @@ class Arbiter {
   /// release would start the robot.
   [[nodiscard]] bool set_policy(Policy policy);
   [[nodiscard]] Policy policy() const { return policy_; }
+
+  /// Call after the clock jumped back to `now`: discards all inputs. Policy and emergency stop
+  /// stay.
+  void on_time_jump(double now);
 
   [[nodiscard]] Decision decide(double now);
   /// Why the robot moves or stands after `decision`: the first that applies of
@@ -156,24 +161,6 @@ class Arbiter {
   [[nodiscard]] std::vector<std::string> silent_sources(double now) const;
 
  private:
-  struct Input {
-    Twist2 twist;
-    double t = 0.0;
-    bool heard = false;
-
-    void receive(const Twist2& value, double time);
-    [[nodiscard]] bool fresh(double now, double timeout) const {
-      return heard && now - t <= timeout;
-    }
-  };
-
-  struct Word {
-    std::string trouble;
-    double t = 0.0;
-    bool heard = false;
-  };
-
-  void watch_clock(double now);
   [[nodiscard]] std::string trouble_of_filter(double now) const;
   [[nodiscard]] Decision choose(double now);
   [[nodiscard]] Decision choose_by_policy(double now);
@@ -185,10 +172,9 @@ class Arbiter {
 
   ArbiterParams params_;
   Policy policy_;
-  Input user_, shared_, nav_;
-  Word stick_, planner_, filter_;
-  double clearance_ = 0.0, clearance_time_ = 0.0;
-  bool clearance_heard_ = false;
+  Stamped<Twist2> user_, shared_, nav_;
+  Stamped<std::string> stick_, planner_, filter_;  // what troubles them; empty: nothing
+  Stamped<double> clearance_;                      // [m]
   Performance performance_;
   EmergencyStop stop_;
   Handover handover_;

@@ -61,6 +61,7 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
   offer_services();
   watchdog_ = node.create_wall_timer(kWatchdog, [this] { watch(); });
   status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
+  time_jump_ = node.on_time_jump([this] { arbiter_.on_time_jump(node_.now()); });
 }
 
 void ArbitrationNode::on_command(const Twist2& twist, Source source) {
@@ -147,9 +148,8 @@ void ArbitrationNode::log_reason(rt::LogLevel level) {
   node_.log().write_every(kReminder, level, what, what);
 }
 
-// While the clock stands still nothing ages, so old messages would count as fresh.
 bool ArbitrationNode::stands_without_clock() {
-  if (node_.clock_silence() <= kClockSilence) return false;
+  if (!node_.clock_is_silent()) return false;
   cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
   decision_ = Decision{};
   decision_.reason = ArbitrationReason::kClockSilent;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -46,7 +47,6 @@ class ArbitrationNode {
   static constexpr double kWatchdog = 0.0125;  // [s]
   static constexpr double kRepeat = 0.025;     // [s] output gap after which the command is repeated
   static constexpr double kStatusPeriod = 0.05;  // [s]
-  static constexpr double kClockSilence = 0.5;   // [s] of steady time
 
   static constexpr int kStopDepth = 100;  // messages queued while the process is stalled
 
@@ -89,6 +89,7 @@ class ArbitrationNode {
   std::array<rt::Subscription, 3> stops_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

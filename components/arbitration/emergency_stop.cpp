@@ -40,8 +40,8 @@ EmergencyStop::Awaits EmergencyStop::awaits(double now, bool autonomous) {
   return has_let_go(now) ? Awaits::kSteering : Awaits::kLettingGo;
 }
 
-void EmergencyStop::set_clock_back(double now) {
-  if (rest_since_) rest_since_ = std::min(*rest_since_, now);
+void EmergencyStop::on_time_jump(double now) {
+  if (rest_since_) rest_since_ = now;
 }
 
 }  // namespace tandem

@@ -30,14 +30,16 @@ class EmergencyStop {
   /// Releases the latch if the last signal was `false`. Returns whether the stop is released now.
   [[nodiscard]] bool release();
   [[nodiscard]] bool latched() const { return latched_; }
+  /// Whether a person has ever sent a command.
+  [[nodiscard]] bool heard_person() const { return heard_person_; }
 
   /// Takes the person's command, which must be finite.
   void on_user(const Twist2& twist, double t);
   /// `autonomous`: autonomy was chosen after the stop was pressed. Then no steering is required,
   /// and no letting go either if no person has ever sent a command.
   [[nodiscard]] Awaits awaits(double now, bool autonomous);
-  /// Call when the clock was set back to `now`: a rest in progress restarts there.
-  void set_clock_back(double now);
+  /// Call after the clock jumped back to `now`: a rest in progress restarts there.
+  void on_time_jump(double now);
 
  private:
   [[nodiscard]] bool has_let_go(double now) const {

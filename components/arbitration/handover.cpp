@@ -25,7 +25,6 @@ Twist2 Handover::follow(const Twist2& chosen, bool changed, double now) {
 }
 
 double Handover::Ramp::follow(double target, bool changed, double now, double duration) {
-  if (now < time) time = end = now;
   const double reached = between_rest_and(target, value);
   const double growth = std::abs(target - reached);
   if (changed) start(growth, now, duration);

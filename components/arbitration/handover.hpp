@@ -16,7 +16,7 @@ namespace tandem {
 /// * A further change during a ramp continues it at its pace or faster, so alternating sources do
 ///   not delay it.
 ///
-/// Times are seconds on one monotonic clock; setting the clock back ends the ramp.
+/// Times are seconds on one monotonic clock.
 class Handover {
  public:
   /// `duration`: longest ramp [s]; 0: none.
@@ -28,8 +28,13 @@ class Handover {
 
   /// Call while the robot is stopped: the next command is then in force without a ramp.
   void stop() { v_ = w_ = {}; }
+  /// Call after the clock jumped back: the next command is in force without a ramp, unless it
+  /// starts one.
+  void end_ramp() { v_.end = w_.end = kEnded; }
 
  private:
+  static constexpr double kEnded = -1e300;  // [s] before any time
+
   // One component of the command; a ramp is running while time < end.
   struct Ramp {
     double value = 0.0;  // command in force

@@ -20,23 +20,22 @@ double toward(double value, double target, double dt, double time) {
 }  // namespace
 
 void Performance::on_user(const Twist2& user, double t, const AdaptiveParams& params) {
-  const double dt = t - user_time_;
-  if (user_time_ >= 0.0 && dt > 0.0 && dt < kLongestGap) {
-    const double rate = std::min(difference(user, user_) / dt, 2.0 * params.unsteady);
+  const double dt = user_.age(t);
+  if (dt > 0.0 && dt < kLongestGap) {
+    const double rate = std::min(difference(user, user_.value) / dt, 2.0 * params.unsteady);
     change_ = toward(change_, rate, dt, kChangeTime);
   }
   if (dt == 0.0) return;
-  user_ = user;
-  user_time_ = t;
+  user_ = {user, t};
 }
 
 void Performance::update(const Twist2& shared, double disagreement, double t,
                          const AdaptiveParams& params) {
   const double dt = time_ < 0.0 ? 0.0 : std::clamp(t - time_, 0.0, kLongestGap);
   time_ = t;
-  const bool steers = std::abs(user_.v) > kSteers || std::abs(user_.w) > kSteers;
+  const bool steers = std::abs(user_.value.v) > kSteers || std::abs(user_.value.w) > kSteers;
   if (!steers || params.frozen) return;
-  const double agreement = 1.0 - std::min(1.0, difference(user_, shared) / disagreement);
+  const double agreement = 1.0 - std::min(1.0, difference(user_.value, shared) / disagreement);
   const double steadiness = 1.0 - std::min(1.0, change_ / params.unsteady);
   performance_ = toward(performance_, agreement * steadiness, dt, params.time);  // (1), (2)
   const double moved = params.range * std::abs(performance_ - held_);

@@ -5,6 +5,7 @@
 
 #include "tandem/config/params.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -54,8 +55,8 @@ class Performance {
   [[nodiscard]] double share(const AdaptiveParams& params) const;
 
  private:
-  Twist2 user_;
-  double user_time_ = -1.0, time_ = -1.0;
+  Stamped<Twist2> user_;
+  double time_ = -1.0;
   double change_ = 0.0;  // mean of |u̇_user|
   double performance_ = 1.0;
   double held_ = 1.0;  // performance with hysteresis, from which the share is computed

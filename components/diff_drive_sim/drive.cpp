@@ -26,7 +26,7 @@ Drive::Drive(const DriveParams& params, const RobotParams& robot, unsigned seed)
 
 void Drive::command(const Twist2& twist, double t) {
   if (!is_finite(twist)) return;
-  queue_.push_back({t, limit(twist, robot_)});
+  queue_.push_back({limit(twist, robot_), t});
 }
 
 void Drive::step(double t, double dt) {
@@ -36,9 +36,9 @@ void Drive::step(double t, double dt) {
   const Limits forward{params_.a_drive, params_.brake_factor * robot_.a_brake, lag};
   const Limits turn{params_.alpha_drive, params_.turn_brake_factor * robot_.alpha_brake, lag};
   const Twist2 now = to_body(speeds_, robot_.wheel_separation);
-  speeds_ =
-      to_wheels({follow(now.v, in_force_.v, forward, dt), follow(now.w, in_force_.w, turn, dt)},
-                robot_.wheel_separation);
+  const Twist2& target = in_force_.value;
+  speeds_ = to_wheels({follow(now.v, target.v, forward, dt), follow(now.w, target.w, turn, dt)},
+                      robot_.wheel_separation);
 }
 
 Twist2 Drive::twist_over_ground() const {
@@ -49,11 +49,10 @@ Twist2 Drive::twist_over_ground() const {
 void Drive::take_commands(double t) {
   const double delay = params_.command_delay_fraction * robot_.command_delay;
   while (!queue_.empty() && queue_.front().t + delay <= t) {
-    in_force_ = queue_.front().twist;
-    in_force_since_ = queue_.front().t + delay;
+    in_force_ = {queue_.front().value, queue_.front().t + delay};
     queue_.pop_front();
   }
-  if (robot_.base_timeout > 0.0 && t - in_force_since_ > robot_.base_timeout) in_force_ = {};
+  if (robot_.base_timeout > 0.0 && in_force_.age(t) > robot_.base_timeout) in_force_.value = {};
 }
 
 void Drive::draw_slip(double t) {

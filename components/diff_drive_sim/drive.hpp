@@ -7,6 +7,7 @@
 
 #include "tandem/config/params.hpp"
 #include "tandem/model/diff_drive.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -64,20 +65,14 @@ class Drive {
   [[nodiscard]] Twist2 twist_over_ground() const;
 
  private:
-  struct Sent {
-    double t;
-    Twist2 twist;
-  };
-
   void take_commands(double t);
   void draw_slip(double t);
 
   DriveParams params_;
   RobotParams robot_;
   std::mt19937 random_;
-  std::deque<Sent> queue_;
-  Twist2 in_force_;
-  double in_force_since_ = 0.0;
+  std::deque<Stamped<Twist2>> queue_;  // not yet in force, by the time of sending
+  Stamped<Twist2> in_force_{{}, 0.0};
   WheelSpeeds speeds_;
   WheelSpeeds slip_{1.0, 1.0};  // factors on the travel, 1 ± slip
   double slip_until_ = -1e9;    // so that the first step draws

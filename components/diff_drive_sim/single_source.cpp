@@ -11,7 +11,7 @@ constexpr std::size_t kMaxWriters = 16;
 
 }  // namespace
 
-bool SingleSource::same_source(const Stamped& a, const Stamped& b) {
+bool SingleSource::same_source(const Sender& a, const Sender& b) {
   constexpr int kProcessBytes = 8, kSubjectBytes = 6;
   if (a.writer == b.writer) return true;
   const bool secured = (a.writer[0] & 0x80) != 0;
@@ -21,14 +21,14 @@ bool SingleSource::same_source(const Stamped& a, const Stamped& b) {
 }
 
 bool SingleSource::on_command(const Writer& writer, Type type, double t) {
-  const Stamped now{writer, type, t};
-  // Entries in the future are from before the clock was set back.
-  std::erase_if(heard_, [&](const Stamped& before) {
-    return before.writer == writer || before.t > t || t - before.t > timeout_;
+  const Sender now{writer, type};
+  // Entries in the future, which are not fresh either, are from before the clock was set back.
+  std::erase_if(heard_, [&](const auto& before) {
+    return before.value.writer == writer || !before.fresh(t, timeout_);
   });
   const bool alone = std::all_of(heard_.begin(), heard_.end(),
-                                 [&](const Stamped& other) { return same_source(now, other); });
-  if (heard_.size() < kMaxWriters) heard_.push_back(now);
+                                 [&](const auto& other) { return same_source(now, other.value); });
+  if (heard_.size() < kMaxWriters) heard_.push_back({now, t});
   return alone;
 }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tandem/model/stamped.hpp"
+
 namespace tandem {
 
 /// Tracks the sources of a base's velocity commands. On an open bus nothing prevents a second
@@ -29,16 +31,15 @@ class SingleSource {
   [[nodiscard]] bool on_command(const Writer& writer, Type type, double t);
 
  private:
-  struct Stamped {
+  struct Sender {
     Writer writer;
     Type type;
-    double t;
   };
 
-  [[nodiscard]] static bool same_source(const Stamped& a, const Stamped& b);
+  [[nodiscard]] static bool same_source(const Sender& a, const Sender& b);
 
   double timeout_;
-  std::vector<Stamped> heard_;  // one per writer within the timeout
+  std::vector<Stamped<Sender>> heard_;  // one per writer within the timeout
 };
 
 }  // namespace tandem

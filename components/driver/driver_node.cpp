@@ -26,20 +26,20 @@ DriverNode::DriverNode(rt::Node& node)
         const auto X_MF = robot_.frames().in_map(msg.header(), topics::leader_pose.name);
         const auto X_FL = from_msg(msg.pose());
         if (!X_MF || !X_FL) return;
-        X_ML_ = compose(*X_MF, *X_FL);
-        leader_time_ = node_.now();
+        X_ML_ = {compose(*X_MF, *X_FL), node_.now()};
       });
   on_trouble_ = node.create_subscription(
       topics::teleop_status, [this](const auto& msg) { let_go_ = !msg.data().empty(); });
   timer_ = node.create_timer(1.0 / params_->driver.navigator.rate, [this] { tick(); });
+  time_jump_ = node.on_time_jump([this] { X_ML_.reset(); });
 }
 
 void DriverNode::tick() {
   const auto robot = robot_.state();
   if (!robot) return publish({0.0, 0.0, false});
   if (map_) driver_.on_map(map_->map(robot));
-  const bool leads = params_->steers_leader && X_ML_ && node_.now() - leader_time_ < kLeaderAge;
-  publish(driver_.steer(robot->X_MB, leads ? *X_ML_ : robot->X_MB, node_.now()));
+  const bool leads = params_->steers_leader && X_ML_.fresh(node_.now(), kLeaderAge);
+  publish(driver_.steer(robot->X_MB, leads ? X_ML_.value : robot->X_MB, node_.now()));
 }
 
 // Imitates a person: presses the dead-man with the stick at rest, and releases it if that has no

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "tandem/driver/driver.hpp"
 #include "tandem/io/map_input.hpp"
 #include "tandem/io/robot_state_input.hpp"
+#include "tandem/model/stamped.hpp"
 #include "tandem/runtime/node.hpp"
 
 namespace tandem {
@@ -45,14 +47,14 @@ class DriverNode {
   Driver driver_;
   RobotStateInput robot_;
   std::optional<MapInput> map_;
-  std::optional<Pose2> X_ML_;
-  double leader_time_ = 0.0;
+  Stamped<Pose2> X_ML_;
   bool holds_ = false;   // whether the last sample held the dead-man
   bool let_go_ = false;  // teleop reported that the stick has no effect
 
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Subscription leader_, on_trouble_;
   rt::Timer timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

@@ -10,7 +10,10 @@ namespace tandem {
 namespace {
 
 constexpr double kTremorLow = 4.0, kTremorHigh = 12.0;  // [Hz]
-constexpr double kSubStep = 0.002;  // [s] integration step of the hand's spring and mass
+constexpr double kOverCorrection = 0.8;     // [Hz] undamped frequency of the turning hand
+constexpr double kDropoutsPerMinute = 6.0;  // on average
+constexpr double kDropoutTime = 0.5;        // [s] on average
+constexpr double kSubStep = 0.002;          // [s] integration step of the hand's spring and mass
 
 }  // namespace
 
@@ -56,7 +59,7 @@ void HandModel::tremble(Hand& hand, double t) const {
 
 // x″ = ω² (u − x) − 2 ζ ω x′, whose step response overshoots by (1).
 void HandModel::over_correct(Hand& hand) {
-  const double omega = 2.0 * std::numbers::pi * params_.over_correction_frequency;
+  const double omega = 2.0 * std::numbers::pi * kOverCorrection;
   const int steps = std::max(1, static_cast<int>(std::ceil(period_ / kSubStep)));
   const double dt = period_ / steps;
   for (int i = 0; i < steps; ++i) {
@@ -91,8 +94,8 @@ void HandModel::pulse(Hand& hand, double t) {
 // Drop-outs start as a Poisson process and last an exponentially distributed time.
 void HandModel::drop_out(Hand& hand, double t) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  if (t >= dropped_until_ && unit(random_) < period_ * params_.dropouts_per_minute / 60.0)
-    dropped_until_ = t - params_.dropout_time * std::log(1.0 - unit(random_));
+  if (t >= dropped_until_ && unit(random_) < period_ * kDropoutsPerMinute / 60.0)
+    dropped_until_ = t - kDropoutTime * std::log(1.0 - unit(random_));
   if (t < dropped_until_) hand = {0.0, 0.0, false};
 }
 

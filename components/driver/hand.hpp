@@ -35,7 +35,6 @@ struct Hand {
 struct HandParams {
   double tremor_frequency = 0.0;
   double tremor_amplitude = 0.2;
-  double over_correction_frequency = 0.8;
   double over_correction_damping = 0.3;
   std::string neglected_side = "any";
   double neglect = 0.6;
@@ -43,8 +42,6 @@ struct HandParams {
   double switch_threshold = 0.25;
   double pulse_period = 0.8;
   double pulse_duration = 0.5;
-  double dropouts_per_minute = 6.0;
-  double dropout_time = 0.5;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -52,8 +49,6 @@ struct HandParams {
           "[Hz] tremor frequency; 0: drawn between 4 and 12 from the seed");
     field("tremor_amplitude", tremor_amplitude, Range{0.0, 1.0},
           "[1] tremor amplitude as a fraction of the stick's travel");
-    field("over_correction_frequency", over_correction_frequency, Range{0.1, 5.0},
-          "[Hz] natural frequency of the hand");
     field("over_correction_damping", over_correction_damping, Range{0.05, 1.0},
           "[1] damping ratio of the hand");
     field("neglected_side", neglected_side, OneOf{{"left", "right", "any"}},
@@ -66,9 +61,6 @@ struct HandParams {
     field("pulse_period", pulse_period, Range{0.1, 10.0},
           "[s] interval between the starts of two pulses");
     field("pulse_duration", pulse_duration, Range{0.05, 10.0}, "[s] duration of a pulse");
-    field("dropouts_per_minute", dropouts_per_minute, Range{0.0, 60.0},
-          "[1/min] mean rate of dropouts");
-    field("dropout_time", dropout_time, Range{0.05, 10.0}, "[s] mean duration of a dropout");
   }
 };
 

@@ -61,19 +61,19 @@ Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
     started_ = true;
   }
   advance_along_route(X_MB.position());
-  seen_.push_back({t, X_MS});
+  seen_.push_back({X_MS, t});
   while (seen_.size() > 1 && seen_[1].t <= t - params_.reaction_delay) seen_.pop_front();
   if (!params_.loop && (route_.back() - X_MB.position()).norm() < params_.arrive_radius)
     arrived_ = true;
   if (arrived_) return {};
 
   sideways_ = wandered(sideways_, params_.aim_noise, params_.aim_time);
-  if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().X_MS));
+  if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().value));
   const bool leads = !(X_MS == X_MB);
   const Eigen::Vector2d p_MT = aim();
-  const bool waits = leads && waits_for(X_MB, seen_.front().X_MS, p_MT);
+  const bool waits = leads && waits_for(X_MB, seen_.front().value, p_MT);
   const Hand hand =
-      waits ? look_along_route(seen_.front().X_MS) : with_noise(pursue(seen_.front().X_MS, p_MT));
+      waits ? look_along_route(seen_.front().value) : with_noise(pursue(seen_.front().value, p_MT));
   if (t >= detour_until_) detour_ = 0.0;
   lose_patience(X_MB, waits || pushes(hand), t);
   return hand;

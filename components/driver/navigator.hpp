@@ -11,6 +11,7 @@
 #include "tandem/config/params.hpp"
 #include "tandem/driver/hand.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -83,11 +84,6 @@ class Navigator {
   [[nodiscard]] bool arrived() const { return arrived_; }
 
  private:
-  struct Seen {
-    double t;
-    Pose2 X_MS;
-  };
-
   void advance_along_route(const Eigen::Vector2d& p_MB);
   [[nodiscard]] Eigen::Vector2d point_at(double s) const;
   [[nodiscard]] Eigen::Vector2d aim();
@@ -108,7 +104,7 @@ class Navigator {
   double progress_ = 0.0;
   double sideways_ = 0.0, hand_linear_ = 0.0, hand_angular_ = 0.0;
   bool arrived_ = false;
-  std::deque<Seen> seen_;
+  std::deque<Stamped<Pose2>> seen_;  // X_MS, oldest first
 
   Pose2 moved_pose_;
   double moved_time_ = 0.0;

@@ -33,12 +33,11 @@ FramesInput::FramesInput(rt::Node& node, const Frames& names, const Localization
   tf_ = node.create_subscription(topics::tf, [this](const auto& msg) { hear(msg, tf_, false); });
   tf_static_ = node.create_subscription(topics::tf_static,
                                         [this](const auto& msg) { hear(msg, tf_static_, true); });
+  time_jump_ = node.on_time_jump([this] { tree_.on_time_jump(); });
 }
 
 void FramesInput::hear(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from,
                        bool is_static) {
-  const double now = node_.now();
-  if (std::exchange(last_time_, now) > now) tree_.forget_later_than(now);
   for (const auto& transform : msg.transforms()) hear(transform, from.sender(), is_static);
   ++heard_;
   if (changed_) changed_();
@@ -97,10 +96,8 @@ std::optional<FramePose> FramesInput::find(std::string_view a, std::string_view 
   return std::nullopt;
 }
 
-// After the clock jumps back, older timestamps lie in the future and their age is unknown.
 bool FramesInput::is_fresh(const FramePose& found) const {
-  const double now = node_.now();
-  return found.is_static() || (found.heard <= now && now - found.heard <= timeout_);
+  return found.is_static() || node_.now() - found.heard <= timeout_;
 }
 
 Placing FramesInput::place(std::string_view a, std::string_view b, const Stamp& stamp) const {

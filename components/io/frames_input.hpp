@@ -99,10 +99,10 @@ class FramesInput {
   Changed changed_;
   FrameTree tree_;
   std::uint64_t heard_ = 0;
-  double last_time_ = 0.0;                // node's clock [s]
   std::unique_ptr<rt::DomainView> view_;  // created when publishers must be named
   rt::Timer report_;                      // created with view_
   rt::Subscription tf_, tf_static_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

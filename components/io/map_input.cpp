@@ -192,8 +192,10 @@ std::shared_ptr<const StaticMap> MapInput::map(const std::optional<RobotState>& 
   if (robot) p_MB_ = robot->X_MB.position();
   if (!static_.trouble.empty() || !local_.trouble.empty()) return nullptr;
   if (params_.map_source == "static") return map_.value;
-  map_.forget_later_than(node_.now());
-  return map_.fresh(node_.now(), params_.local_timeout) ? map_.value : nullptr;
+  const double now = node_.now();
+  // No on_time_jump() here: the worker may still hold a map that arrived before the clock jumped.
+  if (map_.t > now) map_ = {map_.value};
+  return map_.fresh(now, params_.local_timeout) ? map_.value : nullptr;
 }
 
 std::shared_ptr<const StaticMap> MapInput::unseen() const {

@@ -15,8 +15,8 @@ constexpr rt::Topic<tandem_msgs::msg::ObstacleArray> kPeople{
 
 }  // namespace
 
-ObstacleTracksInput::ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Stamped heard)
-    : node_{node}, frames_{frames}, heard_{std::move(heard)} {
+ObstacleTracksInput::ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Receive receive)
+    : node_{node}, frames_{frames}, receive_{std::move(receive)} {
   people_ = node.create_subscription(kPeople, [this](const auto& msg) { take(msg); });
 }
 
@@ -35,7 +35,7 @@ void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
     return node_.log().warn_every(1.0, "{} people are not finite ellipses: the list is dropped",
                                   people.refused);
   for (Obstacle& person : people.all) person = transform(*X_MF, person);
-  heard_(std::move(people.all));
+  receive_(std::move(people.all));
 }
 
 // Compares senders instead of matched publishers, because DDS lists a dead tracker for a while.

@@ -17,10 +17,10 @@ namespace tandem {
 /// and for `kTwoSpeak` after, because each list must contain everybody nearby.
 class ObstacleTracksInput {
  public:
-  using Stamped = std::function<void(std::vector<Obstacle>)>;
+  using Receive = std::function<void(std::vector<Obstacle>)>;
   static constexpr double kTwoSpeak = 1.0;  // [s]
 
-  ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Stamped heard);
+  ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Receive receive);
   ObstacleTracksInput(const ObstacleTracksInput&) = delete;
   ObstacleTracksInput& operator=(const ObstacleTracksInput&) = delete;
 
@@ -30,7 +30,7 @@ class ObstacleTracksInput {
 
   rt::Node& node_;
   const FramesInput& frames_;
-  Stamped heard_;
+  Receive receive_;
   std::optional<rt::PublisherId> sender_ = {};  // of the last list
   // Arrival of the last list, and until when two publishers are assumed [s], steady clock.
   double sent_ = 0.0, two_until_ = 0.0;

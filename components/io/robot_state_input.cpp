@@ -16,6 +16,7 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
       on_odom_{std::move(on_odom)},
       frames_{node, params.frames, params.localization, [this] { on_frames(); }} {
   odom_ = node.create_subscription(topics::odom, [this](const auto& msg) { this->on_odom(msg); });
+  time_jump_ = node.on_time_jump([this] { localization_.on_time_jump(); });
 }
 
 void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
@@ -96,6 +97,8 @@ double RobotStateInput::lateness(const Stamp& stamp) const {
   return std::max(0.0, late);
 }
 
-std::optional<RobotState> RobotStateInput::state() { return localization_.state(node_.now()); }
+std::optional<RobotState> RobotStateInput::state() const {
+  return localization_.state(node_.now());
+}
 
 }  // namespace tandem

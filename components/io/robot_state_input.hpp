@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "tandem/io/conversions.hpp"
@@ -43,7 +44,7 @@ class RobotStateInput {
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
   /// The newest state; nullopt while odometry or map → odom is missing or too old.
-  [[nodiscard]] std::optional<RobotState> state();
+  [[nodiscard]] std::optional<RobotState> state() const;
 
   /// X_WB of the newest odometry, from Localization.
   [[nodiscard]] const Pose2& odometry() const { return localization_.odometry(); }
@@ -72,6 +73,7 @@ class RobotStateInput {
   std::function<void(const RobotState&)> on_state_;
   FramesInput frames_;
   rt::Subscription odom_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

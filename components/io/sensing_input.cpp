@@ -11,12 +11,11 @@ SensingInput::SensingInput(rt::Node& node, const MapInputParams& params)
   subscription_ = node.create_subscription(topics::sensing_status, [this](const auto& msg) {
     reason_ = {msg.reason(), node_.now()};
   });
+  time_jump_ = node.on_time_jump([this] { reason_.reset(); });
 }
 
-std::string SensingInput::trouble() {
-  const double now = node_.now();
-  reason_.forget_later_than(now);
-  if (reason_.fresh(now, timeout_)) return reason_.value;
+std::string SensingInput::trouble() const {
+  if (reason_.fresh(node_.now(), timeout_)) return reason_.value;
   if (subscription_.matched() == 0) return {};
   return "sensing_status is silent: is octomap_builder still running?";
 }

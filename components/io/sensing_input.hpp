@@ -2,6 +2,7 @@
 // Subscribes to sensing_status and reports why octomap_local must not be used for driving.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "tandem/io/map_input.hpp"
@@ -20,13 +21,14 @@ class SensingInput {
 
   /// Why the robot must stop, in one line; empty if the sensors work or no node publishes their
   /// status. A publisher that is silent for longer than `local_timeout` is also a reason.
-  [[nodiscard]] std::string trouble();
+  [[nodiscard]] std::string trouble() const;
 
  private:
   rt::Node& node_;
   double timeout_;  // [s]
   Stamped<std::string> reason_;
   rt::Subscription subscription_;  // empty with a static map
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

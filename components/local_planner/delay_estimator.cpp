@@ -49,8 +49,8 @@ void DelayEstimator::on_measurement(const Twist2& twist, double t) {
 
 bool DelayEstimator::is_excited() const {
   double v = 0.0, w = 0.0, vv = 0.0, ww = 0.0, n = 0.0;
-  for (const Sample& sample : measured_) {
-    const double x = sample.twist.v / v_max_, y = sample.twist.w / w_max_;
+  for (const auto& sample : measured_) {
+    const double x = sample.value.v / v_max_, y = sample.value.w / w_max_;
     v += x, w += y, vv += x * x, ww += y * y, n += 1.0;
   }
   return (vv + ww - (v * v + w * w) / n) / n > kExcited;
@@ -60,10 +60,10 @@ bool DelayEstimator::is_excited() const {
 double DelayEstimator::misfit(double delay) const {
   double sum = 0.0;
   std::size_t i = 0;
-  for (const Sample& sample : measured_) {
+  for (const auto& sample : measured_) {
     while (i + 1 < sent_.size() && sent_[i + 1].t <= sample.t - delay) ++i;
-    const double v = (sample.twist.v - sent_[i].twist.v) / v_max_;
-    const double w = (sample.twist.w - sent_[i].twist.w) / w_max_;
+    const double v = (sample.value.v - sent_[i].value.v) / v_max_;
+    const double w = (sample.value.w - sent_[i].value.w) / w_max_;
     sum += v * v + w * w;
   }
   return sum / static_cast<double>(measured_.size());

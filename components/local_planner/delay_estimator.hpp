@@ -7,6 +7,7 @@
 
 #include "tandem/model/robot.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -38,18 +39,13 @@ class DelayEstimator {
   [[nodiscard]] std::optional<double> delay() const { return delay_; }
 
  private:
-  struct Sample {
-    Twist2 twist;
-    double t;
-  };
-
   [[nodiscard]] double misfit(double delay) const;
   [[nodiscard]] bool is_excited() const;
   [[nodiscard]] std::optional<double> best_delay() const;
 
   double v_max_, w_max_;
-  std::deque<Sample> sent_, measured_;       // oldest first
-  static constexpr double kAtOnce = -1e300;  // [s]
+  std::deque<Stamped<Twist2>> sent_, measured_;  // oldest first
+  static constexpr double kAtOnce = -1e300;      // [s]
   double next_look_ = kAtOnce;
   std::optional<double> delay_;
 };

@@ -15,7 +15,7 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
           {}, [](auto& all) -> auto& { return all.live; },
           [this](const auto& wanted) { change(wanted.live); })},
       method_{method_named(params_->live.method)},
-      guidance_{guidance_of(*params_)},
+      inputs_{params_->timeouts, guidance_of(*params_)},
       nmpc_{params_->live.nmpc, params_->robot},
       robot_{node, params_->input},
       cmd_vel_shared_{node.create_publisher(topics::cmd_vel_shared)},
@@ -25,20 +25,21 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
       diagnostics_{node, {topics::cmd_vel_shared.name, topics::planner_status.name}},
       leader_stamp_{node, topics::leader_pose.name, params_->stamp},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
-               [this](const Twist2& twist) {
-                 user_ = {twist, node_.now()};
-               }},
-      on_command_{node, topics::cmd_vel, params_->stamp, [this](const Twist2& twist) {
-                    command_ = {twist, node_.now()};
-                  }} {
+               [this](const Twist2& twist) { inputs_.on_user(twist, node_.now()); }},
+      on_command_{node, topics::cmd_vel, params_->stamp,
+                  [this](const Twist2& twist) { inputs_.on_command(twist, node_.now()); }} {
   for (TwistInput* input : {&on_user_, &on_command_}) input->set_frames(params_->input.frames);
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
     throw std::invalid_argument("goal: expected three numbers: x, y and heading");
-  if (!goal.empty()) X_MG_ = Pose2{goal[0], goal[1], goal[2]};
+  if (!goal.empty()) inputs_.on_goal({goal[0], goal[1], goal[2]});
   status_.method(name(method_));
   subscribe();
   start_timers(params_->live.nmpc.control_period);
+  time_jump_ = node.on_time_jump([this] {
+    inputs_.on_time_jump();
+    nmpc_.reset();
+  });
 }
 
 void LocalPlannerNode::start_timers(double control_period) {
@@ -66,7 +67,7 @@ void LocalPlannerNode::subscribe() {
     if (obstacles.refused > 0)
       node_.log().warn_every(1.0, "{} obstacles are not finite ellipses: dropped",
                              obstacles.refused);
-    obstacles_ = {std::move(obstacles.all), node_.now()};
+    inputs_.on_obstacles(std::move(obstacles.all), node_.now());
   });
   on_leader_ =
       node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
@@ -74,7 +75,7 @@ void LocalPlannerNode::subscribe() {
         const auto X_MF = robot_.frames().in_map(msg.header(), topics::leader_pose.name);
         if (!X_MF) return;
         if (const auto X_FL = from_msg(msg.pose()))
-          leader_ = {compose(*X_MF, *X_FL), node_.now()};
+          inputs_.on_leader(compose(*X_MF, *X_FL), node_.now());
         else
           node_.log().warn_every(1.0, "leader_pose {}: dropped",
                                  fault_of(msg.pose().orientation()));
@@ -83,82 +84,32 @@ void LocalPlannerNode::subscribe() {
     const auto X_MF = robot_.frames().in_map_by_tf(msg.header(), topics::goal_pose.name);
     if (!X_MF) return;
     if (const auto X_FG = from_msg(msg.pose()))
-      X_MG_ = compose(*X_MF, *X_FG);
+      inputs_.on_goal(compose(*X_MF, *X_FG));
     else
       node_.log().warn_every(1.0, "goal_pose {}: dropped", fault_of(msg.pose().orientation()));
   });
   on_filter_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
-    filter_ = {{msg.enforcing(), msg.refused()}, node_.now()};
+    inputs_.on_filter(msg.enforcing(), msg.refused(), node_.now());
   });
-}
-
-std::optional<Reason> LocalPlannerNode::missing(double now) const {
-  const auto unless = [](bool there, Reason reason) {
-    return there ? std::nullopt : std::optional{reason};
-  };
-  if (!obstacles_.fresh(now, params_->obstacle_timeout)) return Reason::kObstaclesSilent;
-  switch (method_) {
-    case Method::kLeader:
-    case Method::kPath:
-      return unless(leader_.fresh(now, params_->user_timeout), Reason::kLeaderSilent);
-    case Method::kIntention:
-      return unless(user_.fresh(now, params_->user_timeout), Reason::kUserSilent);
-    case Method::kGoal:
-      return unless(X_MG_.has_value(), Reason::kNoGoal);
-  }
-  return std::nullopt;
-}
-
-PlanRequest LocalPlannerNode::request(const RobotState& robot, double now) const {
-  const bool in_force = command_.fresh(now, params_->in_force_timeout);
-  PlanRequest request;
-  request.method = method_;
-  request.t = now;
-  request.X_MB = robot.X_MB;
-  request.command = in_force ? command_.value : Twist2{};
-  request.measured = robot.twist;
-  request.X_MG = method_ == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
-  if (user_.fresh(now, params_->user_timeout)) {
-    request.user = user_.value;
-    request.rests = user_.value == Twist2{};
-  }
-  request.obstacles = obstacles_.value;
-  request.guidance = guidance_;
-  if (filter_.fresh(now, params_->in_force_timeout)) {
-    request.guarded = filter_.value.enforces;
-    request.refused = filter_.value.refuses;
-  }
-  return request;
-}
-
-void LocalPlannerNode::watch_clock(double now) {
-  if (std::exchange(last_time_, now) <= now) return;
-  obstacles_.forget_later_than(now);
-  user_.forget_later_than(now);
-  command_.forget_later_than(now);
-  filter_.forget_later_than(now);
-  leader_.forget_later_than(now);
-  nmpc_.reset();
 }
 
 void LocalPlannerNode::plan() {
   const double now = node_.now();
-  watch_clock(now);
   const auto robot = robot_.state();
   if (!robot) {
     diagnostics_.report_trouble(robot_.missing(), topics::odom.name);
     return stop(robot_.missing());
   }
-  if (const auto reason = missing(now)) return stop(*reason);
+  if (const auto reason = inputs_.missing(method_, now)) return stop(*reason);
   planning_ = true;
   standing_for_ = {};
-  const PlanRequest plan_request = request(*robot, now);
-  publish(nmpc_.solve(plan_request), plan_request);
+  const PlanRequest request = inputs_.request(method_, *robot, now);
+  publish(nmpc_.solve(request), request);
 }
 
 void LocalPlannerNode::watch() {
   if (!planning_) return;
-  if (const auto reason = missing(node_.now())) stop(*reason);
+  if (const auto reason = inputs_.missing(method_, node_.now())) stop(*reason);
 }
 
 // Waiting for a person or a goal is normal and is reported as healthy.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,9 +9,8 @@
 #include "tandem/io/robot_state_input.hpp"
 #include "tandem/io/twist_input.hpp"
 #include "tandem/local_planner/nmpc.hpp"
+#include "tandem/local_planner/plan_inputs.hpp"
 #include "tandem/map/virtual_fixtures.hpp"
-#include "tandem/model/reasons.hpp"
-#include "tandem/model/stamped.hpp"
 #include "tandem/runtime/node.hpp"
 
 namespace tandem {
@@ -35,9 +34,7 @@ struct LocalPlannerNodeParams {
   RobotStateParams input;
   std::vector<double> goal;
   std::string fixtures;
-  double user_timeout = 0.12;
-  double obstacle_timeout = 0.1;
-  double in_force_timeout = 0.2;
+  PlanInputParams timeouts;
   StampParams stamp;
 
   template <class Visitor>
@@ -48,12 +45,7 @@ struct LocalPlannerNodeParams {
     field("goal", goal, Range{-1e5, 1e5},
           "[m, m, rad] initial goal of method goal; replaced by each goal_pose");
     field("fixtures", fixtures, "YAML file of guidance lines; empty: none");
-    field("user_timeout", user_timeout, Range{0.02, 5.0},
-          "[s] the robot stops when leader_pose or cmd_vel_user has been silent for this long");
-    field("obstacle_timeout", obstacle_timeout, Range{0.02, 5.0},
-          "[s] the robot stops when obstacles has been silent for this long");
-    field("in_force_timeout", in_force_timeout, Range{0.02, 5.0},
-          "[s] age of cmd_vel, the command in force, beyond which it counts as zero");
+    timeouts.visit(field);
     stamp.visit(field);
   }
 };
@@ -80,16 +72,8 @@ class LocalPlannerNode {
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
   void subscribe();
-  void watch_clock(double now);
   void plan();
   void watch();
-  /// Why planning is impossible now; nullopt if it is possible.
-  [[nodiscard]] std::optional<Reason> missing(double now) const;
-  struct FilterState {
-    bool enforces = false, refuses = false;
-  };
-
-  [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
   void publish_paths(const Plan& plan, const PlanRequest& request);
@@ -99,14 +83,9 @@ class LocalPlannerNode {
   rt::Node& node_;
   rt::Parameters<LocalPlannerNodeParams> params_;
   Method method_;
-  std::vector<GuidanceLine> guidance_;
+  PlanInputs inputs_;
   Nmpc nmpc_;
   RobotStateInput robot_;
-  Stamped<std::vector<Obstacle>> obstacles_;
-  Stamped<Twist2> user_, command_;
-  Stamped<FilterState> filter_;
-  Stamped<Pose2> leader_;
-  std::optional<Pose2> X_MG_;
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;
@@ -117,9 +96,9 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  std::string standing_for_;                    ///< last logged reason for standing
-  double last_time_ = Stamped<Twist2>::kNever;  ///< clock at the last plan(), detects jumps [s]
+  std::string standing_for_;  ///< last logged reason for standing
   rt::Timer timer_, watchdog_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

@@ -222,9 +222,10 @@ std::string FrameTree::listing() const {
   return text;
 }
 
-void FrameTree::forget_later_than(double now) {
+void FrameTree::on_time_jump() {
   for (auto& [child, link] : links_)
-    if (link.is_dynamic() && link.heard > now) link.heard = -FramePose::kAlways;
+    if (link.is_dynamic()) link.heard = -FramePose::kAlways;
+  two_parents_.clear();
 }
 
 }  // namespace tandem

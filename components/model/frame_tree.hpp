@@ -120,9 +120,9 @@ class FrameTree {
   void for_each(const std::function<void(const std::string&, const std::string&, bool,
                                          const FrameSender&)>& visit) const;
 
-  /// Call after the clock was set back to `now`: links that arrived later on the old clock have no
-  /// known age and are dropped.
-  void forget_later_than(double now);
+  /// Call after the clock jumped back: the age of dynamic links is unknown, so that they count as
+  /// infinitely old.
+  void on_time_jump();
 
  private:
   struct Sample {

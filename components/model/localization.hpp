@@ -2,11 +2,11 @@
 // Computes the robot's pose in the map from odometry and the transform map → odom.
 #pragma once
 
-#include <limits>
 #include <optional>
 
 #include "tandem/config/params.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -35,7 +35,7 @@ struct LocalizationParams {
 };
 
 /// Composes X_MB = X_MW X_WB. Returns nullopt while either part is missing or too old: the robot
-/// must not be driven then. If the clock is set back, everything received before counts as too old.
+/// must not be driven then.
 class Localization {
  public:
   explicit Localization(const LocalizationParams& params) : params_{params} {}
@@ -43,19 +43,14 @@ class Localization {
   /// Takes odometry that arrived at time t, `late` [s] later than usual, so it describes the time t
   /// − late. Ignored if newer odometry was received before.
   void on_odom(const Pose2& X_WB, const Twist2& twist, double t, double late = 0.0) {
-    watch_clock(t);
     if (!is_finite(X_WB) || !is_finite(twist)) return;
-    if (t - late < odom_time_) return;
-    X_WB_ = X_WB;
-    twist_ = twist;
-    odom_time_ = t - late;
+    if (t - late < odom_.t) return;
+    odom_ = {{X_WB, twist}, t - late};
   }
   /// Takes a transform that arrived at time t; its oldest link is `late` [s] older.
   void on_transform(const Pose2& X_MW, double t, double late = 0.0) {
-    watch_clock(t);
     if (!is_finite(X_MW)) return;
-    X_MW_ = X_MW;
-    transform_time_ = t - late;
+    X_MW_ = {X_MW, t - late};
     has_localiser_ = true;
     is_static_ = false;
   }
@@ -63,36 +58,38 @@ class Localization {
   /// Takes a static transform, valid until a dynamic one is received.
   void on_static_transform(const Pose2& X_MW) {
     if (!is_finite(X_MW) || has_localiser_) return;
-    X_MW_ = X_MW;
+    X_MW_.value = X_MW;
     is_static_ = true;
   }
 
-  [[nodiscard]] std::optional<RobotState> state(double now) {
-    watch_clock(now);
-    if (now - odom_time_ > params_.odom_timeout) return std::nullopt;
-    if (params_.map_is_odom) return RobotState{X_WB_, twist_, odom_time_, X_WB_};
-    if (!is_static_ && now - transform_time_ > params_.transform_timeout) return std::nullopt;
-    return RobotState{compose(X_MW_, X_WB_), twist_, odom_time_, X_WB_};
+  /// Call after the clock jumped back: discards everything received before, except for a static
+  /// transform.
+  void on_time_jump() {
+    odom_.reset();
+    if (!is_static_) X_MW_.reset();
+  }
+
+  [[nodiscard]] std::optional<RobotState> state(double now) const {
+    if (!odom_.fresh(now, params_.odom_timeout)) return std::nullopt;
+    const auto& [X_WB, twist] = odom_.value;
+    if (params_.map_is_odom) return RobotState{X_WB, twist, odom_.t, X_WB};
+    if (!is_static_ && !X_MW_.fresh(now, params_.transform_timeout)) return std::nullopt;
+    return RobotState{compose(X_MW_.value, X_WB), twist, odom_.t, X_WB};
   }
 
   /// X_WB of the newest odometry, without the localiser's correction.
-  [[nodiscard]] const Pose2& odometry() const { return X_WB_; }
+  [[nodiscard]] const Pose2& odometry() const { return odom_.value.X_WB; }
 
  private:
-  static constexpr double kNever = -std::numeric_limits<double>::infinity();
-
-  // After the clock jumps back, older timestamps lie in the future; discard them, or they would
-  // count as fresh once the clock reaches them again.
-  void watch_clock(double now) {
-    if (odom_time_ > now) odom_time_ = kNever;
-    if (transform_time_ > now) transform_time_ = kNever;
-  }
+  struct Odometry {
+    Pose2 X_WB;
+    Twist2 twist;
+  };
 
   LocalizationParams params_;
-  Pose2 X_WB_, X_MW_;
-  Twist2 twist_;
-  double odom_time_ = kNever, transform_time_ = kNever;  // [s]
-  bool has_localiser_ = false, is_static_ = false;       // of the transform
+  Stamped<Odometry> odom_;
+  Stamped<Pose2> X_MW_;
+  bool has_localiser_ = false, is_static_ = false;  // of the transform
 };
 
 }  // namespace tandem

@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
+// A value with the time at which it was received or sent.
 #pragma once
+
+#include <limits>
 
 namespace tandem {
 
-/// The last value received and its time [s]. The clock may be set back (a simulator or a recording
-/// that restarts). Older timestamps then lie in the future and must be discarded, or they would
-/// count as fresh once the clock reaches them again.
+/// A value and its time [s], on a clock of the owner's choice.
 template <class T>
 struct Stamped {
-  static constexpr double kNever = -1e9;  // [s]
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
 
   T value{};
-  double t = kNever;
+  double t = kNever;  ///< kNever: there is no value yet
 
-  /// Whether it was received at most `timeout` [s] ago.
+  /// Infinite if there is no value yet [s].
+  [[nodiscard]] double age(double now) const { return now - t; }
+  /// Whether the value is at most `timeout` [s] old. A value of the future is not fresh.
   [[nodiscard]] bool fresh(double now, double timeout) const {
-    return t <= now && now - t <= timeout;
+    return t <= now && age(now) <= timeout;
   }
-  /// Call after the clock was set back to `now`.
-  void forget_later_than(double now) {
-    if (t > now) t = kNever;
-  }
+  /// Discards the value, for example after the clock jumped back: its age is unknown then.
+  void reset() { *this = {}; }
 };
 
 }  // namespace tandem

@@ -45,8 +45,8 @@ void TwistCheck::on_odometry(const Pose2& X_WB, const Twist2& twist, double t) {
 }
 
 void TwistCheck::on_command(const Twist2& twist, double t) {
-  if (!commands_.empty() && commands_.back().twist == twist) return;
-  commands_.push_back({t, twist});
+  if (!commands_.empty() && commands_.back().value == twist) return;
+  commands_.push_back({twist, t});
   const double horizon = kLongestWindow + bounds_.age + bounds_.command_delay;
   while (commands_.size() > 1 && commands_[1].t < t - horizon) commands_.pop_front();
 }
@@ -97,7 +97,7 @@ TwistDoubt TwistCheck::doubt(const Twist2& measured) const {
   Twist2 lowest, highest;  // of zero and the commands that can have been in force since then
   for (std::size_t i = 0; i < commands_.size(); ++i) {
     if (i + 1 < commands_.size() && commands_[i + 1].t < since) continue;
-    const Twist2& twist = commands_[i].twist;
+    const Twist2& twist = commands_[i].value;
     lowest = {std::min(lowest.v, twist.v), std::min(lowest.w, twist.w)};
     highest = {std::max(highest.v, twist.v), std::max(highest.w, twist.w)};
   }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -75,10 +76,6 @@ class TwistCheck {
     Twist2 twist;
     Ways forward, turned;
   };
-  struct Command {
-    double t;
-    Twist2 twist;
-  };
   enum class Verdict { kUnseen, kConfirmed, kContradicted };
   // Result of all windows for one component.
   struct Axis {
@@ -96,8 +93,8 @@ class TwistCheck {
   [[nodiscard]] double duration() const;
 
   TwistCheckBounds bounds_;
-  std::deque<Sample> samples_;    // oldest first
-  std::deque<Command> commands_;  // oldest first
+  std::deque<Sample> samples_;            // oldest first
+  std::deque<Stamped<Twist2>> commands_;  // oldest first
   Axis v_, w_;
 };
 

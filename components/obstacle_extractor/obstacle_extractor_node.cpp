@@ -25,6 +25,7 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       people_ = {std::move(all), node_.now()};
     });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
+  time_jump_ = node.on_time_jump([this] { people_.reset(); });
 }
 
 void ObstacleExtractorNode::extract() {
@@ -35,7 +36,6 @@ void ObstacleExtractorNode::extract() {
   const auto near = shapes_.near(map, robot->X_MB.position());
   if (!near) return report_none(text_of(Reason::kNotFitted));
   if (!params_->people) return publish(*near);
-  people_.forget_later_than(node_.now());
   if (!people_.fresh(node_.now(), params_->people_timeout))
     return report_none(text_of(Reason::kPeopleSilent), topics::people.name);
   auto shapes = *near;

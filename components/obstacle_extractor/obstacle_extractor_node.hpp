@@ -80,6 +80,7 @@ class ObstacleExtractorNode {
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
   Diagnostics diagnostics_;
   rt::Timer timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

@@ -42,6 +42,9 @@ OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
   subscribe();
   timer_ = node.create_timer(params_->period, [this] { publish_if_due(); });
   status_timer_ = node.create_wall_timer(kStatusPeriod, [this] { publish_status(); });
+  time_jump_ = node.on_time_jump([this] {
+    for (Sensor* sensor : {&scanner_, &camera_}) sensor->watch.on_time_jump(node_.now());
+  });
 }
 
 void OctomapBuilderNode::subscribe() {

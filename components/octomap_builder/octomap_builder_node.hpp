@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -125,6 +126,7 @@ class OctomapBuilderNode {
   rt::Subscription scan_, cloud_;
   rt::Service reset_;
   rt::Timer timer_, status_timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

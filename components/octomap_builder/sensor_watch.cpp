@@ -66,14 +66,13 @@ SensorWatch::SensorWatch(std::string topic, const SensorWatchParams& params, dou
 }
 
 void SensorWatch::on_message(double t) {
-  watch_clock(t);
-  if (!heard_since_) heard_since_ = t;
-  heard_ = t;
+  if (!seen_) seen_ = t;
+  trouble_.t = t;
 }
 
 void SensorWatch::on_trouble(std::string why, double t) {
   on_message(t);
-  trouble_ = std::move(why);
+  trouble_.value = std::move(why);
 }
 
 LookUse SensorWatch::assess(const WatchedLook& look, const std::string& composition, double t) {
@@ -92,8 +91,8 @@ LookUse SensorWatch::assess(const WatchedLook& look, const std::string& composit
 }
 
 void SensorWatch::on_taken(double t) {
-  looked_ = t;
-  trouble_.clear();
+  seen_ = t;
+  trouble_.value.clear();
 }
 
 // Checks whether the returns repeat. Without odometry at their time the expected motion is unknown.
@@ -123,21 +122,20 @@ void SensorWatch::watch_share(double share) {
   looks_with_few_ = share < kLostShare * usual_share_ ? looks_with_few_ + 1 : 0;
 }
 
-std::string SensorWatch::reason(double now) {
-  watch_clock(now);
-  if (!heard_since_)
+std::string SensorWatch::reason(double now) const {
+  if (!seen_)
     return required_ ? topic_ + " is silent, and required_sensors names it: is its driver running?"
                      : std::string{};
   if (is_frozen())
     return topic_ +
            " is frozen: its measurements are identical although odometry moved; restart its driver "
            "(if the wheels slip, free the robot and call octomap_builder's ~/reset)";
-  if (now - std::max(looked_, *heard_since_) <= params_.sensor_timeout) return {};
-  if (now - heard_ > params_.sensor_timeout || trouble_.empty())
+  if (now - *seen_ <= params_.sensor_timeout) return {};
+  if (!trouble_.fresh(now, params_.sensor_timeout) || trouble_.value.empty())
     return topic_ +
            " is silent: is its driver running? (sensor_timeout; if the sensor was taken off, "
            "restart octomap_builder)";
-  return topic_ + " " + trouble_;
+  return topic_ + " " + trouble_.value;
 }
 
 std::string SensorWatch::warning() const {
@@ -146,11 +144,8 @@ std::string SensorWatch::warning() const {
          percent(usual_share_) + " before: is it dirty, or partly covered?";
 }
 
-void SensorWatch::watch_clock(double t) {
-  if (std::exchange(newest_, t) <= t) return;
-  if (heard_since_) heard_since_ = t;
-  heard_ = std::min(heard_, t);
-  looked_ = std::min(looked_, t);
+void SensorWatch::on_time_jump(double now) {
+  if (seen_) seen_ = trouble_.t = now;
   repeated_.reset();
 }
 

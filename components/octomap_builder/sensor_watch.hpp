@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "tandem/config/params.hpp"
 #include "tandem/map/range_returns.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -60,8 +60,7 @@ enum class LookUse {
 /// than two voxels mean a frozen sensor or slipping wheels. In both cases the robot must stop.
 /// Motion along a surface does not count, because without noise a long wall looks the same
 /// everywhere: 5 % of the returns must have moved across their surface, or all of them by 2 m on
-/// average. A look without returns is never frozen. Times are seconds on one clock; setting it back
-/// resets the state.
+/// average. A look without returns is never frozen. Times are seconds on one monotonic clock.
 class SensorWatch {
  public:
   /// `topic`: of the sensor, may be named in required_sensors. `voxel`: side length of a voxel [m].
@@ -77,21 +76,23 @@ class SensorWatch {
   [[nodiscard]] LookUse assess(const WatchedLook& look, const std::string& composition, double t);
   void on_taken(double t);
 
+  /// Call after the clock jumped back to `now`: the sensor has the whole time-out for its next
+  /// look.
+  void on_time_jump(double now);
+
   /// Does not compare the next look with earlier ones.
   void forget() { repeated_.reset(); }
 
   /// Why the robot must stop, in one line that begins with the topic; empty if the sensor sees, or
   /// if it has never sent anything and is not required.
-  [[nodiscard]] std::string reason(double now);
+  [[nodiscard]] std::string reason(double now) const;
 
   /// A warning in one line if fewer than half of the usually usable beams are usable; else empty.
   [[nodiscard]] std::string warning() const;
 
-  [[nodiscard]] bool is_heard() const { return heard_since_.has_value(); }
+  [[nodiscard]] bool is_heard() const { return seen_.has_value(); }
 
  private:
-  static constexpr double kNever = -std::numeric_limits<double>::infinity();
-
   // Identical returns in consecutive looks, and odometry's pose at the first of them.
   struct Repeated {
     std::uint64_t hash;
@@ -102,7 +103,6 @@ class SensorWatch {
   };
 
   void on_message(double t);
-  void watch_clock(double t);
   void compare(const WatchedLook& look);
   void watch_share(double share);
   [[nodiscard]] bool is_frozen() const;
@@ -111,9 +111,8 @@ class SensorWatch {
   SensorWatchParams params_;
   double voxel_;
   bool required_;
-  std::optional<double> heard_since_;  // [s]
-  double heard_ = kNever, looked_ = kNever, newest_ = kNever;
-  std::string trouble_;  // of the last message; empty if that was a look
+  std::optional<double> seen_;    // when it last saw, or sent its first message [s]
+  Stamped<std::string> trouble_;  // of the last message; empty if that was a look
   std::optional<Repeated> repeated_;
   double usual_share_ = 0.0, share_ = 0.0;
   int looks_with_few_ = 0;  // in a row

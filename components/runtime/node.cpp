@@ -153,8 +153,11 @@ void Node::check_parameters() const { core_->store.check_unknown(); }
 
 double Node::now() const { return core_->now(); }
 double Node::steady_now() const { return steady_seconds(); }
-double Node::clock_silence() const { return core_->clock_silence(); }
+bool Node::clock_is_silent() const { return core_->clock_is_silent(); }
 bool Node::use_sim_time() const { return core_->use_sim_time; }
+std::shared_ptr<void> Node::on_time_jump(std::function<void()> fn) {
+  return core_->on_time_jump(std::move(fn));
+}
 builtin_interfaces::msg::Time Node::stamp() const { return core_->stamp(); }
 
 Logger& Node::log() const { return core_->log; }

@@ -43,6 +43,8 @@ struct NodeOptions {
 /// log() and steady_now() may be called from other threads while the node spins.
 class Node {
  public:
+  static constexpr double kClockSilence = 0.5;  // [s] of steady time
+
   /// Throws std::invalid_argument for a bad name, remapping, parameter file or environment.
   explicit Node(NodeOptions options);
   explicit Node(std::string name) : Node(NodeOptions{.name = std::move(name)}) {}
@@ -142,9 +144,15 @@ class Node {
 
   [[nodiscard]] double now() const;         ///< [s] node's clock: steady, or /clock (0 before it)
   [[nodiscard]] double steady_now() const;  ///< [s]
-  /// [s] of steady time since the last /clock (or the node's start); 0 without use_sim_time.
-  [[nodiscard]] double clock_silence() const;
+  /// Whether the last /clock (or the node's start) is more than kClockSilence ago. now() stands
+  /// still then and no message ages, so that a node that moves a robot must stop it. Always false
+  /// without use_sim_time.
+  [[nodiscard]] bool clock_is_silent() const;
   [[nodiscard]] bool use_sim_time() const;
+  /// Calls `fn` whenever /clock jumps back, before a later message is delivered: times taken from
+  /// now() earlier may then lie in the future, and their age is unknown. Never calls it without
+  /// use_sim_time. Destroying the result cancels the calls.
+  [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   /// Timestamp for message headers: system clock, or /clock under use_sim_time.
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
 

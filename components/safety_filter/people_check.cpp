@@ -94,8 +94,8 @@ double PeopleCheck::spreading(const Obstacle& person, double tau) const {
 
 bool PeopleCheck::is_far(const PeopleSeen& people, const Pose2& X_MB, double way, double t_start,
                          double duration) const {
-  const double tau = std::max(0.0, t_start + duration + tail_ - people.t);
-  return std::all_of(people.all.begin(), people.all.end(), [&](const Obstacle& person) {
+  const double tau = std::max(0.0, people.age(t_start + duration + tail_));
+  return std::all_of(people.value.begin(), people.value.end(), [&](const Obstacle& person) {
     return (person.p_MO - X_MB.position()).norm() - body_.radius >
            discs(person, tau).runs.radius + way;
   });
@@ -105,9 +105,9 @@ bool PeopleCheck::keeps_away(const StoppingEnvelope& envelope, const ShareCell& 
                              const Twist2& measured, const Pose2& X_MB, double t_start,
                              const PeopleSeen& people, double level,
                              const DriftBounds& drift) const {
-  const Look look{envelope, cell, X_MB, t_start - people.t, level, drift};
+  const Look look{envelope, cell, X_MB, people.age(t_start), level, drift};
   const bool creeping = creeps(look, measured);
-  return std::all_of(people.all.begin(), people.all.end(), [&](const Obstacle& person) {
+  return std::all_of(people.value.begin(), people.value.end(), [&](const Obstacle& person) {
     return creeping ? does_not_near(look, person) : keeps_away(look, person);
   });
 }

@@ -2,13 +2,13 @@
 // Checks that a motion cannot touch a tracked person while the robot moves.
 #pragma once
 
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "tandem/config/params.hpp"
 #include "tandem/model/obstacle.hpp"
 #include "tandem/model/robot.hpp"
+#include "tandem/model/stamped.hpp"
 #include "tandem/safety_filter/clearance_check.hpp"
 #include "tandem/safety_filter/stopping_motion.hpp"
 
@@ -46,11 +46,8 @@ struct PeopleParams {
   }
 };
 
-/// People as reported by the list that arrived at time t [s]; t = −∞ if none has arrived.
-struct PeopleSeen {
-  std::vector<Obstacle> all;  ///< an ellipse counts as a disc of its larger semi-axis
-  double t = -std::numeric_limits<double>::infinity();
-};
+/// The last list of people, with its arrival. An ellipse counts as a disc of its larger semi-axis.
+using PeopleSeen = Stamped<std::vector<Obstacle>>;
 
 /// Keeps motions away from where people may be: passive safety, no contact while the robot moves.
 ///

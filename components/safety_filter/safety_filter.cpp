@@ -84,13 +84,12 @@ SafetyFilter::SafetyFilter(const SafetyFilterParams& params, const RobotParams& 
   people_check_.emplace(params.people, robot, body_);
   unseen_check_ =
       std::make_shared<const UnseenCheck>(params.unseen_speed, body_, robot.wheel_separation);
-  jumped_until_ = updated_ = -std::numeric_limits<double>::infinity();
+  jumped_until_ = -std::numeric_limits<double>::infinity();
 }
 
-void SafetyFilter::on_command(const Twist2& twist, double t) { command_ = TimedTwist{twist, t}; }
+void SafetyFilter::on_command(const Twist2& twist, double t) { command_ = {twist, t}; }
 
 Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now) {
-  watch_clock(now);
   if (state) on_state(*state, now);
   Filtered out = decide(state, now);
   const bool drives =
@@ -109,15 +108,12 @@ Filtered SafetyFilter::stop(FilterReason reason, double now) {
   return out;
 }
 
-// After the clock jumps back, older timestamps lie in the future: discard them. The last command
-// sent is still acting.
-void SafetyFilter::watch_clock(double now) {
-  if (std::exchange(updated_, now) <= now) return;
-  if (command_ && command_->t > now) command_.reset();
+void SafetyFilter::on_time_jump(double now) {
+  command_.reset();
   twist_check_.clear();
-  if (people_.t > now) people_.t = -std::numeric_limits<double>::infinity();
+  people_.reset();
   jumped_until_ = std::min(jumped_until_, now + params_.jump_rest);
-  if (!sent_.empty()) sent_.assign(1, TimedTwist{sent_.back().twist, now});
+  if (!sent_.empty()) sent_.assign(1, {sent_.back().value, now});
 }
 
 // Detects a jump: the pose must move as the wheels predict, within tolerances for late odometry and
@@ -140,9 +136,9 @@ void SafetyFilter::on_state(const RobotState& state, double now) {
 
 Filtered SafetyFilter::decide(const std::optional<RobotState>& state, double now) const {
   Filtered out;
-  if (!command_ || !(now - command_->t <= params_.arbitrated_timeout)) return out;
-  out.requested = command_->twist;
-  if (!is_finite(command_->twist)) {
+  if (!command_.fresh(now, params_.arbitrated_timeout)) return out;
+  out.requested = command_.value;
+  if (!is_finite(command_.value)) {
     out.reason = FilterReason::kNotFinite;
   } else if (!map_) {
     out.reason = FilterReason::kNoMap;
@@ -152,10 +148,10 @@ Filtered SafetyFilter::decide(const std::optional<RobotState>& state, double now
     out.reason = FilterReason::kPoseJumped;
   } else if (is_too_fast(state->twist)) {
     out.reason = FilterReason::kTooFast;
-  } else if (params_.people.watched && !(now - people_.t <= params_.people.people_timeout)) {
+  } else if (params_.people.watched && !people_.fresh(now, params_.people.people_timeout)) {
     out.reason = FilterReason::kNoPeople;
   } else {
-    out = filter(command_->twist, *state, *map_, now);
+    out = filter(command_.value, *state, *map_, now);
   }
   return out;
 }
@@ -375,7 +371,7 @@ void SafetyFilter::remember(const Twist2& twist, double now) {
   std::size_t old = 0;
   while (old + 1 < sent_.size() && sent_[old + 1].t < now - horizon) ++old;
   sent_.erase(sent_.begin(), sent_.begin() + static_cast<std::ptrdiff_t>(old));
-  if (sent_.empty() || sent_.back().twist != twist) sent_.push_back({twist, now});
+  if (sent_.empty() || sent_.back().value != twist) sent_.push_back({twist, now});
   twist_check_.on_command(twist, now);
 }
 

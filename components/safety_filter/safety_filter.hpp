@@ -163,6 +163,10 @@ class SafetyFilter {
   /// two commands: this is how two alternating pose sources are detected.
   void on_state(const RobotState& state, double now);
 
+  /// Call after the clock jumped back to `now`: discards all times. The last command sent still
+  /// acts, and a jumped pose is not believed for another `jump_rest`.
+  void on_time_jump(double now);
+
   /// Returns the command to send now and records it as sent. `state`: Localization::state(now).
   [[nodiscard]] Filtered update(const std::optional<RobotState>& state, double now);
 
@@ -181,7 +185,6 @@ class SafetyFilter {
  private:
   struct Scene;
 
-  void watch_clock(double now);
   [[nodiscard]] Filtered decide(const std::optional<RobotState>& state, double now) const;
   [[nodiscard]] Scene look_at(const RobotState& state, const StaticMap& map, const Twist2& wanted,
                               double now) const;
@@ -211,11 +214,10 @@ class SafetyFilter {
   std::shared_ptr<const StaticMap> map_, unseen_;
   PeopleSeen people_;
   TwistCheck twist_check_;
-  std::optional<TimedTwist> command_;
-  std::vector<TimedTwist> sent_;  // oldest first
+  Stamped<Twist2> command_;
+  std::vector<Stamped<Twist2>> sent_;  // oldest first
   std::optional<RobotState> last_state_;
   double jumped_until_;  // [s]
-  double updated_;       // [s]
 };
 
 }  // namespace tandem

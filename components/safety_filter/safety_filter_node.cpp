@@ -51,6 +51,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     cmd_vel_ = node.create_publisher(topics::cmd_vel);
   looks_ = node.create_wall_timer(kLook, [this] { look_for_others(); });
   watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
+  time_jump_ = node.on_time_jump([this] { filter_.on_time_jump(node_.now()); });
 }
 
 void SafetyFilterNode::update() {
@@ -68,9 +69,8 @@ void SafetyFilterNode::update() {
   diagnose();
 }
 
-// While the clock stands still nothing ages, so old messages would count as fresh.
 Filtered SafetyFilterNode::next() {
-  if (node_.clock_silence() > kClockSilence) {
+  if (node_.clock_is_silent()) {
     node_.log().warn_every(10.0, "/clock is silent: stopping");
     return filter_.stop(FilterReason::kClockSilent, node_.now());
   }

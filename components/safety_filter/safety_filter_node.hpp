@@ -46,8 +46,6 @@ struct SafetyFilterNodeParams {
 /// with enforce = false unless the clock is simulated: a real robot never runs without the filter.
 class SafetyFilterNode {
  public:
-  static constexpr double kClockSilence = 0.5;  // [s] of steady time
-
   explicit SafetyFilterNode(rt::Node& node);
 
  private:
@@ -80,6 +78,7 @@ class SafetyFilterNode {
   TwistInput command_;
   std::size_t others_ = 0;  // other publishers of cmd_vel
   rt::Timer watchdog_, looks_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

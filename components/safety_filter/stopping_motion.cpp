@@ -167,8 +167,8 @@ struct Commands {
   double delay;
 
   [[nodiscard]] std::size_t size() const { return start.sent.size() + 1; }
-  [[nodiscard]] TimedTwist at(std::size_t i) const {
-    return i < start.sent.size() ? start.sent[i] : TimedTwist{start.command, start.now};
+  [[nodiscard]] Stamped<Twist2> at(std::size_t i) const {
+    return i < start.sent.size() ? start.sent[i] : Stamped<Twist2>{start.command, start.now};
   }
   // Time from which zero is in force.
   [[nodiscard]] double end() const { return start.now + start.end; }
@@ -186,7 +186,7 @@ struct Commands {
   }
   void add_possible(Builder& builder, double t) const {
     for (std::size_t i = 0; i < size(); ++i)
-      if (at(i).t <= t && t < expiry(i)) builder.add_target(at(i).twist);
+      if (at(i).t <= t && t < expiry(i)) builder.add_target(at(i).value);
     if (t >= at(0).t + delay) return;
     builder.add_target(start.lowest());  // the command before them may still act; it is unknown
     builder.add_target(start.highest());
@@ -210,7 +210,7 @@ Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds)
   include(start.lowest());
   include(start.highest());
   include(start.command);
-  for (const auto& sent : start.sent) include(sent.twist);
+  for (const auto& sent : start.sent) include(sent.value);
   const double time = start.now - start.t_measured + start.end;
   out.path = out.speed * time + stopping_way(out.speed, bounds.a_brake, bounds.motor_lag);
   out.turn =

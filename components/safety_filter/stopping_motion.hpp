@@ -6,14 +6,9 @@
 #include <vector>
 
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
-
-/// A twist and the time at which it was sent [s].
-struct TimedTwist {
-  Twist2 twist;
-  double t = 0.0;
-};
 
 /// Bounds on the behaviour of the base. The motors are first-order with limited deceleration,
 ///
@@ -34,7 +29,7 @@ struct MotionStart {
   Twist2 measured;  ///< holds at t_measured ≤ now
   double t_measured = 0.0;
   double now = 0.0;
-  std::span<const TimedTwist> sent;  ///< earlier commands, oldest first
+  std::span<const Stamped<Twist2>> sent;  ///< earlier commands, oldest first
   Twist2 command;
   double end = 0.0;     ///< [s]
   Twist2 below, above;  ///< how far the true twist may lie below and above the measured one, ≥ 0

@@ -26,6 +26,7 @@ SharedDwaNode::SharedDwaNode(rt::Node& node)
   status_.method("dwa");
   status_.solver("dwa");
   timer_ = node.create_timer(params_->dwa.control_period, [this] { choose(); });
+  time_jump_ = node.on_time_jump([this] { user_.reset(); });
 }
 
 void SharedDwaNode::choose() {
@@ -33,7 +34,6 @@ void SharedDwaNode::choose() {
   const auto map = map_.map(robot);
   if (!robot) return stop_in_trouble(robot_.missing(), topics::odom.name);
   if (!map) return stop_in_trouble(map_.missing(), map_.missing_topic());
-  user_.forget_later_than(node_.now());
   if (!user_.fresh(node_.now(), params_->user_timeout)) {
     diagnostics_.report_well(text_of(Reason::kUserSilent));  // waiting for a person is normal
     return stop(text_of(Reason::kUserSilent));

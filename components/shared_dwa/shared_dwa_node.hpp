@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "tandem/io/diagnostics.hpp"
@@ -62,6 +63,7 @@ class SharedDwaNode {
   Diagnostics diagnostics_;
   TwistInput on_user_;
   rt::Timer timer_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

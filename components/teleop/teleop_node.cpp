@@ -45,6 +45,7 @@ TeleopNode::TeleopNode(rt::Node& node)
   planner_ = node.create_subscription(topics::planner_status, [this](const auto& msg) {
     yielded_ = {msg.source() == "yielded", node_.now()};
   });
+  time_jump_ = node.on_time_jump([this] { yielded_.reset(); });
 }
 
 void TeleopNode::keep_leader_near() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 
 #include "tandem/io/diagnostics.hpp"
@@ -78,6 +79,7 @@ class TeleopNode {
   Diagnostics diagnostics_;
   rt::Subscription joy_, planner_;
   TwistInput on_twist_;
+  std::shared_ptr<void> time_jump_;
 };
 
 }  // namespace tandem

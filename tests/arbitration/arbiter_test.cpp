@@ -438,6 +438,7 @@ TEST(Arbiter, ACommandFromBeforeAClockResetIsOld) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 60.0);
   EXPECT_EQ(it.decide(60.0).command.v, 0.5);
+  it.on_time_jump(0.1);
   EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kUserSilent);
   EXPECT_EQ(it.decide(60.05).reason, ArbitrationReason::kUserSilent);
   it.on_user({0.5, 0.0}, 60.1);
@@ -451,6 +452,7 @@ TEST(Arbiter, AClockResetDoesNotCountAsLettingGo) {
   it.on_emergency_stop(false);
   ASSERT_TRUE(it.release_emergency_stop());
   EXPECT_EQ(it.decide(60.0).reason, ArbitrationReason::kLetGoFirst);
+  it.on_time_jump(0.0);
   EXPECT_EQ(it.decide(0.0).reason, ArbitrationReason::kLetGoFirst);
   it.on_user({0.5, 0.0}, 0.1);
   EXPECT_EQ(it.decide(0.1).reason, ArbitrationReason::kLetGoFirst);
@@ -466,6 +468,7 @@ TEST(Arbiter, ARampEndsAtAClockReset) {
   EXPECT_EQ(it.decide(60.0).command.v, 0.2);
   it.on_user({0.6, 0.0}, 60.1);
   EXPECT_EQ(it.decide(60.1).command.v, 0.2);
+  it.on_time_jump(0.0);
   it.on_user({0.6, 0.0}, 0.0);
   EXPECT_EQ(it.decide(0.0).command.v, 0.6);
 }

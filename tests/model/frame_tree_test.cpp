@@ -196,11 +196,11 @@ TEST(FrameTree, RefusesFramesWithoutNameAndThoseThatAreTheirOwnParent) {
   EXPECT_EQ(tree.listing(), "no frame");
 }
 
-TEST(FrameTree, AfterAClockResetLaterTransformsHaveNoAge) {
+TEST(FrameTree, DynamicTransformsHaveNoAgeAfterTheClockJumpedBack) {
   FrameTree tree;
   tree.set(told("map", "odom", placed_at(1.0, 0.0, 0.0), 100.0));
   tree.set_static(told("odom", "fixed", placed_at(1.0, 0.0, 0.0), 100.0));
-  tree.forget_later_than(5.0);
+  tree.on_time_jump();
   EXPECT_LT(tree.find("map", "odom")->heard, 0.0);
   EXPECT_TRUE(tree.find("odom", "fixed")->is_static());
 }

@@ -145,6 +145,7 @@ TEST(Localization, ForgetsEverythingFromBeforeAClockReset) {
   Localization localization({});
   localization.on_transform({}, 5.0);
   localization.on_odom({}, {}, 5.0);
+  localization.on_time_jump();
   EXPECT_FALSE(localization.state(0.0));
   localization.on_odom({}, {}, 0.0);
   EXPECT_FALSE(localization.state(0.0));

@@ -170,6 +170,7 @@ TEST_F(Watched, WarnsOfLostBeams) {
 
 TEST_F(Watched, AClockResetMakesNothingFresh) {
   look(in_a_room(0.0), 100.0);
+  watch_.on_time_jump(1.0);
   EXPECT_EQ(watch_.reason(1.0), "");
   expect_reason("scan is silent", 1.6);
   look(in_a_room(0.0), 1.7);

@@ -80,8 +80,17 @@ TEST_F(SimTime, IsZeroBeforeTheFirstClockThenFollowsIt) {
   EXPECT_EQ(node_.now(), 12.5);
   EXPECT_EQ(node_.stamp().sec(), 12);
   EXPECT_EQ(node_.stamp().nanosec(), 500'000'000U);
-  const double silence = node_.clock_silence();
-  EXPECT_TRUE(spin_until([&] { return node_.clock_silence() > silence + 0.02; }, kTimeout, node_));
+}
+
+TEST_F(SimTime, TellsThatTheClockIsSilent) {
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  ASSERT_TRUE(spin_until([&] { return node_.clock_is_silent(); }, kTimeout, node_));
+  set_clock(12.5);
+  const double sent = rt::steady_seconds();
+  ASSERT_TRUE(spin_until([&] { return !node_.clock_is_silent(); }, kTimeout, node_));
+  ASSERT_TRUE(spin_until([&] { return node_.clock_is_silent(); }, kTimeout, node_));
+  EXPECT_GT(rt::steady_seconds() - sent, rt::Node::kClockSilence);
+  EXPECT_FALSE(source_.clock_is_silent()) << "it has no simulated time";
 }
 
 TEST_F(SimTime, DrivesTimersButNotWallTimers) {
@@ -95,6 +104,24 @@ TEST_F(SimTime, DrivesTimersButNotWallTimers) {
     set_clock(0.1 * i + 0.001);
     ASSERT_TRUE(spin_until([&] { return beats == i; }, kTimeout, node_)) << i;
   }
+}
+
+TEST_F(SimTime, ReportsThatTheClockJumpedBackOnceAndBeforeAnythingElse) {
+  int jumps = 0;
+  double now = -1.0;
+  const auto jump = node_.on_time_jump([&] {
+    ++jumps;
+    now = node_.now();
+  });
+  auto cancelled = node_.on_time_jump([&] { FAIL(); });
+  cancelled.reset();
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  for (const double time : {12.5, 12.6, 3.0, 3.1}) {
+    set_clock(time);
+    ASSERT_TRUE(spin_until([&] { return node_.now() == time; }, kTimeout, node_)) << time;
+  }
+  EXPECT_EQ(jumps, 1);
+  EXPECT_EQ(now, 3.0);
 }
 
 TEST(Node, UseSimTimeIsAParameter) {

@@ -263,6 +263,7 @@ TEST(SafetyFilter, AfterAClockResetOldCommandsAndDoubtsAreForgotten) {
   EXPECT_EQ(driven(-3.0, 60.0), FilterReason::kClear);
   EXPECT_EQ(driven(-2.0, 60.05), FilterReason::kPoseJumped);  // for a second from then on
   const RobotState state{{-3.0, 0.0, 0.0}, {}, 0.0};
+  filter.on_time_jump(0.0);
   EXPECT_EQ(filter.update(state, 0.0).reason, FilterReason::kNoCommand);
   EXPECT_EQ(driven(-3.0, 0.5), FilterReason::kPoseJumped);
   EXPECT_EQ(driven(-3.0, 1.05), FilterReason::kClear);

@@ -83,8 +83,8 @@ class Drive {
     if (t >= start_.now + start_.end) return 0.0;
     if (t >= start_.now + delay_) return start_.command.v;
     double v = start_.measured.v;
-    for (const TimedTwist& sent : start_.sent)
-      if (sent.t + delay_ <= t) v = sent.twist.v;
+    for (const auto& sent : start_.sent)
+      if (sent.t + delay_ <= t) v = sent.value.v;
     return v;
   }
 
@@ -103,8 +103,8 @@ TEST(StoppingMotion, HoldsEveryDriveWithinTheBounds) {
     start.t_measured = uniform(random, 0.6, 1.0);
     start.command = {uniform(random, -1.5, 1.5), 0.0};
     start.end = uniform(random, 0.0, 0.6);
-    const std::vector<TimedTwist> sent{{{uniform(random, -1.5, 1.5), 0.0}, 0.2},
-                                       {{uniform(random, -1.5, 1.5), 0.0}, 0.8}};
+    const std::vector<Stamped<Twist2>> sent{{{uniform(random, -1.5, 1.5), 0.0}, 0.2},
+                                            {{uniform(random, -1.5, 1.5), 0.0}, 0.8}};
     start.sent = sent;
     Drive drive(start, bounds, random);
     double t = start.t_measured, way = 0.0, low = 0.0, high = 0.0;

@@ -279,6 +279,35 @@ TEST_F(OneComponent, ArbitrationPassesNothingWhileSimulatedTimeStandsStill) {
   EXPECT_EQ(v, 0.0);
 }
 
+// The last command would count as fresh again once the clock reaches its time.
+TEST_F(OneComponent, ArbitrationPassesNothingFromBeforeTheClockJumpedBack) {
+  const auto arbitration = load(
+      "arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}, {"use_sim_time", "true"}});
+  const auto clock = node_.create_publisher(topics::clock);
+  const auto user = node_.create_publisher(topics::cmd_vel_user);
+  double time = 10.0, v = 0.0;
+  const auto out = node_.create_subscription(
+      topics::cmd_vel_arbitrated, [&](const auto& msg) { v = std::max(v, msg.linear().x()); });
+  double status_time = 0.0;
+  const auto status = node_.create_subscription(topics::arbitration_status, [&](const auto& msg) {
+    status_time = rt::to_seconds(msg.header().stamp());
+  });
+  const rt::Timer ticks = node_.create_wall_timer(0.01, [&] {
+    rosgraph_msgs::msg::Clock msg;
+    msg.clock(rt::to_stamp(std::llround(1e9 * (time += 0.01))));
+    clock.publish(msg);
+  });
+  rt::Timer push = node_.create_wall_timer(0.03, [&] { user.publish(to_msg(Twist2{0.5, 0.0})); });
+  ASSERT_TRUE(wait_until([&] { return v == 0.5; }));
+  push = {};
+  const double last = time;
+  time = last - 1.0;
+  ASSERT_TRUE(wait_until([&] { return status_time < last - 0.5; }));
+  v = 0.0;
+  ASSERT_TRUE(wait_until([&] { return status_time > last + 0.5; }));
+  EXPECT_EQ(v, 0.0);
+}
+
 class FilterOverDds : public OneComponent {
  protected:
   explicit FilterOverDds(const std::string& people = "false")

@@ -18,6 +18,7 @@
 #include "bringup/cli/terminal_keys.hpp"
 #include "tandem/io/conversions.hpp"
 #include "tandem/io/topics.hpp"
+#include "tandem/model/stamped.hpp"
 #include "tandem/runtime/node.hpp"
 #include "tandem/runtime/shutdown.hpp"
 #include "tandem/teleop/teleop.hpp"
@@ -116,7 +117,7 @@ class KeyboardTeleop {
     // is pressed. The first sample of a press therefore has zero axes. It may be lost, so zeros are
     // also sent while arbitration reports that it has not seen the stick at rest.
     if (!sent_held_) pressed_ = now;
-    const bool unheard = now - pressed_ <= kPress && now - mode_.t <= kFresh && refused_;
+    const bool unheard = now - pressed_ <= kPress && mode_.fresh(now, kFresh) && refused_;
     const bool goes_on = std::exchange(sent_held_, stick.has_value()) && !unheard;
     const auto keys = goes_on ? stick.value_or(TerminalKeys::Stick{}) : TerminalKeys::Stick{};
     const auto joy = joy_values(
@@ -162,7 +163,7 @@ class KeyboardTeleop {
 
   void show() const {
     const double now = node_.steady_now();
-    const auto fresh = [now](const auto& heard) { return now - heard.t <= kFresh; };
+    const auto fresh = [now](const auto& heard) { return heard.fresh(now, kFresh); };
     std::string line = said_.empty() ? "" : said_ + " | ";
     line += fresh(speed_) ? fmt::format("{:.2f} m/s {:.2f} rad/s", no_minus(speed_.value.v),
                                         no_minus(speed_.value.w))
@@ -174,12 +175,6 @@ class KeyboardTeleop {
     std::printf("\r\x1b[K%s", one_line(line, RawTerminal::width()).c_str());
     std::fflush(stdout);
   }
-
-  template <class T>
-  struct Stamped {
-    T value{};
-    double t = -1e9;  // [s]
-  };
 
   rt::Node& node_;
   TerminalKeys keys_;

@@ -80,7 +80,7 @@ class Loop {
         localization_{filter_params_.input.localization},
         teleop_{teleop_of(system)},
         extractor_{world_.extractor},
-        guidance_{guidance_of(planner_params_)},
+        plan_inputs_{planner_params_.timeouts, guidance_of(planner_params_)},
         arbiter_{parameters_of<ArbiterParams>(system, "arbitration")},
         filter_{filter_params_.filter, filter_params_.robot},
         metrics_{metrics_setting(scenario, system, world_.shortest_path)} {
@@ -225,24 +225,20 @@ class Loop {
     const auto robot = localization_.state(t_);
     if (!robot) return;
     if (dwa_) return known_ ? choose(*robot) : void();
-    PlanRequest request;
-    request.method = method_named(planner_params_.live.method);
-    request.t = t_;
-    request.X_MB = robot->X_MB;
-    request.command = sent_;
-    request.measured = robot->twist;
-    request.user = asked_;
-    request.rests = asked_ == Twist2{};
-    request.obstacles = obstacles_;
-    request.guidance = guidance_;
-    request.guarded = filter_params_.filter.enforce;
-    request.refused = refused_;
-    if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) request.X_MG = goal->X_MG;
-    if (request.method == Method::kLeader || request.method == Method::kPath) {
-      if (!leader_) return;
-      request.X_MG = *leader_;
-    }
-    count(nmpc_->solve(request));
+    inform_planner();
+    const Method method = method_named(planner_params_.live.method);
+    if (plan_inputs_.missing(method, t_)) return;
+    count(nmpc_->solve(plan_inputs_.request(method, *robot, t_)));
+  }
+
+  // All inputs count as received now, so that no time-out of the planner ends a drive in lockstep.
+  void inform_planner() {
+    plan_inputs_.on_command(sent_, t_);
+    plan_inputs_.on_user(asked_, t_);
+    plan_inputs_.on_obstacles(obstacles_, t_);
+    plan_inputs_.on_filter(filter_params_.filter.enforce, refused_, t_);
+    if (leader_) plan_inputs_.on_leader(*leader_, t_);
+    if (const auto* goal = std::get_if<PoseGoal>(&scenario_.goal)) plan_inputs_.on_goal(goal->X_MG);
   }
 
   void choose(const RobotState& robot) {
@@ -307,7 +303,7 @@ class Loop {
   Extractor& extractor_;
   Grid base_, known_ground_;
   std::optional<LiveSensing> live_;
-  std::vector<GuidanceLine> guidance_;
+  PlanInputs plan_inputs_;
   std::optional<Nmpc> nmpc_;
   std::optional<SharedDwa> dwa_;
   std::optional<Hindsight> hindsight_;

@@ -2,7 +2,6 @@
 #include "tandem/local_planner/solvers/ipopt_solve.hpp"
 
 #include <IpIpoptApplication.hpp>
-#include <IpUtils.hpp>
 #include <algorithm>
 #include <memory>
 #include <mutex>
@@ -10,17 +9,6 @@
 #include "tandem/local_planner/solvers/ipopt_linear_solver.hpp"
 #include "tandem/local_planner/solvers/ipopt_options.hpp"
 #include "tandem/local_planner/solvers/ipopt_problem.hpp"
-
-// Ipopt before 3.14 times each of its steps with getrusage: five hundred system calls per solve, a
-// third of its time, for unused statistics and for a CPU time limit over all threads. These
-// definitions replace Ipopt's own when the program is loaded.
-#if IPOPT_VERSION_MAJOR == 3 && IPOPT_VERSION_MINOR < 14
-namespace Ipopt {
-Number CpuTime() { return 0.0; }
-Number SysTime() { return 0.0; }
-Number WallclockTime() { return 0.0; }
-}  // namespace Ipopt
-#endif
 
 namespace tandem {
 namespace {

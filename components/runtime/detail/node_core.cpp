@@ -116,11 +116,26 @@ void NodeCore::follow_clock() {
                               [this, codec](const Bytes& bytes, const auto&) {
                                 Clock message;
                                 if (!codec->decode(bytes, &message)) return false;
-                                clock_ = std::int64_t{message.clock().sec()} * 1'000'000'000 +
-                                         message.clock().nanosec();
-                                clock_arrival_ = steady_seconds();
+                                set_clock(message.clock());
                                 return true;
                               });
+}
+
+void NodeCore::set_clock(const builtin_interfaces::msg::Time& time) {
+  const std::int64_t now = std::int64_t{time.sec()} * 1'000'000'000 + time.nanosec();
+  const bool jumps_back = now < clock_;
+  clock_ = now;
+  clock_arrival_ = steady_seconds();
+  if (!jumps_back) return;
+  std::erase_if(time_jumps_, [](const auto& fn) { return fn.expired(); });
+  for (const auto& weak : std::vector(time_jumps_))  // a copy, because a call may add to the list
+    if (const auto fn = weak.lock()) (*fn)();
+}
+
+std::shared_ptr<void> NodeCore::on_time_jump(std::function<void()> fn) {
+  auto call = std::make_shared<std::function<void()>>(std::move(fn));
+  time_jumps_.push_back(call);
+  return call;
 }
 
 std::shared_ptr<Writer> NodeCore::open_writer(const Endpoint& endpoint) {
@@ -205,8 +220,8 @@ double NodeCore::now() const {
   return use_sim_time ? 1e-9 * static_cast<double>(clock_) : steady_seconds();
 }
 
-double NodeCore::clock_silence() const {
-  return use_sim_time ? steady_seconds() - clock_arrival_ : 0.0;
+bool NodeCore::clock_is_silent() const {
+  return use_sim_time && steady_seconds() - clock_arrival_ > Node::kClockSilence;
 }
 
 builtin_interfaces::msg::Time NodeCore::stamp() const {

@@ -61,7 +61,8 @@ class NodeCore {
 
   [[nodiscard]] std::string resolve(const char* topic) const;
   [[nodiscard]] double now() const;
-  [[nodiscard]] double clock_silence() const;
+  [[nodiscard]] bool clock_is_silent() const;
+  [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
 
   void spin();
@@ -81,6 +82,7 @@ class NodeCore {
  private:
   void declare_use_sim_time();
   void follow_clock();
+  void set_clock(const builtin_interfaces::msg::Time& time);
   void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void forget(const rtps::GUID_t& guid);
   bool dispatch(double max_wait);  // true if a message was taken or a timer ran
@@ -102,6 +104,7 @@ class NodeCore {
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
   std::shared_ptr<Reader> clock_reader_;
+  std::vector<std::weak_ptr<std::function<void()>>> time_jumps_;  // called when /clock jumps back
   std::unique_ptr<NodeServices> services_;
   std::unique_ptr<GuardReport> guard_report_;
   std::atomic<std::int64_t> clock_ = 0;  // last time received on /clock [ns]

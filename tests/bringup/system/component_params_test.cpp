@@ -77,8 +77,8 @@ TEST_F(RobotFile, MayDescribeABaseThatNeverStopsByItself) {
 
 TEST_F(RobotFile, LeavesThePlannerAndTheFilterTheirOwnTimeouts) {
   const std::string base = "    base_timeout: 0.6\n";
-  EXPECT_EQ(read<LocalPlannerNodeParams>(base).in_force_timeout,
-            LocalPlannerNodeParams{}.in_force_timeout);
+  EXPECT_EQ(read<LocalPlannerNodeParams>(base).timeouts.in_force_timeout,
+            LocalPlannerNodeParams{}.timeouts.in_force_timeout);
   EXPECT_EQ(read<SafetyFilterNodeParams>(base).filter.arbitrated_timeout,
             SafetyFilterParams{}.arbitrated_timeout);
 }
