@@ -39,7 +39,7 @@ struct Scenario {
   std::optional<RegionGoal> after;   ///< to be visited by that edge, or base_link, first
   Eigen::Vector2d p_BA{0.0, 0.0};    ///< that edge's point on the robot [m], set by with_options()
   std::vector<Pose2> goals;          ///< if there are several poses: the seed selects one
-  std::string method;                ///< default; the command line may name another
+  std::string method;                ///< see method.hpp; the command line may name another
   std::vector<std::string> methods;  ///< methods the scenario is meant for
   std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them
   std::string recording;             ///< played by the driver `replay`; otherwise empty
@@ -69,9 +69,6 @@ struct DriveOptions {
   std::string recording{};        ///< empty: the scenario's
   std::string recording_topic{};  ///< likewise
 };
-
-/// Names of all methods.
-[[nodiscard]] const std::vector<std::string>& all_methods();
 
 /// The driver's name as in the results; `none` without a driver.
 [[nodiscard]] std::string driver_of(const Scenario& scenario);

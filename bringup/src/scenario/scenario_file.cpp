@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <yaml-cpp/yaml.h>
 
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/scenario.hpp"
 #include "tandem/config/yaml_document.hpp"
 
@@ -278,16 +279,14 @@ Values read_values(const YAML::Node& node, const std::string& path) {
 }
 
 std::map<std::string, Values> read_parameters(const YAML::Node& node, const std::string& path) {
-  static const std::vector<std::string> components{
-      "map_server",      "driver",      "teleop",        "obstacle_extractor",
-      "local_planner",   "arbitration", "safety_filter", "diff_drive_sim",
-      "octomap_builder", "shared_dwa",  "hindsight"};
+  static const std::set<std::string> components = components_of_all_methods();
   std::map<std::string, Values> all;
   if (!node || node.IsNull()) return all;
   for (const auto& name : keys_of(node, path)) {
-    if (std::find(components.begin(), components.end(), name) == components.end())
+    if (!components.contains(name))
       fail(path, node[name],
-           "parameters for `" + name + "`, which is none of " + joined(components));
+           fmt::format("parameters for `{}`, which is none of {}", name,
+                       fmt::join(components, ", ")));
     all[name] = read_values(node[name], path);
   }
   return all;

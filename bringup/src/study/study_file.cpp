@@ -13,6 +13,7 @@
 
 #include "bringup/drive/parallel_drives.hpp"
 #include "bringup/scenario/checksum.hpp"
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/seeded_world.hpp"
 #include "tandem/config/yaml_document.hpp"
 #include "tandem/config/yaml_reader.hpp"
@@ -188,10 +189,11 @@ class StudyReader {
     } else {
       method.name = method.method = word(node, "methods");
     }
-    const auto& known = all_methods();
-    if (std::find(known.begin(), known.end(), method.method) == known.end())
-      yaml_.fail(node,
-                 fmt::format("method `{}` is none of {}", method.method, fmt::join(known, ", ")));
+    try {
+      (void)drive_method(method.method);
+    } catch (const std::invalid_argument& error) {
+      yaml_.fail(node, error.what());
+    }
     return method;
   }
 
