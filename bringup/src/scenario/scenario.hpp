@@ -11,11 +11,9 @@
 #include "tandem/diff_drive_sim/people.hpp"
 #include "tandem/metrics/metrics.hpp"
 
-namespace YAML {
-class Node;
-}
-
 namespace tandem {
+
+class YamlReader;
 
 /// Conditions that must hold after a drive with any method except those in `except`.
 struct Expectation {
@@ -76,7 +74,7 @@ struct DriveOptions {
 /// Parameters per component, as under `parameters:` of a scenario file. Throws
 /// std::invalid_argument naming the file, the line and the unknown component.
 [[nodiscard]] std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
-    const YAML::Node& node, const std::string& path);
+    YamlReader map);
 
 /// Throws std::invalid_argument naming file, line and key if the file is not a valid scenario.
 [[nodiscard]] Scenario load_scenario(const std::string& path);
