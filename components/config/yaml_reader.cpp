@@ -2,74 +2,174 @@
 #include "tandem/config/yaml_reader.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
+#include "tandem/config/nearest_name.hpp"
 #include "tandem/config/printable.hpp"
 #include "tandem/config/yaml_document.hpp"
 
 namespace tandem {
+namespace {
 
-YAML::Node YamlReader::parse(const std::string& text) const {
+namespace fs = std::filesystem;
+
+constexpr const char* kind(bool) { return "true or false"; }
+constexpr const char* kind(double) { return "a finite number"; }
+constexpr const char* kind(int) { return "an integer"; }
+constexpr const char* kind(unsigned) { return "an integer of 0 or more"; }
+const char* kind(const std::string&) { return "text"; }
+const char* kind(const std::vector<double>&) { return "a list of finite numbers"; }
+const char* kind(const std::vector<std::string>&) { return "a list of words"; }
+
+template <class T>
+bool is_finite(const T&) {
+  return true;
+}
+bool is_finite(double value) { return std::isfinite(value); }
+bool is_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
+}  // namespace
+
+YamlReader YamlReader::load(const std::string& file) { return {load_document(file), file, ""}; }
+
+YamlReader YamlReader::parse(const std::string& text, const std::string& name) {
   try {
-    return parse_document(text);
+    return {parse_document(text), name, ""};
   } catch (const YAML::Exception& error) {
-    throw std::invalid_argument(describe(name_, error));
+    throw std::invalid_argument(describe(name, error));
   }
 }
 
-YAML::Node YamlReader::load() const { return load_document(name_); }
-
-void YamlReader::fail(const YAML::Node& where, const std::string& what) const {
-  throw std::invalid_argument(name_ + ":" + std::to_string(where.Mark().line + 1) + ": " +
-                              printable(what));
+std::optional<YamlReader> YamlReader::optional(const std::string& key) {
+  require_map();
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
+  const YAML::Node value = std::as_const(node_)[key];
+  if (!value) return std::nullopt;
+  return YamlReader{value, file_, key_of(key)};
 }
 
-void YamlReader::each_once(const YAML::Node& map) const {
-  if (!map.IsMap()) fail(map, "expected `key: value` pairs");
-  std::map<std::string, int> lines;
-  for (const auto& entry : map) {
-    if (!entry.first.IsScalar()) fail(entry.first, "a key must be a single word");
-    const auto& key = entry.first.Scalar();
-    const auto [first, is_new] = lines.emplace(key, entry.first.Mark().line + 1);
-    if (!is_new)
-      fail(entry.first, "`" + key + "` is given twice, first in line " +
-                            std::to_string(first->second) + "; merge the two");
+YamlReader YamlReader::required(const std::string& key) {
+  if (const auto value = optional(key)) return *value;
+  std::vector<std::string> others;
+  for (const auto& [other, value] : rest()) others.push_back(other);
+  const std::string meant = nearest_name(key, others);
+  fail("`" + key_of(key) + "` is missing" +
+       (meant.empty() ? "" : "; is `" + meant + "` a misspelling of it?"));
+}
+
+void YamlReader::finish() {
+  require_map();
+  for (const auto& entry : node_) {
+    const auto& name = entry.first.Scalar();
+    if (std::find(asked_.begin(), asked_.end(), name) != asked_.end()) continue;
+    const std::string meant = nearest_name(name, asked_);
+    fail_at(entry.first, "unknown key `" + key_of(name) + "`; known here: " + joined(asked_) +
+                             (meant.empty() ? "" : "; did you mean `" + meant + "`?"));
   }
 }
 
-void YamlReader::allow(const YAML::Node& map, std::initializer_list<const char*> keys) const {
-  each_once(map);
-  for (const auto& entry : map) {
-    const auto& key = entry.first.Scalar();
-    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    std::string all;
-    for (const char* name : keys) all += (all.empty() ? "" : ", ") + std::string(name);
-    fail(entry.first, "unknown key '" + key + "'; valid keys: " + all);
+std::vector<std::pair<std::string, YamlReader>> YamlReader::rest() {
+  if (node_.IsNull()) return {};
+  require_map();
+  std::vector<std::pair<std::string, YamlReader>> entries;
+  for (const auto& entry : node_) {
+    const auto& name = entry.first.Scalar();
+    if (std::find(asked_.begin(), asked_.end(), name) == asked_.end())
+      entries.emplace_back(name, YamlReader{entry.second, file_, key_of(name)});
   }
+  return entries;
 }
 
-YAML::Node YamlReader::required(const YAML::Node& map, const char* key) const {
-  if (!map[key]) fail(map, std::string("'") + key + "' is missing");
-  return map[key];
+std::vector<YamlReader> YamlReader::elements() const {
+  if (node_.IsNull()) return {};
+  if (!node_.IsSequence()) fail(subject() + "expected a list");
+  std::vector<YamlReader> all;
+  for (const auto& element : node_)
+    all.push_back({element, file_, key_ + "[" + std::to_string(all.size()) + "]"});
+  return all;
 }
 
-double YamlReader::number(const YAML::Node& node, double low, double high) const {
+template <class T>
+T YamlReader::as() const {
+  try {
+    const T value = node_.as<T>();
+    if (is_finite(value)) return value;
+  } catch (const YAML::Exception&) {  // reported below
+  }
+  fail(key() + " = " + text() + " is not " + kind(T{}));
+}
+
+template bool YamlReader::as<bool>() const;
+template int YamlReader::as<int>() const;
+template unsigned YamlReader::as<unsigned>() const;
+template double YamlReader::as<double>() const;
+template std::string YamlReader::as<std::string>() const;
+template std::vector<double> YamlReader::as<std::vector<double>>() const;
+template std::vector<std::string> YamlReader::as<std::vector<std::string>>() const;
+
+double YamlReader::number(double low, double high) const {
   double value = 0.0;
-  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value))
-    fail(node, "expected a number");
+  if (!node_.IsScalar() || !YAML::convert<double>::decode(node_, value))
+    fail(subject() + "expected a number");
   if (value >= low && value <= high) return value;
   std::ostringstream text;
-  text << value << " outside [" << low << ", " << high << "]";
-  fail(node, text.str());
+  text << key() << " = " << value << " outside [" << low << ", " << high << "]";
+  fail(text.str());
 }
 
-bool YamlReader::flag(const YAML::Node& map, const char* key, bool otherwise) const {
-  if (!map[key]) return otherwise;
-  bool value = otherwise;
-  if (!YAML::convert<bool>::decode(map[key], value)) fail(map[key], "expected true or false");
-  return value;
+std::string YamlReader::path() const {
+  const fs::path given{as<std::string>()};
+  if (given.is_absolute()) return given.string();
+  return (fs::path{file_}.parent_path() / given).lexically_normal().string();
+}
+
+std::string YamlReader::text() const { return yaml_text(node_); }
+
+std::string YamlReader::place() const { return place_of(node_); }
+
+void YamlReader::fail(const std::string& what) const { fail_at(node_, what); }
+
+// Refuses what is no map, and equal keys.
+void YamlReader::require_map() {
+  if (std::exchange(is_checked_, true)) return;
+  if (!node_.IsMap()) fail(subject() + "expected `key: value` lines");
+  std::map<std::string, int> lines;
+  for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) fail_at(entry.first, "a key must be a word");
+    const auto& name = entry.first.Scalar();
+    const auto [first, is_new] = lines.emplace(name, entry.first.Mark().line + 1);
+    if (!is_new)
+      fail_at(entry.first, "`" + key_of(name) + "` is given twice, first in line " +
+                               std::to_string(first->second) + "; bring both together");
+  }
+}
+
+std::string YamlReader::key_of(const std::string& name) const {
+  return key_.empty() ? name : key_ + "." + name;
+}
+
+std::string YamlReader::subject() const { return key_.empty() ? "" : key() + ": "; }
+
+// An empty file has no line.
+std::string YamlReader::place_of(const YAML::Node& node) const {
+  return node.Mark().is_null() ? file_ : file_ + ":" + std::to_string(node.Mark().line + 1);
+}
+
+void YamlReader::fail_at(const YAML::Node& node, const std::string& what) const {
+  throw std::invalid_argument(place_of(node) + ": " + printable(what));
 }
 
 }  // namespace tandem

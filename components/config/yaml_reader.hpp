@@ -1,51 +1,95 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads values from the nodes of one YAML file, with errors that name the file and the line.
+// Reads the values of a YAML file, with errors that name the file, the line and the key.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Core>
-#include <initializer_list>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace tandem {
 
-/// Reads values from one file. Every function throws std::invalid_argument naming the file, the
-/// line and the error.
+/// One value of a YAML file: a map that is read key by key, a list, or a scalar. Every function
+/// throws std::invalid_argument "FILE:LINE: what is wrong", with keys as `goal.tolerance` or
+/// `people[1].speed`.
 class YamlReader {
  public:
   static constexpr double kHuge = 1e4;  ///< largest magnitude of coordinates and lengths [m]
 
-  explicit YamlReader(std::string name) : name_{std::move(name)} {}
+  /// The root of a file, or of a text that errors call `name`; see yaml_document.hpp.
+  [[nodiscard]] static YamlReader load(const std::string& file);
+  [[nodiscard]] static YamlReader parse(const std::string& text, const std::string& name);
 
-  /// The root of `text`, or of the file given by the reader's name; see yaml_document.hpp.
-  [[nodiscard]] YAML::Node parse(const std::string& text) const;
-  [[nodiscard]] YAML::Node load() const;
-
-  [[noreturn]] void fail(const YAML::Node& where, const std::string& what) const;
-
-  /// Rejects a node that is not a map, and duplicate keys: the reader would see only the first.
-  void each_once(const YAML::Node& map) const;
-
-  /// As each_once; also rejects keys not in `keys`.
-  void allow(const YAML::Node& map, std::initializer_list<const char*> keys) const;
-
-  [[nodiscard]] YAML::Node required(const YAML::Node& map, const char* key) const;
-  [[nodiscard]] double number(const YAML::Node& node, double low, double high) const;
-  [[nodiscard]] bool flag(const YAML::Node& map, const char* key, bool otherwise) const;
-
-  template <int kSize>
-  [[nodiscard]] Eigen::Matrix<double, kSize, 1> vector(const YAML::Node& node, double low = -kHuge,
-                                                       double high = kHuge) const {
-    if (!node.IsSequence() || node.size() != kSize)
-      fail(node, "expected [" + std::to_string(kSize) + " numbers]");
-    Eigen::Matrix<double, kSize, 1> value;
-    for (int i = 0; i < kSize; ++i) value[i] = number(node[i], low, high);
-    return value;
+  /// The value of a key of this map. Several equal keys are an error: only one would count.
+  [[nodiscard]] YamlReader required(const std::string& key);
+  [[nodiscard]] std::optional<YamlReader> optional(const std::string& key);
+  template <class T>
+  [[nodiscard]] T required(const std::string& key) {
+    return required(key).as<T>();
+  }
+  template <class T>
+  [[nodiscard]] T optional(const std::string& key, T otherwise) {
+    const auto value = optional(key);
+    return value ? value->as<T>() : otherwise;
   }
 
+  /// Fails if the map has a key that has not been asked for.
+  void finish();
+
+  /// The entries of this map that have not been asked for, in the file's order; none if it is null.
+  [[nodiscard]] std::vector<std::pair<std::string, YamlReader>> rest();
+
+  /// The elements of this list; none if it is null.
+  [[nodiscard]] std::vector<YamlReader> elements() const;
+
+  /// This value as bool, int, unsigned, double, std::string, or a vector of double or std::string.
+  /// Numbers must be finite.
+  template <class T>
+  [[nodiscard]] T as() const;
+
+  [[nodiscard]] double number(double low, double high) const;
+  template <int kSize>
+  [[nodiscard]] Eigen::Matrix<double, kSize, 1> vector(double low = -kHuge,
+                                                       double high = kHuge) const;
+
+  /// A file's path; if it is relative, seen from the folder of the file that is read.
+  [[nodiscard]] std::string path() const;
+
+  [[nodiscard]] bool is_map() const { return node_.IsMap(); }
+  [[nodiscard]] bool is_list() const { return node_.IsSequence(); }
+  [[nodiscard]] bool is_scalar() const { return node_.IsScalar(); }
+  [[nodiscard]] std::string text() const;   ///< this value as YAML, on one line
+  [[nodiscard]] std::string place() const;  ///< "FILE:LINE"
+  [[nodiscard]] std::string key() const { return "`" + key_ + "`"; }  ///< "`goal.tolerance`"
+
+  [[noreturn]] void fail(const std::string& what) const;
+
  private:
-  std::string name_;
+  YamlReader(YAML::Node node, std::string file, std::string key)
+      : node_{std::move(node)}, file_{std::move(file)}, key_{std::move(key)} {}
+
+  void require_map();
+  [[nodiscard]] std::string key_of(const std::string& name) const;
+  [[nodiscard]] std::string subject() const;
+  [[nodiscard]] std::string place_of(const YAML::Node& node) const;
+  [[noreturn]] void fail_at(const YAML::Node& node, const std::string& what) const;
+
+  YAML::Node node_;
+  std::string file_, key_;  // key_: from the root; empty for the root
+  bool is_checked_ = false;
+  std::vector<std::string> asked_;
 };
+
+template <int kSize>
+Eigen::Matrix<double, kSize, 1> YamlReader::vector(double low, double high) const {
+  const auto numbers = is_list() ? elements() : std::vector<YamlReader>{};
+  if (numbers.size() != kSize) fail(subject() + "expected [" + std::to_string(kSize) + " numbers]");
+  Eigen::Matrix<double, kSize, 1> value;
+  for (int i = 0; i < kSize; ++i) value[i] = numbers[static_cast<std::size_t>(i)].number(low, high);
+  return value;
+}
 
 }  // namespace tandem

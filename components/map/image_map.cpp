@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -25,35 +26,34 @@ struct Legend {
   double free_thresh = 0.25, occupied_thresh = 0.65;
 };
 
-Mode mode_of(const YamlReader& reader, const YAML::Node& node) {
-  const std::string name = !node ? "trinary" : node.IsScalar() ? node.Scalar() : "";
+Mode mode_of(const std::optional<YamlReader>& value) {
+  const std::string name = !value ? "trinary" : value->is_scalar() ? value->as<std::string>() : "";
   if (name == "trinary") return Mode::kTrinary;
   if (name == "scale") return Mode::kScale;
   if (name == "raw") return Mode::kRaw;
-  reader.fail(node, "mode must be trinary, scale or raw");
+  value->fail("mode must be trinary, scale or raw");
 }
 
 // Accepts 0 and 1, as map_server does, or false and true.
-bool negate_of(const YamlReader& reader, const YAML::Node& root) {
-  const YAML::Node node = root["negate"];
-  if (node && node.IsScalar() && (node.Scalar() == "0" || node.Scalar() == "1"))
-    return node.Scalar() == "1";
-  return reader.flag(root, "negate", false);
+bool negate_of(const std::optional<YamlReader>& value) {
+  if (!value) return false;
+  const std::string text = value->is_scalar() ? value->as<std::string>() : "";
+  return text == "0" || text == "1" ? text == "1" : value->as<bool>();
 }
 
-Legend legend_of(const YamlReader& reader, const YAML::Node& root) {
-  Legend legend{mode_of(reader, root["mode"]), negate_of(reader, root),
-                reader.number(reader.required(root, "free_thresh"), 0.0, 1.0),
-                reader.number(reader.required(root, "occupied_thresh"), 0.0, 1.0)};
+Legend legend_of(YamlReader& root) {
+  const YamlReader free_thresh = root.required("free_thresh");
+  Legend legend{mode_of(root.optional("mode")), negate_of(root.optional("negate")),
+                free_thresh.number(0.0, 1.0), root.required("occupied_thresh").number(0.0, 1.0)};
   if (!(legend.free_thresh < legend.occupied_thresh))
-    reader.fail(root["free_thresh"], "free_thresh must be below occupied_thresh");
+    free_thresh.fail("free_thresh must be below occupied_thresh");
   return legend;
 }
 
-bool is_file_name(const YAML::Node& node) {
-  return node.IsScalar() && std::none_of(node.Scalar().begin(), node.Scalar().end(), [](char c) {
-           return static_cast<unsigned char>(c) < ' ';
-         });
+bool is_file_name(const YamlReader& value) {
+  const std::string name = value.is_scalar() ? value.as<std::string>() : "\n";
+  return std::none_of(name.begin(), name.end(),
+                      [](char c) { return static_cast<unsigned char>(c) < ' '; });
 }
 
 double share(std::uint32_t value) { return value / static_cast<double>(GrayImage::kWhite); }
@@ -106,23 +106,22 @@ std::vector<std::int8_t> percents_of(const GrayImage& image, const Legend& legen
 
 bool is_image_map(const YAML::Node& root) { return root.IsMap() && root["image"]; }
 
+// Keys that this reader does not know are other map servers'.
 OccupancyPlane load_image_map(const std::filesystem::path& file) {
-  const YamlReader reader{file.string()};
-  const YAML::Node root = reader.load();
-  reader.each_once(root);
-  const YAML::Node image_name = reader.required(root, "image");
-  if (!is_file_name(image_name)) reader.fail(image_name, "expected the file name of an image");
-  const Eigen::Vector3d origin = reader.vector<3>(reader.required(root, "origin"));
-  const Legend legend = legend_of(reader, root);
+  YamlReader root = YamlReader::load(file.string());
+  const YamlReader image_name = root.required("image");
+  if (!is_file_name(image_name)) image_name.fail("expected the name of an image");
+  const Eigen::Vector3d origin = root.required("origin").vector<3>();
+  const Legend legend = legend_of(root);
   OccupancyPlane plane;
   plane.X_MO = {origin.x(), origin.y(), origin.z()};
-  plane.resolution = reader.number(reader.required(root, "resolution"), 1e-3, 10.0);
-  const GrayImage image = read_gray_image(file.parent_path() / image_name.Scalar());
+  plane.resolution = root.required("resolution").number(1e-3, 10.0);
+  const GrayImage image = read_gray_image(file.parent_path() / image_name.as<std::string>());
   plane.width = image.width;
   plane.height = image.height;
   plane.percent = percents_of(image, legend);
   if (const std::string error = error_of(plane); !error.empty())
-    reader.fail(root, error + "; do the thresholds, `negate` and `mode` match the image?");
+    root.fail(error + "; are the thresholds, `negate` and `mode` those of its image?");
   return plane;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -17,17 +18,17 @@ constexpr double kMaxVoxels = 5e7;
 constexpr double kHuge = YamlReader::kHuge;
 
 // Reads the solid's heights from `height` or `z`.
-void read_heights(const YamlReader& reader, const YAML::Node& map, Solid& solid) {
-  if (static_cast<bool>(map["height"]) == static_cast<bool>(map["z"]))
-    reader.fail(map, "give exactly one of 'height' and 'z: [low, high]'");
-  if (map["height"]) {
-    solid.z_high = reader.number(map["height"], 1e-3, kHuge);
+void read_heights(YamlReader& map, Solid& solid) {
+  const auto height = map.optional("height"), z = map.optional("z");
+  if (height.has_value() == z.has_value()) map.fail("give one of 'height' and 'z: [low, high]'");
+  if (height) {
+    solid.z_high = height->number(1e-3, kHuge);
     return;
   }
-  const Eigen::Vector2d z = reader.vector<2>(map["z"]);
-  if (!(z[0] < z[1])) reader.fail(map["z"], "z must be [low, high] with low < high");
-  solid.z_low = z[0];
-  solid.z_high = z[1];
+  const Eigen::Vector2d heights = z->vector<2>();
+  if (!(heights[0] < heights[1])) z->fail("z must rise");
+  solid.z_low = heights[0];
+  solid.z_high = heights[1];
 }
 
 // Half extents of the solid's bounding box in the plane.
@@ -47,73 +48,71 @@ bool contains(const Solid& solid, const Eigen::Vector2d& p_MQ) {
          std::abs(-s * d.x() + c * d.y()) <= 0.5 * solid.size.y() + kRounding;
 }
 
-void add(const YamlReader& reader, const YAML::Node& where, const Solid& solid,
-         MapDescription& map) {
+void add(const YamlReader& where, const Solid& solid, MapDescription& map) {
   const Eigen::Vector2d half = half_extent(solid);
   const Eigen::Vector3d low{solid.p_MC.x() - half.x(), solid.p_MC.y() - half.y(), solid.z_low};
   const Eigen::Vector3d high{solid.p_MC.x() + half.x(), solid.p_MC.y() + half.y(), solid.z_high};
   if ((low.array() < map.low.array() - 1e-9).any() ||
       (high.array() > map.high.array() + 1e-9).any())
-    reader.fail(where, "extends beyond the bounds");
+    where.fail("reaches outside of the bounds");
   if (solid.size.minCoeff() < map.resolution - 1e-9)
-    reader.fail(where, "thinner than a voxel: it would have gaps");
+    where.fail("thinner than a voxel: it would have holes");
   if (solid.z_high - solid.z_low < map.resolution - 1e-9)
-    reader.fail(where, "lower than a voxel: it would disappear");
+    where.fail("lower than a voxel: it would not be there");
   map.solids.push_back(solid);
 }
 
-void add_wall(const YamlReader& reader, const YAML::Node& node, MapDescription& map) {
-  reader.allow(node, {"points", "thickness", "height", "z", "closed"});
-  const YAML::Node points = reader.required(node, "points");
-  const double thickness = reader.number(reader.required(node, "thickness"), 1e-3, kHuge);
-  const bool closed = reader.flag(node, "closed", false);
-  if (!points.IsSequence() || points.size() < 2)
-    reader.fail(points, "expected at least two points");
+void add_wall(YamlReader& wall, MapDescription& map) {
+  const YamlReader list = wall.required("points");
+  const double thickness = wall.required("thickness").number(1e-3, kHuge);
+  const bool closed = wall.optional("closed", false);
+  Solid solid;
+  read_heights(wall, solid);
+  wall.finish();
+  const auto points = list.elements();
+  if (points.size() < 2) list.fail("expected two points or more");
   const std::size_t count = points.size(), pieces = closed ? count : count - 1;
   for (std::size_t i = 0; i < pieces; ++i) {
-    const Eigen::Vector2d from = reader.vector<2>(points[i]);
-    const Eigen::Vector2d to = reader.vector<2>(points[(i + 1) % count]);
+    const Eigen::Vector2d from = points[i].vector<2>();
+    const Eigen::Vector2d to = points[(i + 1) % count].vector<2>();
     const double length = (to - from).norm();
-    if (!(length > 0.0)) reader.fail(points[i], "two consecutive points of a wall coincide");
+    if (!(length > 0.0)) points[i].fail("two points of a wall coincide");
     // At a joint the piece extends by half the thickness, so that the corner is filled.
     const double before = closed || i > 0 ? 0.5 * thickness : 0.0;
     const double after = closed || i + 1 < pieces ? 0.5 * thickness : 0.0;
     const Eigen::Vector2d along = (to - from) / length;
-    Solid solid;
     solid.p_MC = 0.5 * (from + to) + 0.5 * (after - before) * along;
     solid.size = {length + before + after, thickness};
     solid.angle = std::atan2(along.y(), along.x());
-    read_heights(reader, node, solid);
-    add(reader, node, solid, map);
+    add(wall, solid, map);
   }
 }
 
-void add_box(const YamlReader& reader, const YAML::Node& node, MapDescription& map) {
-  reader.allow(node, {"center", "size", "angle", "height", "z"});
+void add_box(YamlReader& box, MapDescription& map) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
   Solid solid;
-  solid.p_MC = reader.vector<2>(reader.required(node, "center"));
-  solid.size = reader.vector<2>(reader.required(node, "size"), 1e-3, kHuge);
-  if (node["angle"])
-    solid.angle = reader.number(node["angle"], -2.0 * std::numbers::pi, 2.0 * std::numbers::pi);
-  read_heights(reader, node, solid);
-  add(reader, node, solid, map);
+  solid.p_MC = box.required("center").vector<2>();
+  solid.size = box.required("size").vector<2>(1e-3, kHuge);
+  if (const auto angle = box.optional("angle")) solid.angle = angle->number(-kTurn, kTurn);
+  read_heights(box, solid);
+  box.finish();
+  add(box, solid, map);
 }
 
-void add_cylinder(const YamlReader& reader, const YAML::Node& node, MapDescription& map) {
-  reader.allow(node, {"center", "diameter", "height", "z"});
+void add_cylinder(YamlReader& cylinder, MapDescription& map) {
   Solid solid;
   solid.shape = Solid::Shape::kDisc;
-  solid.p_MC = reader.vector<2>(reader.required(node, "center"));
-  solid.size.setConstant(reader.number(reader.required(node, "diameter"), 1e-3, kHuge));
-  read_heights(reader, node, solid);
-  add(reader, node, solid, map);
+  solid.p_MC = cylinder.required("center").vector<2>();
+  solid.size.setConstant(cylinder.required("diameter").number(1e-3, kHuge));
+  read_heights(cylinder, solid);
+  cylinder.finish();
+  add(cylinder, solid, map);
 }
 
 template <class Add>
-void add_all(const YamlReader& reader, const YAML::Node& list, MapDescription& map, Add add_one) {
+void add_all(const std::optional<YamlReader>& list, MapDescription& map, Add add_one) {
   if (!list) return;
-  if (!list.IsSequence()) reader.fail(list, "expected a list");
-  for (const auto& node : list) add_one(reader, node, map);
+  for (YamlReader& value : list->elements()) add_one(value, map);
 }
 
 // Voxels [begin, end) along one axis, counted from 0 in M.
@@ -164,39 +163,41 @@ void paint_solid(Painter& painter, const Solid& solid, double resolution) {
         painter.paint(ix, iy, z, true);
 }
 
-MapDescription read_map(const YamlReader& reader, const YAML::Node& root) {
-  reader.allow(root,
-               {"resolution", "bounds", "free_space", "floor", "walls", "boxes", "cylinders"});
-  MapDescription map;
-  map.resolution = reader.number(reader.required(root, "resolution"), 1e-3, 10.0);
-  const YAML::Node bounds = reader.required(root, "bounds");
-  reader.allow(bounds, {"low", "high"});
-  map.low = reader.vector<3>(reader.required(bounds, "low"));
-  map.high = reader.vector<3>(reader.required(bounds, "high"));
-  if (!(map.low.array() < map.high.array()).all()) reader.fail(bounds, "low must be below high");
+void read_bounds(YamlReader bounds, MapDescription& map) {
+  map.low = bounds.required("low").vector<3>();
+  map.high = bounds.required("high").vector<3>();
+  bounds.finish();
+  if (!(map.low.array() < map.high.array()).all()) bounds.fail("low must be below high");
   const Eigen::Vector3d size = (map.high - map.low) / map.resolution;
   if (size.prod() > kMaxVoxels || size.maxCoeff() > 3e4 ||
       map.low.cwiseAbs().cwiseMax(map.high.cwiseAbs()).maxCoeff() / map.resolution > 3e4)
-    reader.fail(bounds, "too many voxels for a map; use a coarser resolution");
-  map.free_space = reader.flag(root, "free_space", map.free_space);
-  map.floor = reader.flag(root, "floor", map.floor);
-  add_all(reader, root["walls"], map, add_wall);
-  add_all(reader, root["boxes"], map, add_box);
-  add_all(reader, root["cylinders"], map, add_cylinder);
-  if (map.solids.empty()) reader.fail(root, "the map is empty: add walls, boxes or cylinders");
+    bounds.fail("more voxels than a map may have; use a coarser resolution");
+}
+
+MapDescription read_map(YamlReader root) {
+  MapDescription map;
+  map.resolution = root.required("resolution").number(1e-3, 10.0);
+  read_bounds(root.required("bounds"), map);
+  map.free_space = root.optional("free_space", map.free_space);
+  map.floor = root.optional("floor", map.floor);
+  const auto walls = root.optional("walls"), boxes = root.optional("boxes"),
+             cylinders = root.optional("cylinders");
+  root.finish();
+  add_all(walls, map, add_wall);
+  add_all(boxes, map, add_box);
+  add_all(cylinders, map, add_cylinder);
+  if (map.solids.empty()) root.fail("nothing solid: give walls, boxes or cylinders");
   return map;
 }
 
 }  // namespace
 
 MapDescription parse_map_description(const std::string& text, const std::string& name) {
-  const YamlReader reader{name};
-  return read_map(reader, reader.parse(text));
+  return read_map(YamlReader::parse(text, name));
 }
 
 MapDescription load_map_description(const std::filesystem::path& file) {
-  const YamlReader reader{file.string()};
-  return read_map(reader, reader.load());
+  return read_map(YamlReader::load(file.string()));
 }
 
 std::unique_ptr<octomap::OcTree> build_octomap(const MapDescription& description) {

@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "tandem/config/yaml_reader.hpp"
+#include "tandem/config/yaml_document.hpp"
 #include "tandem/map/extrude.hpp"
 #include "tandem/map/image_map.hpp"
 #include "tandem/map/map_description.hpp"
@@ -29,7 +29,7 @@ bool is_yaml(const std::filesystem::path& file) {
 
 std::unique_ptr<octomap::OcTree> load_map(const std::filesystem::path& file, double wall_height) {
   if (!is_yaml(file)) return load_octomap(file);
-  if (is_image_map(YamlReader{file.string()}.load())) return load_walls(file, wall_height);
+  if (is_image_map(load_document(file.string()))) return load_walls(file, wall_height);
   return build_octomap(load_map_description(file));
 }
 

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "tandem/config/yaml_reader.hpp"
 
@@ -78,52 +80,47 @@ void occupy(Grid& grid, const ForbiddenRegion& region) {
         grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
 }
 
-std::vector<Vector2d> read_points(const YamlReader& reader, const YAML::Node& node,
-                                  std::size_t least) {
-  if (!node.IsSequence() || node.size() < least)
-    reader.fail(node, "expected " + std::string{least == 2 ? "two" : "three"} +
-                          " or more points, [[x, y], …]");
+std::vector<Vector2d> read_points(const YamlReader& list, std::size_t least) {
+  const auto values = list.is_list() ? list.elements() : std::vector<YamlReader>{};
+  if (values.size() < least)
+    list.fail("expected " + std::string{least == 2 ? "two" : "three"} +
+              " points or more, [[x, y], …]");
   std::vector<Vector2d> points;
-  for (const auto& point : node) points.push_back(reader.vector<2>(point));
+  for (const YamlReader& point : values) points.push_back(point.vector<2>());
   return points;
 }
 
-std::string read_name(const YAML::Node& node) {
-  return node["name"] ? node["name"].Scalar() : std::string{};
+ForbiddenRegion read_region(YamlReader& map) {
+  ForbiddenRegion region{map.optional<std::string>("name", ""),
+                         read_points(map.required("polygon"), 3)};
+  map.finish();
+  return region;
 }
 
-ForbiddenRegion read_region(const YamlReader& reader, const YAML::Node& node) {
-  reader.allow(node, {"name", "polygon"});
-  return {read_name(node), read_points(reader, reader.required(node, "polygon"), 3)};
-}
-
-GuidanceLine read_line(const YamlReader& reader, const YAML::Node& node) {
-  reader.allow(node, {"name", "line", "reach", "strength"});
-  GuidanceLine line{read_name(node), read_points(reader, reader.required(node, "line"), 2)};
-  if (node["reach"]) line.reach = reader.number(node["reach"], 0.05, 10.0);
-  if (node["strength"]) line.strength = reader.number(node["strength"], 0.0, 1.0);
+GuidanceLine read_line(YamlReader& map) {
+  GuidanceLine line{map.optional<std::string>("name", ""), read_points(map.required("line"), 2)};
+  if (const auto reach = map.optional("reach")) line.reach = reach->number(0.05, 10.0);
+  if (const auto strength = map.optional("strength")) line.strength = strength->number(0.0, 1.0);
+  map.finish();
   return line;
 }
 
-// The list under `key`; empty if the key is absent.
+// The elements of a list; none without it.
 template <class Read>
-auto read_list(const YamlReader& reader, const YAML::Node& root, const char* key, Read read) {
-  std::vector<decltype(read(reader, root))> all;
-  const YAML::Node list = root[key];
+auto read_list(const std::optional<YamlReader>& list, Read read) {
+  std::vector<decltype(read(std::declval<YamlReader&>()))> all;
   if (!list) return all;
-  if (!list.IsSequence()) reader.fail(list, "expected a list");
-  for (const auto& node : list) all.push_back(read(reader, node));
+  for (YamlReader& value : list->elements()) all.push_back(read(value));
   return all;
 }
 
 }  // namespace
 
 VirtualFixtures load_virtual_fixtures(const std::filesystem::path& file) {
-  const YamlReader reader{file.string()};
-  const YAML::Node root = reader.load();
-  reader.allow(root, {"forbidden", "guidance"});
-  return {read_list(reader, root, "forbidden", read_region),
-          read_list(reader, root, "guidance", read_line)};
+  YamlReader root = YamlReader::load(file.string());
+  const auto forbidden = root.optional("forbidden"), guidance = root.optional("guidance");
+  root.finish();
+  return {read_list(forbidden, read_region), read_list(guidance, read_line)};
 }
 
 Grid with_forbidden(Grid grid, const VirtualFixtures& fixtures) {

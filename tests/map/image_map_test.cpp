@@ -188,7 +188,7 @@ TEST_F(ImageMap, ErrorsNameWhatIsWrongInOneLine) {
   expect(write_yaml("", "room.pgm", "[0, 0, .nan]"), "outside");
   expect(write_yaml("", "room.yaml"), "neither PGM");
   write("half.yaml", "image: room.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n");
-  expect(folder_ / "half.yaml", "'free_thresh' is missing");
+  expect(folder_ / "half.yaml", ":1: `free_thresh` is missing");
   write("white.pgm", "P2 1 1 255 255");
   expect(write_yaml("", "white.pgm"), "no occupied cell");
 }

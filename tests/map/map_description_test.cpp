@@ -84,12 +84,13 @@ TEST(MapDescription, FreeSpaceAndFloorAreFlags) {
 
 TEST(MapDescription, ErrorsNameTheLine) {
   EXPECT_EQ(complaint("resolution: 0.05\nbounds: {low: [0, 0, 0], high: [1, 1, 1]}\nwals: []\n"),
-            "test.yaml:3: unknown key 'wals'; valid keys: resolution, bounds, free_space, floor, "
-            "walls, boxes, cylinders");
+            "test.yaml:3: unknown key `wals`; known here: resolution, bounds, free_space, floor, "
+            "walls, boxes, cylinders; did you mean `walls`?");
   EXPECT_TRUE(complaint(kHead + "cylinders:\n- {center: [0, 0], diamter: 1, height: 1}\n")
-                  .starts_with("test.yaml:4: unknown key 'diamter'"));
+                  .starts_with("test.yaml:4: `cylinders[0].diameter` is missing; is `diamter` a "
+                               "misspelling of it?"));
   EXPECT_TRUE(complaint(kHead + "cylinders:\n- {center: [0, 0], diameter: x, height: 1}\n")
-                  .starts_with("test.yaml:4: expected a number"));
+                  .starts_with("test.yaml:4: `cylinders[0].diameter`: expected a number"));
   EXPECT_TRUE(complaint(kHead + "boxes:\n- {center: [0, 0], size: [9, 1], height: 1}\n")
                   .starts_with("test.yaml:4: reaches outside"));
   EXPECT_TRUE(complaint(kHead + "boxes: []\nboxes: []\n")

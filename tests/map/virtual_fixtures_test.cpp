@@ -64,8 +64,10 @@ TEST_F(FixtureFile, MayGuideToo) {
   EXPECT_EQ(fixtures.guidance[1].reach, 2.0);
 }
 
-TEST_F(FixtureFile, ErrorsNameTheLine) {
-  expect_complaint("forbiden: []\n", ":1: unknown key 'forbiden'");
+TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
+  expect_complaint(
+      "forbiden: []\n",
+      ":1: unknown key `forbiden`; known here: forbidden, guidance; did you mean `forbidden`?");
   expect_complaint("forbidden: []\nforbidden: []\n",
                    ":2: `forbidden` is given twice, first in line 1");
   expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], reach: 1, reach: 2}\n", "given twice");

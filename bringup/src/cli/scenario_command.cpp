@@ -15,6 +15,7 @@
 #include "bringup/drive/over_dds.hpp"
 #include "bringup/drive/parallel_drives.hpp"
 #include "bringup/drive/summary_table.hpp"
+#include "bringup/scenario/method.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
 namespace tandem {
@@ -110,7 +111,8 @@ DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
   return log.result;
 }
 
-std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const ScenarioRequest& request) {
+std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all,
+                                   const ScenarioRequest& request) {
   if (request.lockstep && all.size() > 1) {  // progress lines of parallel drives would interleave
     ScenarioRequest each = request;
     each.quiet = true;
@@ -134,6 +136,13 @@ std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const Scena
     results.push_back(std::move(result));
   }
   return results;
+}
+
+std::string list_of_methods() {
+  std::string lines = "Methods, and what drives the robot:";
+  for (const DriveMethod& method : all_methods())
+    lines += fmt::format("\n  {:<15}{}", method.name, method.about);
+  return lines;
 }
 
 int run(const ScenarioRequest& request) {
@@ -169,8 +178,7 @@ void add_scenario_command(CLI::App& app, int& status) {
       ->check(CLI::ExistingFile);
   command->add_option(
       "--method", request->method,
-      "manual, safety_filter, leader, intention, path, blend, adaptive, dwa, hindsight, goal; "
-      "all: those that the scenario lists. Default: the scenario's");
+      "one of those below, or all: those that the scenario lists. Default: the scenario's");
   command->add_option(
       "--driver", request->driver,
       "who sits at the stick: navigator, pointer, reckless, adversary, replay, each "
@@ -198,6 +206,7 @@ void add_scenario_command(CLI::App& app, int& status) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--quiet", request->quiet, "no progress line");
+  command->footer(list_of_methods);
   command->callback([request, &status] { status = run(*request); });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/drive/drive_observer.hpp"
 
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/shortest_path.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
 #include "tandem/map/map_file.hpp"
@@ -66,7 +67,7 @@ void DriveObserver::on_plan(const tandem_msgs::msg::PlannerStatus& msg) {
   const long fallbacks = fallbacks_.growth(msg.fallbacks(), just_begun);
   const long overruns = overruns_.growth(msg.overruns(), just_begun);
   if (plans == 0) return;  // the status only reports why the robot stands
-  if (scenario_.method == "goal") driving_ = true;
+  if (!has_person(drive_method(scenario_.method))) driving_ = true;
   if (!driving_) return;
   DriveCounts& counts = log_.result.counts;
   counts.plans += plans;

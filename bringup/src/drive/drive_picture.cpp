@@ -5,6 +5,7 @@
 
 #include "bringup/drive/drive_log.hpp"
 #include "bringup/drive/map_picture.hpp"
+#include "bringup/scenario/method.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
 #include "tandem/map/map_file.hpp"
 
@@ -108,7 +109,7 @@ void draw_drive(const Scenario& scenario, const System& system, const DriveLog& 
                           .label = "obstacles near the robot, as the planner saw them"});
   draw_walks(picture, log);
   if (!log.track.empty()) {
-    if (scenario.method == "leader" || scenario.method == "path") draw_leader(picture, log.track);
+    if (steers_leader(drive_method(scenario.method))) draw_leader(picture, log.track);
     draw_robot(picture, log.track, footprint);
     draw_contacts(picture, log.track);
   }

@@ -7,6 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/replay.hpp"
 #include "bringup/scenario/seeded_world.hpp"
 #include "bringup/system/parameter_names.hpp"
@@ -26,20 +27,23 @@ std::string text(const T& value) {
   return fmt::format("{}", value);
 }
 
-void check_methods(const Scenario& scenario) {
-  auto names = scenario.methods;
-  names.push_back(scenario.method);
-  names.insert(names.end(), scenario.expect.except.begin(), scenario.expect.except.end());
-  for (const auto& name : names)
-    if (std::find(all_methods().begin(), all_methods().end(), name) == all_methods().end())
-      throw std::invalid_argument(scenario.path + ": method `" + name + "` is not one of " +
-                                  fmt::format("{}", fmt::join(all_methods(), ", ")));
-  if (scenario.method == "goal" && !std::holds_alternative<PoseGoal>(scenario.goal))
-    throw std::invalid_argument(scenario.path +
-                                ": method `goal` needs goal: {pose: [x, y, heading]}");
-  if (scenario.method == "hindsight" && scenario.goals.empty())
-    throw std::invalid_argument(scenario.path +
-                                ": method `hindsight` needs goal: {poses: [x1, y1, heading1, …]}");
+// What the scenario's goal lacks for the method; empty if it has the method's form.
+std::string missing_in_goal(const Scenario& scenario, GoalForm form) {
+  if (form == GoalForm::kPose && !std::holds_alternative<PoseGoal>(scenario.goal))
+    return "goal: {pose: [x, y, heading]}";
+  if (form == GoalForm::kPoses && scenario.goals.empty())
+    return "goal: {poses: [x1, y1, heading1, …]}";
+  return {};
+}
+
+void check_methods(const Scenario& scenario) try {
+  for (const auto& name : scenario.methods) (void)drive_method(name);
+  const DriveMethod& method = drive_method(scenario.method);
+  for (const auto& name : scenario.expect.except) (void)drive_method(name);
+  if (const auto missing = missing_in_goal(scenario, method.goal); !missing.empty())
+    throw std::invalid_argument("method `" + method.name + "` needs " + missing);
+} catch (const std::invalid_argument& error) {
+  throw std::invalid_argument(scenario.path + ": " + error.what());
 }
 
 bool is_replayed(const Scenario& scenario) {
@@ -65,68 +69,53 @@ std::string list(const std::vector<double>& values) {
   return fmt::format("[{}]", fmt::join(values, ", "));
 }
 
-// The planner method that a scenario method uses.
-std::string planner_method(const std::string& method) {
-  const bool obeys = method == "blend" || method == "adaptive" || method == "hindsight";
-  return obeys ? "intention" : method;
-}
-
 std::vector<double> flat(const std::vector<Pose2>& poses) {
   std::vector<double> numbers;
   for (const Pose2& X : poses) numbers.insert(numbers.end(), {X.x, X.y, X.theta});
   return numbers;
 }
 
-bool plans(const std::string& method) { return method != "manual" && method != "safety_filter"; }
+// Writes what only some components read: the map's slice, its source and the fixtures.
+void add_place(std::map<std::string, Values>& all, const Scenario& s) {
+  for (const char* component : {"map_server", "driver", "obstacle_extractor", "safety_filter",
+                                "diff_drive_sim", "octomap_builder", "shared_dwa", "hindsight"})
+    all[component].insert(s.slice.begin(), s.slice.end());
+  for (const char* component : {"obstacle_extractor", "safety_filter", "shared_dwa"})
+    all[component]["map_source"] = {s.map_source, s.path};
+  if (s.fixtures.empty()) return;
+  for (const char* component :
+       {"obstacle_extractor", "safety_filter", "local_planner", "shared_dwa"})
+    all[component]["fixtures"] = {s.fixtures, s.path};
+}
+
+void add_people(std::map<std::string, Values>& all, const Scenario& s) {
+  if (s.people.empty() && s.crossings.empty()) return;
+  all["diff_drive_sim"]["people"] = {list(to_numbers(people_in(s))), s.path};
+  for (const char* component : {"obstacle_extractor", "safety_filter"})
+    all[component]["people"] = {"true", s.path};
+}
 
 // Component parameters implied by method, seed and place; values in the scenario take precedence.
 std::map<std::string, Values> derived(const Scenario& s, const DriveOptions& options) {
-  const bool enforce = s.method != "manual" && options.enforce;
-  const std::string policy = s.method == "goal"                              ? "autonomous"
-                             : s.method == "blend" || s.method == "adaptive" ? s.method
-                             : plans(s.method)                               ? "shared"
-                                                                             : "manual";
+  const DriveMethod& method = drive_method(s.method);
   const auto value = [&](const auto& v) { return rt::ParameterValue{text(v), s.path}; };
   std::map<std::string, Values> all;
   all["map_server"] = {{"map", value(s.map)}};
-  all["obstacle_extractor"] = {};
-  all["teleop"] = {};
   all["driver"] = {{"driver", value(s.driver)},
                    {"seed", value(s.seed)},
-                   {"steers_leader", value(s.method == "leader" || s.method == "path")}};
-  all["local_planner"] = {{"method", value(planner_method(s.method))}};
+                   {"steers_leader", value(steers_leader(method))}};
+  all["local_planner"] = {{"method", value(method.planner_method)}};
   if (const auto* goal = std::get_if<PoseGoal>(&s.goal))
     all["local_planner"]["goal"] = value(list({goal->X_MG.x, goal->X_MG.y, goal->X_MG.theta}));
-  all["arbitration"] = {{"policy", value(policy)}};
-  all["safety_filter"] = {{"enforce", value(enforce)}};
+  all["hindsight"] = {{"goals", value(list(flat(s.goals)))}};
+  all["arbitration"] = {{"policy", value(method.policy)}};
+  all["safety_filter"] = {{"enforce", value(method.enforce && options.enforce)}};
   all["diff_drive_sim"] = {{"map", value(s.map)},
                            {"seed", value(s.seed)},
                            {"start", value(list({s.start.x, s.start.y, s.start.theta}))},
                            {"speed_factor", value(options.speed)}};
-  for (const char* component :
-       {"map_server", "driver", "obstacle_extractor", "safety_filter", "diff_drive_sim"})
-    all[component].insert(s.slice.begin(), s.slice.end());
-  if (!s.fixtures.empty())
-    for (const char* component : {"obstacle_extractor", "safety_filter", "local_planner"})
-      all[component]["fixtures"] = value(s.fixtures);
-  for (const char* component : {"obstacle_extractor", "safety_filter"})
-    all[component]["map_source"] = value(s.map_source);
-  Values map_reader = s.slice;
-  map_reader["map_source"] = value(s.map_source);
-  if (!s.fixtures.empty()) map_reader["fixtures"] = value(s.fixtures);
-  if (s.map_source != "static") all["octomap_builder"] = s.slice;
-  if (s.method == "dwa") all["shared_dwa"] = map_reader;
-  if (s.method == "hindsight") {
-    all["hindsight"] = s.slice;
-    all["hindsight"]["goals"] = value(list(flat(s.goals)));
-  }
-  if (!plans(s.method) || s.method == "dwa") all.erase("local_planner");
-  if (!s.people.empty() || !s.crossings.empty()) {
-    all["diff_drive_sim"]["people"] = value(list(to_numbers(people_in(s))));
-    for (const char* component : {"obstacle_extractor", "safety_filter"})
-      all[component]["people"] = value(true);
-  }
-  if (s.method == "goal") all.erase("driver"), all.erase("teleop");
+  add_place(all, s);
+  add_people(all, s);
   return all;
 }
 
@@ -203,13 +192,6 @@ void check_robot(const Scenario& scenario) {
   }
 }
 
-const std::vector<std::string>& all_methods() {
-  static const std::vector<std::string> methods{
-      "manual", "safety_filter", "leader", "intention", "path",
-      "blend",  "adaptive",      "dwa",    "hindsight", "goal"};
-  return methods;
-}
-
 std::vector<Walker> people_in(const Scenario& scenario) {
   auto people = scenario.people;
   for (const Crossings& crossings : scenario.crossings)
@@ -219,7 +201,7 @@ std::vector<Walker> people_in(const Scenario& scenario) {
 }
 
 std::string driver_of(const Scenario& scenario) {
-  return scenario.method == "goal" ? "none" : scenario.driver;
+  return has_person(drive_method(scenario.method)) ? scenario.driver : "none";
 }
 
 Scenario with_options(Scenario scenario, const DriveOptions& options) {
@@ -241,20 +223,18 @@ System system_of(const Scenario& scenario, const DriveOptions& options) {
   System system;
   system.path = scenario.path;
   auto all = derived(scenario, options);
-  for (const auto& [component, values] : scenario.parameters) {
-    for (const auto& [key, value] : values)
-      if (const auto it = all.find(component); it != all.end()) it->second[key] = value;
-  }
-  if (const auto it = all.find("local_planner"); options.lockstep && it != all.end())
-    set_deterministic_budget(it->second, scenario.path);
-  for (const auto& [component, values] : all) {
+  for (const auto& [component, values] : scenario.parameters)
+    for (const auto& [key, value] : values) all[component][key] = value;
+  if (options.lockstep) set_deterministic_budget(all["local_planner"], scenario.path);
+  const DriveMethod& method = drive_method(scenario.method);
+  for (const auto& component : components_of(method, scenario.map_source)) {
     rt::NodeOptions node;
     node.name = component;
     node.use_sim_time = component != "diff_drive_sim";
     node.parameters.files = {scenario.robot};
-    node.parameters.values = values;
-    if (component == "local_planner" && scenario.method == "hindsight")
-      node.remappings = {{"cmd_vel_user", "cmd_vel_assisted"}};
+    node.parameters.values = all[component];
+    if (const auto of = method.remappings.find(component); of != method.remappings.end())
+      node.remappings = of->second;
     system.nodes.push_back({component, std::move(node)});
   }
   if (!scenario.recording.empty()) hand_over_recording(scenario, system);

@@ -11,11 +11,9 @@
 #include "tandem/diff_drive_sim/people.hpp"
 #include "tandem/metrics/metrics.hpp"
 
-namespace YAML {
-class Node;
-}
-
 namespace tandem {
+
+class YamlReader;
 
 /// Conditions that must hold after a drive with any method except those in `except`.
 struct Expectation {
@@ -39,7 +37,7 @@ struct Scenario {
   std::optional<RegionGoal> after;   ///< to be visited by that edge, or base_link, first
   Eigen::Vector2d p_BA{0.0, 0.0};    ///< that edge's point on the robot [m], set by with_options()
   std::vector<Pose2> goals;          ///< if there are several poses: the seed selects one
-  std::string method;                ///< default; the command line may name another
+  std::string method;                ///< see method.hpp; the command line may name another
   std::vector<std::string> methods;  ///< methods the scenario is meant for
   std::string driver = "navigator";  ///< and its modifiers, as driver/driver.hpp names them
   std::string recording;             ///< played by the driver `replay`; otherwise empty
@@ -70,16 +68,13 @@ struct DriveOptions {
   std::string recording_topic{};  ///< likewise
 };
 
-/// Names of all methods.
-[[nodiscard]] const std::vector<std::string>& all_methods();
-
 /// The driver's name as in the results; `none` without a driver.
 [[nodiscard]] std::string driver_of(const Scenario& scenario);
 
 /// Parameters per component, as under `parameters:` of a scenario file. Throws
 /// std::invalid_argument naming the file, the line and the unknown component.
 [[nodiscard]] std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
-    const YAML::Node& node, const std::string& path);
+    YamlReader map);
 
 /// Throws std::invalid_argument naming file, line and key if the file is not a valid scenario.
 [[nodiscard]] Scenario load_scenario(const std::string& path);

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses a scenario's YAML; errors name file, line and key.
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <set>
-#include <stdexcept>
 
 #include <spdlog/fmt/fmt.h>
-#include <yaml-cpp/yaml.h>
 
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/scenario.hpp"
-#include "tandem/config/yaml_document.hpp"
+#include "tandem/config/nearest_name.hpp"
+#include "tandem/config/yaml_reader.hpp"
 
 namespace tandem {
 namespace {
@@ -23,319 +21,233 @@ constexpr int kMaxPeople = 100;
 constexpr double kMaxOfAPerson = 5.0;  // [m/s, m] speed or radius
 constexpr double kThinnest = 0.05;     // [m] radius
 
-[[noreturn]] void fail(const std::string& path, const YAML::Node& at, const std::string& what) {
-  const std::string line = at.Mark().is_null() ? "" : ":" + std::to_string(at.Mark().line + 1);
-  throw std::invalid_argument(path + line + ": " + what);
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string all;
-  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
-  return all;
-}
-
-constexpr const char* kind(bool) { return "true or false"; }
-constexpr const char* kind(double) { return "a finite number"; }
-constexpr const char* kind(int) { return "an integer"; }
-constexpr const char* kind(unsigned) { return "an integer of 0 or more"; }
-const char* kind(const std::string&) { return "text"; }
-const char* kind(const std::vector<double>&) { return "a list of finite numbers"; }
-const char* kind(const std::vector<std::string>&) { return "a list of words"; }
-
-bool is_sound(double value) { return std::isfinite(value); }
-bool is_sound(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-}
-template <class T>
-bool is_sound(const T&) {
-  return true;
-}
-
-// The keys of a YAML map, each once.
-std::vector<std::string> keys_of(const YAML::Node& map, const std::string& path) {
-  if (!map.IsMap()) fail(path, map, "expected `key: value` lines");
-  std::vector<std::string> keys;
-  std::set<std::string> seen;
-  for (const auto& entry : map) {
-    if (!entry.first.IsScalar()) fail(path, entry.first, "a key must be a word");
-    keys.push_back(entry.first.Scalar());
-    if (!seen.insert(keys.back()).second)
-      fail(path, entry.first, "`" + keys.back() + "` is given twice");
-  }
-  return keys;
-}
-
-// Reads one YAML map key by key; unknown keys are errors that name file and line.
-class Section {
- public:
-  Section(const YAML::Node& node, std::string path)
-      : node_{node}, path_{std::move(path)}, given_{keys_of(node_, path_)} {}
-
-  template <class T>
-  T required(const char* key) {
-    require(key);
-    return as<T>(node_[key], key);
-  }
-  template <class T>
-  T optional(const char* key, T value) {
-    known_.emplace_back(key);
-    return node_[key] ? as<T>(node_[key], key) : value;
-  }
-  YAML::Node required_child(const char* key) {
-    require(key);
-    return node_[key];
-  }
-  YAML::Node child(const char* key) {
-    known_.emplace_back(key);
-    return node_[key];
-  }
-  void finish() const {
-    for (const auto& key : given_)
-      if (std::find(known_.begin(), known_.end(), key) == known_.end())
-        fail(key, "unknown key `" + key + "`; valid keys: " + joined(known_));
-  }
-  // Throws an error about the value of a key that is present.
-  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
-    tandem::fail(path_, node_[key], what);
-  }
-
- private:
-  void require(const char* key) {
-    known_.emplace_back(key);
-    if (!node_[key]) tandem::fail(path_, node_, std::string("`") + key + "` is missing");
-  }
-  template <class T>
-  T as(const YAML::Node& node, const char* key) const {
-    try {
-      const T value = node.as<T>();
-      if (is_sound(value)) return value;
-    } catch (const YAML::Exception&) {  // reported below
-    }
-    tandem::fail(path_, node,
-                 std::string("`") + key + "` = " + yaml_text(node) + " is not " + kind(T{}));
-  }
-
-  YAML::Node node_;
-  std::string path_;
-  std::vector<std::string> given_, known_;
-};
-
-std::string beside(const std::string& file, const std::string& relative) {
-  const std::filesystem::path path{relative};
-  if (path.is_absolute()) return relative;
-  return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
-}
-
-Pose2 pose(const std::vector<double>& v, const std::string& where) {
-  if (v.size() != 3) throw std::invalid_argument(where + " needs three numbers: x, y, heading");
+Pose2 read_pose(const YamlReader& value) {
+  const auto v = value.as<std::vector<double>>();
+  if (v.size() != 3) value.fail(value.key() + " needs three numbers: x, y, heading");
   return {v[0], v[1], v[2]};
 }
 
 // The name becomes the file name of pictures and tables, so it must not contain a slash.
-std::string read_name(Section& section) {
-  const auto name = section.required<std::string>("scenario");
+std::string read_name(const YamlReader& value) {
+  const auto name = value.as<std::string>();
   if (name.empty() || name.find('/') != std::string::npos)
-    section.fail("scenario", "`scenario` = " + name + ": a name needs a letter, and no `/`");
+    value.fail(value.key() + " = " + name + ": a name needs a letter, and no `/`");
   return name;
 }
 
-std::vector<Pose2> read_poses(Section& section, const char* key) {
-  const auto numbers = section.optional<std::vector<double>>(key, {});
+std::vector<Pose2> read_poses(const std::optional<YamlReader>& value) {
+  if (!value) return {};
+  const auto numbers = value->as<std::vector<double>>();
   if (numbers.size() % 3 != 0)
-    section.fail(key, std::string("`") + key + "` needs x1, y1, heading1, x2, … [m, rad]");
+    value->fail(value->key() + " needs x1, y1, heading1, x2, … [m, rad]");
   std::vector<Pose2> poses;
   for (std::size_t i = 0; i < numbers.size(); i += 3)
     poses.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
   return poses;
 }
 
-std::optional<RegionGoal> read_region(Section& section, const char* key) {
-  const auto region = section.optional<std::vector<double>>(key, {});
-  if (region.empty()) return std::nullopt;
+std::optional<RegionGoal> read_region(const std::optional<YamlReader>& value) {
+  if (!value) return std::nullopt;
+  const auto region = value->as<std::vector<double>>();
   if (region.size() != 4 || region[0] >= region[2] || region[1] >= region[3])
-    section.fail(key, std::string(key) + " needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
+    value->fail(value->key() + " needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
   return RegionGoal{{region[0], region[1]}, {region[2], region[3]}};
 }
 
-double read_positive(Section& section, const char* key, double value) {
-  value = section.optional(key, value);
-  if (!(value > 0.0)) section.fail(key, std::string("`") + key + "` must be above 0");
-  return value;
+double read_positive(YamlReader& map, const char* key, double otherwise) {
+  const auto value = map.optional(key);
+  const double number = value ? value->as<double>() : otherwise;
+  if (!(number > 0.0)) value->fail(value->key() + " must be above 0");
+  return number;
 }
 
 // Reads all fields of a pose goal except the pose.
-PoseGoal read_tolerances(Section& section) {
+PoseGoal read_tolerances(YamlReader& map) {
   PoseGoal goal;
-  goal.tolerance = read_positive(section, "tolerance", goal.tolerance);
-  goal.heading_tolerance = read_positive(section, "heading_tolerance", goal.heading_tolerance);
-  goal.stand = section.optional("stand", goal.stand);
-  if (goal.stand < 0.0) section.fail("stand", "`stand` must be 0 or more");
+  goal.tolerance = read_positive(map, "tolerance", goal.tolerance);
+  goal.heading_tolerance = read_positive(map, "heading_tolerance", goal.heading_tolerance);
+  if (const auto stand = map.optional("stand")) {
+    goal.stand = stand->as<double>();
+    if (goal.stand < 0.0) stand->fail(stand->key() + " must be 0 or more");
+  }
   return goal;
 }
 
-std::string read_edge(Section& section) {
-  const auto edge = section.optional<std::string>("of", "");
-  if (!edge.empty() && edge != "front" && edge != "rear" && edge != "left" && edge != "right")
-    section.fail("of", "`of` = " + edge + " is not one of front, rear, left, right");
+std::string read_edge(const std::optional<YamlReader>& value) {
+  if (!value) return {};
+  const auto edge = value->as<std::string>();
+  if (edge != "front" && edge != "rear" && edge != "left" && edge != "right")
+    value->fail(value->key() + " = " + edge + " is not one of front, rear, left, right");
   return edge;
 }
 
-Goal read_goal(const YAML::Node& node, const std::string& path, Scenario& scenario) {
-  Section goal{node, path};
-  scenario.goals = read_poses(goal, "poses");
-  scenario.after = read_region(goal, "after");
-  scenario.goal_edge = read_edge(goal);
+Goal read_goal(YamlReader map, Scenario& scenario) {
+  scenario.goals = read_poses(map.optional("poses"));
+  scenario.after = read_region(map.optional("after"));
+  const auto edge = map.optional("of"), at = map.optional("pose");
+  scenario.goal_edge = read_edge(edge);
   const auto& poses = scenario.goals;
-  const auto region = read_region(goal, "region");
-  const auto at = goal.optional<std::vector<double>>("pose", {});
-  PoseGoal pose_goal = read_tolerances(goal);
-  const double time = goal.optional("roam_time", 0.0);
-  const double distance = goal.optional("roam_distance", 0.0);
-  goal.finish();
-  if ((region ? 1 : 0) + (at.empty() ? 0 : 1) + (poses.empty() ? 0 : 1) + (time > 0.0 ? 1 : 0) != 1)
-    fail(path, node,
-         "goal needs one of region: [x1, y1, x2, y2], pose: [x, y, heading], "
-         "poses: [x1, y1, heading1, …], roam_time");
-  if (region && !scenario.goal_edge.empty() && !scenario.after)
-    goal.fail("of", "`of` is about a pose or `after`");
+  const auto region = read_region(map.optional("region"));
+  PoseGoal pose_goal = read_tolerances(map);
+  const double time = map.optional("roam_time", 0.0);
+  const double distance = map.optional("roam_distance", 0.0);
+  map.finish();
+  if ((region ? 1 : 0) + (at ? 1 : 0) + (poses.empty() ? 0 : 1) + (time > 0.0 ? 1 : 0) != 1)
+    map.fail(
+        "goal needs one of region: [x1, y1, x2, y2], pose: [x, y, heading], "
+        "poses: [x1, y1, heading1, …], roam_time");
+  if (region && edge && !scenario.after) edge->fail(edge->key() + " is about a pose or `after`");
   if (region) return *region;
   if (time > 0.0) return RoamGoal{time, distance};
-  pose_goal.X_MG = poses.empty() ? pose(at, path + ": goal.pose") : poses.front();
+  pose_goal.X_MG = at ? read_pose(*at) : poses.front();
   return pose_goal;
 }
 
-std::vector<Eigen::Vector2d> read_points(Section& section, const char* key) {
-  const auto numbers = section.required<std::vector<double>>(key);
+std::vector<Eigen::Vector2d> read_points(const YamlReader& value) {
+  const auto numbers = value.as<std::vector<double>>();
   if (numbers.empty() || numbers.size() % 2 != 0)
-    section.fail(key, std::string("`") + key + "` needs x1, y1, x2, y2, … [m]");
+    value.fail(value.key() + " needs x1, y1, x2, y2, … [m]");
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < numbers.size(); i += 2)
     points.emplace_back(numbers[i], numbers[i + 1]);
   return points;
 }
 
-double read_above(Section& section, const char* key, double value, double least) {
-  value = section.optional(key, value);
-  if (!(value >= least && value <= kMaxOfAPerson))
-    section.fail(key, fmt::format("`{}` outside [{}, {}]", key, least, kMaxOfAPerson));
-  return value;
+double read_above(YamlReader& map, const char* key, double otherwise, double least) {
+  const auto value = map.optional(key);
+  const double number = value ? value->as<double>() : otherwise;
+  if (number >= least && number <= kMaxOfAPerson) return number;
+  (value ? *value : map).fail(fmt::format("`{}` outside [{}, {}]", key, least, kMaxOfAPerson));
 }
 
-Crossings read_crossings(Section& section) {
+Crossings read_crossings(YamlReader& map, const YamlReader& count) {
   Crossings crossings;
-  crossings.count = section.required<int>("crossings");
+  crossings.count = count.as<int>();
   if (crossings.count < 0 || crossings.count > kMaxPeople)
-    section.fail("crossings", fmt::format("`crossings` outside [0, {}] people", kMaxPeople));
-  const auto area = read_points(section, "area");
-  if (area.size() != 2 || !(area[0].array() < area[1].array()).all())
-    section.fail("area", "`area` needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
-  crossings.low = area[0];
-  crossings.high = area[1];
-  crossings.slowest = read_above(section, "slowest", crossings.slowest, 0.0);
-  crossings.fastest = read_above(section, "fastest", crossings.fastest, crossings.slowest);
-  crossings.radius = read_above(section, "radius", crossings.radius, kThinnest);
+    count.fail(fmt::format("{} outside [0, {}] people", count.key(), kMaxPeople));
+  const YamlReader area = map.required("area");
+  const auto corners = read_points(area);
+  if (corners.size() != 2 || !(corners[0].array() < corners[1].array()).all())
+    area.fail(area.key() + " needs [x1, y1, x2, y2] with x1 < x2 and y1 < y2");
+  crossings.low = corners[0];
+  crossings.high = corners[1];
+  crossings.slowest = read_above(map, "slowest", crossings.slowest, 0.0);
+  crossings.fastest = read_above(map, "fastest", crossings.fastest, crossings.slowest);
+  crossings.radius = read_above(map, "radius", crossings.radius, kThinnest);
   return crossings;
 }
 
-void read_people(const YAML::Node& node, Scenario& scenario) {
-  if (!node || node.IsNull()) return;
-  if (!node.IsSequence()) fail(scenario.path, node, "`people` needs a list of them");
-  for (const auto& entry : node) {
-    Section section{entry, scenario.path};
-    if (entry["crossings"]) {
-      scenario.crossings.push_back(read_crossings(section));
-    } else {
-      Walker walker;
-      walker.p_MW = read_points(section, "way");
-      walker.speed = read_above(section, "speed", walker.speed, 0.0);
-      walker.radius = read_above(section, "radius", walker.radius, kThinnest);
-      scenario.people.push_back(std::move(walker));
-    }
-    section.finish();
+Walker read_walker(YamlReader& map) {
+  Walker walker;
+  walker.p_MW = read_points(map.required("way"));
+  walker.speed = read_above(map, "speed", walker.speed, 0.0);
+  walker.radius = read_above(map, "radius", walker.radius, kThinnest);
+  return walker;
+}
+
+void read_people(const YamlReader& list, Scenario& scenario) {
+  for (YamlReader& map : list.elements()) {
+    if (const auto count = map.optional("crossings"))
+      scenario.crossings.push_back(read_crossings(map, *count));
+    else
+      scenario.people.push_back(read_walker(map));
+    map.finish();
   }
 }
 
-Expectation read_expectation(const YAML::Node& node, const std::string& path) {
+Expectation read_expectation(YamlReader map) {
   Expectation expect;
-  if (!node) return expect;
-  Section section{node, path};
-  expect.reached = section.optional("reached", expect.reached);
-  expect.max_collisions = section.optional("max_collisions", expect.max_collisions);
-  expect.max_fallback_share = section.optional("max_fallback_share", expect.max_fallback_share);
+  expect.reached = map.optional("reached", expect.reached);
+  expect.max_collisions = map.optional("max_collisions", expect.max_collisions);
+  expect.max_fallback_share = map.optional("max_fallback_share", expect.max_fallback_share);
   expect.max_final_position_error =
-      section.optional("max_final_position_error", expect.max_final_position_error);
-  expect.except = section.optional("except", expect.except);
-  section.finish();
+      map.optional("max_final_position_error", expect.max_final_position_error);
+  expect.except = map.optional("except", expect.except);
+  map.finish();
   return expect;
 }
 
-Values read_values(const YAML::Node& node, const std::string& path) {
+Values read_values(YamlReader map) {
   Values values;
-  if (!node || node.IsNull()) return values;
-  for (const auto& key : keys_of(node, path))
-    values[key] = {yaml_text(node[key]), path + ":" + std::to_string(node[key].Mark().line + 1)};
+  for (const auto& [key, value] : map.rest()) values[key] = {value.text(), value.place()};
   return values;
 }
 
-std::map<std::string, Values> read_parameters(const YAML::Node& node, const std::string& path) {
-  static const std::vector<std::string> components{
-      "map_server",      "driver",      "teleop",        "obstacle_extractor",
-      "local_planner",   "arbitration", "safety_filter", "diff_drive_sim",
-      "octomap_builder", "shared_dwa",  "hindsight"};
-  std::map<std::string, Values> all;
-  if (!node || node.IsNull()) return all;
-  for (const auto& name : keys_of(node, path)) {
-    if (std::find(components.begin(), components.end(), name) == components.end())
-      fail(path, node[name],
-           "parameters for `" + name + "`, which is not one of " + joined(components));
-    all[name] = read_values(node[name], path);
-  }
-  return all;
+std::string read_path(YamlReader& map, const char* key) {
+  const auto value = map.optional(key);
+  return value && !value->as<std::string>().empty() ? value->path() : "";
+}
+
+// The files, and the map, which may be a generator's name.
+void read_files(YamlReader& file, Scenario& s) {
+  const YamlReader map = file.required("map"), robot = file.required("robot");
+  s.map = map.as<std::string>();
+  if (s.map != "clutter") s.map = map.path();
+  s.robot = robot.path();
+  if (std::filesystem::is_directory(s.robot))
+    robot.fail("`robot` = " + s.robot + " is a folder; name a robot's file in it");
+  s.fixtures = read_path(file, "fixtures");
+  s.recording = read_path(file, "recording");
+  s.recording_topic = file.optional<std::string>("recording_topic", "");
+  s.map_source = file.optional("map_source", s.map_source);
+}
+
+void read_methods(YamlReader& file, Scenario& s) {
+  s.method = file.required<std::string>("method");
+  s.methods = {s.method};
+  const auto methods = file.optional("methods");
+  if (!methods) return;
+  s.methods = methods->as<std::vector<std::string>>();
+  if (s.methods.empty())
+    methods->fail(
+        "`methods` is empty; list one at least, or leave the key out: then it is `method`");
+}
+
+double read_duration(YamlReader& file, double otherwise) {
+  const auto value = file.optional("duration");
+  if (!value) return otherwise;
+  const auto duration = value->as<double>();
+  if (!(duration > 0.0 && duration <= kLongest))
+    value->fail(
+        fmt::format("`duration` = {} outside (0, {}]: [s] simulated, then the drive is over",
+                    duration, kLongest));
+  return duration;
 }
 
 }  // namespace
 
-std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
-    const YAML::Node& node, const std::string& path) {
-  return read_parameters(node, path);
+std::map<std::string, Values> component_parameters(YamlReader map) {
+  static const std::set<std::string> components = components_of_all_methods();
+  std::map<std::string, Values> all;
+  for (const auto& [name, values] : map.rest()) {
+    const std::string meant = nearest_name(name, components);
+    if (!components.contains(name))
+      values.fail(fmt::format("parameters for `{}`, which is not one of {}{}", name,
+                              fmt::join(components, ", "),
+                              meant.empty() ? "" : "; did you mean `" + meant + "`?"));
+    all[name] = read_values(values);
+  }
+  return all;
 }
 
 Scenario load_scenario(const std::string& path) {
-  Section file{load_document(path), path};
+  YamlReader file = YamlReader::load(path);
   Scenario s;
   s.path = path;
-  s.name = read_name(file);
-  (void)file.optional<std::string>("about", "");
-  s.map = file.required<std::string>("map");
-  if (s.map != "clutter") s.map = beside(path, s.map);
-  s.robot = beside(path, file.required<std::string>("robot"));
-  if (std::filesystem::is_directory(s.robot))
-    file.fail("robot", "`robot` = " + s.robot + " is a folder; name a robot's file in it");
-  if (const auto fixtures = file.optional<std::string>("fixtures", ""); !fixtures.empty())
-    s.fixtures = beside(path, fixtures);
-  s.map_source = file.optional<std::string>("map_source", s.map_source);
-  s.start = pose(file.required<std::vector<double>>("start"), path + ": start");
-  s.goal = read_goal(file.required_child("goal"), path, s);
-  s.method = file.required<std::string>("method");
-  s.methods = file.optional<std::vector<std::string>>("methods", {s.method});
-  if (s.methods.empty())
-    file.fail("methods",
-              "`methods` is empty; list one at least, or leave the key out: then it is `method`");
+  s.name = read_name(file.required("scenario"));
+  (void)file.optional("about");
+  read_files(file, s);
+  s.start = read_pose(file.required("start"));
+  s.goal = read_goal(file.required("goal"), s);
+  read_methods(file, s);
   s.driver = file.optional("driver", s.driver);
-  if (const auto recording = file.optional<std::string>("recording", ""); !recording.empty())
-    s.recording = beside(path, recording);
-  s.recording_topic = file.optional<std::string>("recording_topic", "");
-  s.duration = file.optional("duration", s.duration);
+  s.duration = read_duration(file, s.duration);
   s.seed = file.optional("seed", s.seed);
-  s.slice = read_values(file.child("slice"), path);
-  s.parameters = read_parameters(file.child("parameters"), path);
-  read_people(file.child("people"), s);
-  s.expect = read_expectation(file.child("expect"), path);
+  if (const auto slice = file.optional("slice")) s.slice = read_values(*slice);
+  if (const auto all = file.optional("parameters")) s.parameters = component_parameters(*all);
+  if (const auto people = file.optional("people")) read_people(*people, s);
+  if (const auto expect = file.optional("expect")) s.expect = read_expectation(*expect);
   file.finish();
-  if (!(s.duration > 0.0 && s.duration <= kLongest))
-    file.fail("duration",
-              fmt::format("`duration` = {} outside (0, {}]: [s] simulated, then the drive is over",
-                          s.duration, kLongest));
   check_scenario(s);
   return s;
 }

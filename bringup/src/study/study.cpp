@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/drive/parallel_drives.hpp"
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/seeded_world.hpp"
 #include "tandem/map/barn_world.hpp"
 
@@ -44,7 +45,7 @@ nlohmann::json contacts(const std::vector<DriveSample>& track) {
 // Time that the person takes by hand without obstacles [s].
 std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
                                 Lockstep& lockstep) {
-  if (!place_of(scenario.goal) || scenario.method == "goal") return std::nullopt;
+  if (!place_of(scenario.goal) || !has_person(drive_method(scenario.method))) return std::nullopt;
   options.method = "manual";
   options.obstacles = false;
   const DriveResult result = lockstep.drive(scenario, options).result;

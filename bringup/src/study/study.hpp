@@ -58,8 +58,8 @@ struct Study {
 void check_study(const Study& study);
 
 /// Runs one drive: {"drive": its measures, "track": [[x, y], …] thinned, "contacts": [[x, y], …]},
-/// in M [m]. If the goal is a place and the method is not `goal`, the same person also drives by
-/// hand without obstacles, for the time ratio.
+/// in M [m]. If the goal is a place and a person drives, the same person also drives by hand
+/// without obstacles, for the time ratio.
 [[nodiscard]] nlohmann::json make_drive(const Study& study, const StudyDrive& drive,
                                         Lockstep& lockstep);
 

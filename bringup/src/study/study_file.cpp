@@ -2,7 +2,7 @@
 // Reads a study file: its drives, and the description that distinguishes it from other studies.
 #include "bringup/study/study.hpp"
 
-#include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -13,8 +13,8 @@
 
 #include "bringup/drive/parallel_drives.hpp"
 #include "bringup/scenario/checksum.hpp"
+#include "bringup/scenario/method.hpp"
 #include "bringup/scenario/seeded_world.hpp"
-#include "tandem/config/yaml_document.hpp"
 #include "tandem/config/yaml_reader.hpp"
 
 namespace tandem {
@@ -22,7 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kKeys = "scenarios, robots, methods, drivers, seeds, overrides";
+// What a study may say for all its parts, or a part for itself.
+const std::vector<std::string> kPartKeys{"scenarios", "robots", "methods",
+                                         "drivers",   "seeds",  "overrides"};
 
 using Parameters = std::map<std::string, std::map<std::string, rt::ParameterValue>>;
 
@@ -37,12 +39,6 @@ struct Person {
   std::map<std::string, rt::ParameterValue> parameters{};
 };
 
-std::string beside(const std::string& file, const std::string& relative) {
-  const fs::path path{relative};
-  if (path.is_absolute()) return relative;
-  return (fs::path(file).parent_path() / path).lexically_normal().string();
-}
-
 // Whether the driver is `replay`, with or without modifiers.
 bool is_replay(const std::string& driver) {
   return driver == "replay" || driver.starts_with("replay+");
@@ -53,71 +49,158 @@ void merge(Parameters& into, const Parameters& values) {
     for (const auto& [key, value] : entries) into[component][key] = value;
 }
 
+std::string word(const YamlReader& value) {
+  const auto text = value.is_scalar() ? value.as<std::string>() : "";
+  if (text.empty()) value.fail(value.key() + " needs a word");
+  return text;
+}
+
+// A word that can be part of a file name.
+std::string name(const YamlReader& value) {
+  const std::string text = word(value);
+  if (text.find('/') != std::string::npos)
+    value.fail(fmt::format("{} = {}: a name may not hold a `/`", value.key(), text));
+  return text;
+}
+
+// The elements of a list that must have some.
+std::vector<YamlReader> elements(const YamlReader& list, const std::string& what) {
+  if (!list.is_list() || list.elements().empty())
+    list.fail(list.key() + " needs a list of " + what);
+  return list.elements();
+}
+
+StudyMethod read_method(YamlReader& value) {
+  StudyMethod method;
+  if (value.is_map()) {
+    method.method = word(value.required("method"));
+    method.name = name(value.required("name"));
+    method.enforce = value.optional("enforce", true);
+    if (const auto parameters = value.optional("parameters"))
+      method.parameters = component_parameters(*parameters);
+    value.finish();
+  } else {
+    method.name = method.method = word(value);
+  }
+  try {
+    (void)drive_method(method.method);
+  } catch (const std::invalid_argument& error) {
+    value.fail(error.what());
+  }
+  return method;
+}
+
+Person read_person(YamlReader& value) {
+  if (!value.is_map()) return {.name = word(value), .driver = word(value)};
+  Person person;
+  person.name = name(value.required("name"));
+  if (const auto driver = value.optional("driver")) person.driver = word(*driver);
+  if (const auto played = value.optional("recording")) {
+    (void)word(*played);
+    person.recording = played->path();
+  }
+  if (const auto topic = value.optional("recording_topic")) person.recording_topic = word(*topic);
+  for (const auto& [key, parameter] : value.rest())
+    person.parameters[key] = {parameter.text(), parameter.place()};
+  if (!person.recording.empty() && !is_replay(person.driver))
+    value.fail("a `recording` needs `driver: replay`");
+  return person;
+}
+
+std::vector<Person> read_people(const std::optional<YamlReader>& list) {
+  if (!list) return {{}};
+  std::vector<Person> people;
+  for (YamlReader& value : elements(*list, "drivers")) people.push_back(read_person(value));
+  return people;
+}
+
+[[noreturn]] void refuse_seeds(const YamlReader& value) {
+  value.fail(value.key() + " = " + value.text() +
+             ": expected 20, 1-20 or [3, 5, 8], the smallest 1");
+}
+
+unsigned read_seed(const YamlReader& value, const YamlReader& seeds) {
+  const auto text = value.is_scalar() ? value.as<std::string>() : "";
+  unsigned seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc{} || end != text.data() + text.size() || seed == 0) refuse_seeds(seeds);
+  return seed;
+}
+
+SeedRange read_range(const YamlReader& seeds) {
+  const auto text = seeds.is_scalar() ? seeds.as<std::string>() : "";
+  try {
+    return seed_range("seeds", text.find('-') != std::string::npos
+                                   ? text
+                                   : fmt::format("1-{}", read_seed(seeds, seeds)));
+  } catch (const std::invalid_argument& error) {
+    seeds.fail(error.what());
+  }
+}
+
+std::vector<unsigned> read_seeds(const YamlReader& value) {
+  std::vector<unsigned> seeds;
+  if (value.is_list()) {
+    for (const YamlReader& seed : value.elements()) seeds.push_back(read_seed(seed, value));
+    if (seeds.empty()) refuse_seeds(value);
+    return seeds;
+  }
+  const SeedRange range = read_range(value);
+  for (unsigned seed = range.first; seed <= range.last; ++seed) seeds.push_back(seed);
+  return seeds;
+}
+
 class StudyReader {
  public:
-  explicit StudyReader(const std::string& path) : path_{path}, yaml_{path}, root_{yaml_.load()} {
-    yaml_.allow(root_, {"study", "about", "scenarios", "robots", "methods", "drivers", "seeds",
-                        "overrides", "parts"});
-  }
+  explicit StudyReader(const std::string& path) : path_{path}, root_{YamlReader::load(path)} {}
 
   Study read() {
     study_.path = path_;
-    study_.name = name(yaml_.required(root_, "study"), "study");
-    if (const YAML::Node parts = root_["parts"]) {
-      if (!parts.IsSequence() || parts.size() == 0)
-        yaml_.fail(parts,
-                   "`parts` must be a list of maps with any of the keys " + std::string(kKeys));
-      for (const auto& part : parts) read_part(part);
-    } else {
-      read_part(YAML::Node{YAML::NodeType::Map});
-    }
+    study_.name = name(root_.required("study"));
+    (void)root_.optional("about");
+    for (const auto& key : kPartKeys) (void)root_.optional(key);
+    const auto parts = root_.optional("parts");
+    root_.finish();
+    if (parts)
+      for (YamlReader& part :
+           elements(*parts, fmt::format("maps with any of {}", fmt::join(kPartKeys, ", "))))
+        read_part(part);
+    else
+      read_part(root_);
     describe();
     return std::move(study_);
   }
 
  private:
-  std::string word(const YAML::Node& node, const char* key) const {
-    if (!node.IsScalar() || node.Scalar().empty())
-      yaml_.fail(node, fmt::format("`{}` must be a word", key));
-    return node.Scalar();
-  }
-
-  // A word that can be part of a file name.
-  std::string name(const YAML::Node& node, const char* key) const {
-    if (word(node, key).find('/') != std::string::npos)
-      yaml_.fail(node, fmt::format("`{}` = {}: a name must not contain `/`", key, node.Scalar()));
-    return node.Scalar();
-  }
-
   // The part's value of a key, or the study's if the part has none.
-  YAML::Node said(const YAML::Node& part, const char* key) const {
-    const YAML::Node own = part[key];
-    return own ? own : root_[key];
+  std::optional<YamlReader> value_of(YamlReader& part, const char* key) {
+    const auto own = part.optional(key);
+    return own ? own : root_.optional(key);
   }
 
-  void read_part(const YAML::Node& part) {
-    yaml_.allow(part, {"scenarios", "robots", "methods", "drivers", "seeds", "overrides"});
-    const auto scenarios = with_robots(read_scenarios(part), said(part, "robots"));
-    const auto people = read_people(said(part, "drivers"));
-    const auto seeds = read_seeds(part);
+  void read_part(YamlReader& part) {
+    for (const auto& key : kPartKeys) (void)part.optional(key);
+    part.finish();
+    const auto scenarios = with_robots(read_scenarios(part), value_of(part, "robots"));
+    const auto people = read_people(value_of(part, "drivers"));
+    const auto given = value_of(part, "seeds");
+    if (!given) root_.fail("`seeds` is missing: 20, 1-20 or [3, 5, 8]");
+    const auto seeds = read_seeds(*given);
+    const auto methods = value_of(part, "methods");
     for (const Scenario& scenario : scenarios)
-      for (const StudyMethod& method : read_methods(said(part, "methods"), scenario))
+      for (const StudyMethod& method : read_methods(methods, scenario))
         for (const Person& person : people) add_cell(scenario, method, person, seeds);
   }
 
-  std::vector<Scenario> read_scenarios(const YAML::Node& part) {
-    const YAML::Node list = said(part, "scenarios");
-    if (!list || !list.IsSequence() || list.size() == 0)
-      yaml_.fail(list              ? list
-                 : part.size() > 0 ? part
-                                   : root_,
-                 "`scenarios` must be a list of scenario files, relative to this file");
+  std::vector<Scenario> read_scenarios(YamlReader& part) {
+    const std::string what = "scenario files, relative to this file";
+    const auto list = value_of(part, "scenarios");
+    if (!list) part.fail("`scenarios` needs a list of " + what);
     Parameters overrides;
-    if (const YAML::Node node = said(part, "overrides"))
-      overrides = component_parameters(node, path_);
+    if (const auto given = value_of(part, "overrides")) overrides = component_parameters(*given);
     std::vector<Scenario> scenarios;
-    for (const auto& node : list) {
-      scenarios.push_back(read_scenario(node));
+    for (YamlReader& value : elements(*list, what)) {
+      scenarios.push_back(read_scenario(value));
       merge(scenarios.back().parameters, overrides);
     }
     return scenarios;
@@ -125,141 +208,61 @@ class StudyReader {
 
   // Combines each scenario with each robot. A robot other than the scenario's own is added to the
   // name.
-  std::vector<Scenario> with_robots(const std::vector<Scenario>& scenarios,
-                                    const YAML::Node& list) const {
+  static std::vector<Scenario> with_robots(const std::vector<Scenario>& scenarios,
+                                           const std::optional<YamlReader>& list) {
     if (!list) return scenarios;
-    if (!list.IsSequence() || list.size() == 0)
-      yaml_.fail(list, "`robots` must be a list of robot files, relative to this file");
     std::vector<Scenario> all;
     for (const Scenario& scenario : scenarios)
-      for (const auto& node : list) all.push_back(with_robot(scenario, node));
+      for (const YamlReader& value : elements(*list, "robots' files, relative to this file"))
+        all.push_back(with_robot(scenario, value));
     return all;
   }
 
-  Scenario with_robot(Scenario scenario, const YAML::Node& node) const {
-    const std::string file = beside(path_, word(node, "robots"));
+  static Scenario with_robot(Scenario scenario, const YamlReader& value) {
+    (void)word(value);
+    const std::string file = value.path();
     if (!fs::is_regular_file(file))
-      yaml_.fail(node, "no robot file " + file + "; the path is relative to this file");
+      value.fail("no robot file " + file + "; it is looked for relative to this file");
     if (fs::weakly_canonical(file) == fs::weakly_canonical(scenario.robot)) return scenario;
     scenario.robot = file;
     scenario.name += "_" + fs::path{file}.stem().string();
     return scenario;
   }
 
-  Scenario read_scenario(const YAML::Node& node) {
-    if (node.IsMap()) yaml_.allow(node, {"file", "name", "map", "duration"});
-    const YAML::Node file = node.IsMap() ? yaml_.required(node, "file") : node;
-    const std::string path = beside(path_, word(file, "scenarios"));
-    if (!fs::is_regular_file(path))
-      yaml_.fail(file, "no scenario file " + path + "; the path is relative to this file");
-    Scenario scenario = load_scenario(path);
-    files_.insert(path);
-    if (!node.IsMap()) return scenario;
-    if (const auto given = node["name"]) scenario.name = name(given, "name");
-    if (const auto map = node["map"]) {
-      scenario.map = word(map, "map");
-      if (scenario.map != "clutter") scenario.map = beside(path_, scenario.map);
+  // Reads a scenario's file, with changes if the value is a map.
+  Scenario read_scenario(YamlReader& value) {
+    if (!value.is_map()) return load_file(value);
+    Scenario scenario = load_file(value.required("file"));
+    if (const auto given = value.optional("name")) scenario.name = name(*given);
+    if (const auto map = value.optional("map")) {
+      scenario.map = word(*map);
+      if (scenario.map != "clutter") scenario.map = map->path();
     }
-    if (const auto duration = node["duration"])
-      scenario.duration = yaml_.number(duration, 0.1, 1e6);
+    if (const auto duration = value.optional("duration"))
+      scenario.duration = duration->number(0.1, 1e6);
+    value.finish();
     return scenario;
   }
 
-  std::vector<StudyMethod> read_methods(const YAML::Node& list, const Scenario& scenario) const {
+  Scenario load_file(const YamlReader& value) {
+    (void)word(value);
+    const std::string path = value.path();
+    if (!fs::is_regular_file(path))
+      value.fail("no scenario file " + path + "; it is looked for relative to this file");
+    files_.insert(path);
+    return load_scenario(path);
+  }
+
+  static std::vector<StudyMethod> read_methods(const std::optional<YamlReader>& list,
+                                               const Scenario& scenario) {
     std::vector<StudyMethod> methods;
-    if (!list || (list.IsScalar() && list.Scalar() == "all")) {
+    if (!list || (list->is_scalar() && list->as<std::string>() == "all")) {
       for (const auto& name : scenario.methods) methods.push_back({name, name, true, {}});
       return methods;
     }
-    if (!list.IsSequence() || list.size() == 0)
-      yaml_.fail(list,
-                 "`methods` must be a list of methods, or `all` for those that the scenario lists");
-    for (const auto& node : list) methods.push_back(read_method(node));
+    for (YamlReader& value : elements(*list, "methods, or `all`: those the scenario lists"))
+      methods.push_back(read_method(value));
     return methods;
-  }
-
-  StudyMethod read_method(const YAML::Node& node) const {
-    StudyMethod method;
-    if (node.IsMap()) {
-      yaml_.allow(node, {"name", "method", "enforce", "parameters"});
-      method.method = word(yaml_.required(node, "method"), "method");
-      method.enforce = yaml_.flag(node, "enforce", true);
-      if (const auto parameters = node["parameters"])
-        method.parameters = component_parameters(parameters, path_);
-      method.name = name(yaml_.required(node, "name"), "name");
-    } else {
-      method.name = method.method = word(node, "methods");
-    }
-    const auto& known = all_methods();
-    if (std::find(known.begin(), known.end(), method.method) == known.end())
-      yaml_.fail(
-          node, fmt::format("method `{}` is not one of {}", method.method, fmt::join(known, ", ")));
-    return method;
-  }
-
-  std::vector<Person> read_people(const YAML::Node& list) const {
-    if (!list) return {{}};
-    if (!list.IsSequence() || list.size() == 0)
-      yaml_.fail(list, "`drivers` must be a list of drivers");
-    std::vector<Person> people;
-    for (const auto& node : list) people.push_back(read_person(node));
-    return people;
-  }
-
-  Person read_person(const YAML::Node& node) const {
-    if (!node.IsMap()) return {.name = word(node, "drivers"), .driver = word(node, "drivers")};
-    Person person;
-    yaml_.each_once(node);
-    for (const auto& entry : node) {
-      const std::string key = entry.first.Scalar();
-      if (key == "name")
-        person.name = name(entry.second, "name");
-      else if (key == "driver")
-        person.driver = word(entry.second, "driver");
-      else if (key == "recording")
-        person.recording = beside(path_, word(entry.second, "recording"));
-      else if (key == "recording_topic")
-        person.recording_topic = word(entry.second, "recording_topic");
-      else
-        person.parameters[key] = {yaml_text(entry.second),
-                                  fmt::format("{}:{}", path_, entry.second.Mark().line + 1)};
-    }
-    if (person.name.empty()) yaml_.fail(node, "'name' is missing");
-    if (!person.recording.empty() && !is_replay(person.driver))
-      yaml_.fail(node, "a `recording` needs `driver: replay`");
-    return person;
-  }
-
-  std::vector<unsigned> read_seeds(const YAML::Node& part) const {
-    const YAML::Node node = said(part, "seeds");
-    if (!node) yaml_.fail(root_, "`seeds` is missing: give 20, 1-20 or [3, 5, 8]");
-    std::vector<unsigned> seeds;
-    const auto wrong = [&] {
-      yaml_.fail(node, "`seeds` = " + yaml_text(node) +
-                           ": expected 20, 1-20 or [3, 5, 8], with seeds from 1 up");
-    };
-    const auto number = [&](const YAML::Node& value) {
-      unsigned seed = 0;
-      if (!value.IsScalar() || !YAML::convert<unsigned>::decode(value, seed) || seed == 0 ||
-          value.Scalar().starts_with('-'))
-        wrong();
-      return seed;
-    };
-    if (node.IsSequence()) {
-      for (const auto& value : node) seeds.push_back(number(value));
-      if (seeds.empty()) wrong();
-      return seeds;
-    }
-    const bool is_range = node.IsScalar() && node.Scalar().find('-') != std::string::npos;
-    SeedRange range{1, 1};
-    if (!is_range) range.last = number(node);
-    try {
-      range = seed_range("seeds", is_range ? node.Scalar() : fmt::format("1-{}", range.last));
-    } catch (const std::invalid_argument& error) {
-      yaml_.fail(node, error.what());
-    }
-    for (unsigned seed = range.first; seed <= range.last; ++seed) seeds.push_back(seed);
-    return seeds;
   }
 
   void add_cell(Scenario scenario, const StudyMethod& method, const Person& person,
@@ -294,7 +297,7 @@ class StudyReader {
   void describe() {
     auto& description = study_.description;
     description["study"] = study_.name;
-    description["study file"] = yaml_text(root_);
+    description["study file"] = root_.text();
     for (const auto& cell : study_.cells) {
       const Scenario& scenario = cell.scenario;
       files_.insert(scenario.robot);
@@ -333,8 +336,7 @@ class StudyReader {
   }
 
   std::string path_;
-  YamlReader yaml_;
-  YAML::Node root_;
+  YamlReader root_;
   Study study_;
   std::set<std::string> names_, files_;
 };

@@ -6,11 +6,9 @@
 #include <set>
 #include <stdexcept>
 
-#include <yaml-cpp/yaml.h>
-
 #include "bringup/system/parameter_names.hpp"
 #include "bringup/system/processes.hpp"
-#include "tandem/config/yaml_document.hpp"
+#include "tandem/config/yaml_reader.hpp"
 #include "tandem/runtime/arguments.hpp"
 #include "tandem/runtime/dds_security.hpp"
 #include "tandem/runtime/names.hpp"
@@ -22,120 +20,40 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Reads one system file; every error names file and line.
-class SystemReader {
- public:
-  explicit SystemReader(const std::string& path) : path_{path} {}
+// `$(dirname)` is the system file's folder, as in ROS 2's launch files.
+std::string with_folder(std::string text, const std::string& path) {
+  static const std::string kDirname = "$(dirname)";
+  const std::string folder = fs::absolute(path).parent_path().string();
+  for (auto at = text.find(kDirname); at != std::string::npos;
+       at = text.find(kDirname, at + folder.size()))
+    text.replace(at, kDirname.size(), folder);
+  return text;
+}
 
-  System read() {
-    const YAML::Node root = load_document(path_);
-    require_keys(root, {"use_sim_time", "parameter_files", "components"});
-    if (const auto value = root["use_sim_time"]) use_sim_time_ = as<bool>(value, "true or false");
-    for (const auto& file : list(root, "parameter_files"))
-      files_.push_back(beside(as<std::string>(file, "a path")));
-    System system{path_, {}};
-    for (const auto& node : list(root, "components")) system.nodes.push_back(read_node(node));
-    if (system.nodes.empty()) fail(root, "no components");
-    return system;
-  }
+// The paths of the list under a key; none without it.
+std::vector<std::string> read_paths(YamlReader& map, const char* key) {
+  std::vector<std::string> paths;
+  if (const auto list = map.optional(key))
+    for (const YamlReader& value : list->elements()) paths.push_back(value.path());
+  return paths;
+}
 
- private:
-  [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
-    throw std::invalid_argument(place(node) + ": " + what);
-  }
-
-  [[nodiscard]] std::string place(const YAML::Node& node) const {
-    return path_ + ":" + std::to_string(node.Mark().line + 1);
-  }
-
-  template <class T>
-  T as(const YAML::Node& node, const char* kind) const {
-    try {
-      return node.as<T>();
-    } catch (const YAML::Exception&) {
-      fail(node, std::string{"expected "} + kind);
-    }
-  }
-
-  // Otherwise one of two duplicates would be ignored silently.
-  void require_each_once(const YAML::Node& map) const {
-    if (!map.IsMap()) fail(map, "expected a map");
-    std::set<std::string> seen;
-    for (const auto& entry : map)
-      if (const auto key = as<std::string>(entry.first, "a key"); !seen.insert(key).second)
-        fail(entry.first, "`" + key + "` is given twice; bring both together");
-  }
-
-  void require_keys(const YAML::Node& map, const std::vector<std::string>& known) const {
-    require_each_once(map);
-    for (const auto& entry : map) {
-      const auto key = as<std::string>(entry.first, "a key");
-      if (std::find(known.begin(), known.end(), key) == known.end())
-        fail(entry.first, "unknown key '" + key + "'");
-    }
-  }
-
-  [[nodiscard]] YAML::Node list(const YAML::Node& map, const char* key) const {
-    const YAML::Node value = map[key];
-    if (!value || value.IsNull()) return YAML::Node{YAML::NodeType::Sequence};
-    if (!value.IsSequence()) fail(value, std::string{key} + " must be a list");
-    return value;
-  }
-
-  [[nodiscard]] std::string beside(const std::string& file) const {
-    return (fs::path{path_}.parent_path() / file).lexically_normal();
-  }
-
-  SystemNode read_node(const YAML::Node& map) const {
-    require_keys(map, {"component", "name", "namespace", "parameters", "parameter_files",
-                       "remappings", "respawn"});
-    if (!map["component"]) fail(map, "a component needs `component:`");
-    SystemNode node{as<std::string>(map["component"], "a component's name"), {}};
-    auto& options = node.options;
-    options.name = map["name"] ? as<std::string>(map["name"], "a node's name") : node.component;
-    if (map["namespace"]) options.ns = as<std::string>(map["namespace"], "a namespace");
-    if (map["respawn"]) node.respawn = as<bool>(map["respawn"], "true or false");
-    options.use_sim_time = use_sim_time_;
-    options.parameters.files = files_;
-    for (const auto& file : list(map, "parameter_files"))
-      options.parameters.files.push_back(beside(as<std::string>(file, "a path")));
-    read_parameters(map["parameters"], options);
-    read_remappings(map["remappings"], options);
-    return node;
-  }
-
-  void read_parameters(const YAML::Node& map, rt::NodeOptions& options) const {
-    if (!map || map.IsNull()) return;
-    if (!map.IsMap()) fail(map, "parameters must be a map");
-    require_each_once(map);
-    for (const auto& entry : map)
-      options.parameters.values[as<std::string>(entry.first, "a key")] = {
-          expand(yaml_text(entry.second)), place(entry.first)};
-  }
-
-  // `$(dirname)` is the system file's folder, as in ROS 2's launch files.
-  [[nodiscard]] std::string expand(std::string text) const {
-    static const std::string kDirname = "$(dirname)";
-    const std::string folder = fs::absolute(path_).parent_path().string();
-    for (auto at = text.find(kDirname); at != std::string::npos;
-         at = text.find(kDirname, at + folder.size()))
-      text.replace(at, kDirname.size(), folder);
-    return text;
-  }
-
-  void read_remappings(const YAML::Node& map, rt::NodeOptions& options) const {
-    if (!map || map.IsNull()) return;
-    if (!map.IsMap()) fail(map, "remappings must be a map");
-    require_each_once(map);
-    for (const auto& entry : map)
-      options.remappings[as<std::string>(entry.first, "a name")] =
-          as<std::string>(entry.second, "a name");
-  }
-
-  const std::string& path_;
-  bool use_sim_time_ = false;
-  std::vector<std::string> files_;
-};
+SystemNode read_node(YamlReader& map, const std::string& path) {
+  SystemNode node{map.required<std::string>("component"), {}};
+  auto& options = node.options;
+  options.name = map.optional("name", node.component);
+  options.ns = map.optional("namespace", options.ns);
+  node.respawn = map.optional("respawn", node.respawn);
+  options.parameters.files = read_paths(map, "parameter_files");
+  if (auto parameters = map.optional("parameters"))
+    for (const auto& [key, value] : parameters->rest())
+      options.parameters.values[key] = {with_folder(value.text(), path), value.place()};
+  if (auto remappings = map.optional("remappings"))
+    for (const auto& [from, to] : remappings->rest())
+      options.remappings[from] = to.as<std::string>();
+  map.finish();
+  return node;
+}
 
 bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
   return only.empty() || std::find(only.begin(), only.end(), node.options.name) != only.end();
@@ -243,7 +161,22 @@ void require_names(const System& system, const std::vector<std::string>& only) {
   }
 }
 
-System load_system(const std::string& path) { return SystemReader{path}.read(); }
+System load_system(const std::string& path) {
+  YamlReader root = YamlReader::load(path);
+  const bool use_sim_time = root.optional("use_sim_time", false);
+  const auto files = read_paths(root, "parameter_files");
+  System system{path, {}};
+  if (const auto components = root.optional("components"))
+    for (YamlReader& map : components->elements()) system.nodes.push_back(read_node(map, path));
+  root.finish();
+  if (system.nodes.empty()) root.fail("no components");
+  for (SystemNode& node : system.nodes) {
+    auto& own = node.options.parameters.files;
+    own.insert(own.begin(), files.begin(), files.end());
+    node.options.use_sim_time = use_sim_time;
+  }
+  return system;
+}
 
 RunningSystem::RunningSystem(const System& system, const std::vector<std::string>& only) {
   require_names(system, only);

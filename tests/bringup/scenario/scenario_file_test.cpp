@@ -113,12 +113,12 @@ TEST_F(ScenarioFile, MayWantAnEdgeOfTheRobotAtItsGoal) {
   EXPECT_EQ(drive.after->high.x(), 2.0);
   EXPECT_EQ(drive.p_BA.x(), front);
   write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "pose: [4, 2, 0], of: nose");
-  EXPECT_NE(complaint().find("`of` = nose is not one of front, rear, left, right"),
+  EXPECT_NE(complaint().find("`goal.of` = nose is not one of front, rear, left, right"),
             std::string::npos);
   write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "region: [3.0, 1.5, 5.0, 3.5], of: left");
-  EXPECT_NE(complaint().find("`of` is about a pose or `after`"), std::string::npos);
+  EXPECT_NE(complaint().find("`goal.of` is about a pose or `after`"), std::string::npos);
   write(text_, "region: [3.0, 1.5, 5.0, 3.5]", "pose: [4, 2, 0], stand: -1");
-  EXPECT_NE(complaint().find("`stand` must be 0 or more"), std::string::npos);
+  EXPECT_NE(complaint().find("`goal.stand` must be 0 or more"), std::string::npos);
 }
 
 // A file of BARN worlds, 1 to `count`, each with one cylinder at (x, 3).
@@ -198,17 +198,18 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"duration_inf", "60", ".inf", "`duration` = .inf is not a finite number"},
         Mistake{"duration_negative", "60", "-5", "`duration` = -5 outside (0, 1000000]"},
         Mistake{"start_nan", "[-4.0, ", "[.nan, ", "is not a list of finite numbers"},
-        Mistake{"start_short", "-4.0, 0.0]", "-4.0]", "start needs three numbers"},
+        Mistake{"start_short", "-4.0, 0.0]", "-4.0]", ":4: `start` needs three numbers"},
         Mistake{"start_in_a_pole", "[-4.0, -4.0, ", "[-2.0, -2.0, ",
-                "start: at [-2, -2, 0] the robot's outline overlaps an obstacle"},
-        Mistake{"region_nan", "[3.0, ", "[.nan, ", ":5: `region` = [.nan, 1.5, 5.0, 3.5]"},
-        Mistake{"region_inverted", "[3.0, ", "[6.0, ", "with x1 < x2 and y1 < y2"},
-        Mistake{"region_short", ", 3.5]", "]", "region needs [x1, y1, x2, y2]"},
+                "start: [-2, -2, 0] puts the robot's outline into an obstacle"},
+        Mistake{"region_nan", "[3.0, ", "[.nan, ", ":5: `goal.region` = [.nan, 1.5, 5.0, 3.5]"},
+        Mistake{"region_inverted", "[3.0, ", "[6.0, ",
+                ":5: `goal.region` needs [x1, y1, x2, y2] with x1 < x2"},
+        Mistake{"region_short", ", 3.5]", "]", ":5: `goal.region` needs [x1, y1, x2, y2]"},
         Mistake{"two_goals", "{region", "{pose: [1, 1, 0], region", "goal needs one of"},
         Mistake{"no_tolerance", "region: [3.0, 1.5, 5.0, 3.5]", "pose: [1, 1, 0], tolerance: 0",
-                "`tolerance` must be above 0"},
+                ":5: `goal.tolerance` must be above 0"},
         Mistake{"poses_short", "region: [3.0, 1.5, 5.0, 3.5]", "poses: [1, 1, 0, 2]",
-                "`poses` needs x1, y1, heading1, x2"},
+                "`goal.poses` needs x1, y1, heading1, x2"},
         Mistake{"hindsight_without_poses", "leader", "hindsight",
                 "`hindsight` needs goal: {poses:"},
         Mistake{"goal_without_pose", "leader", "goal", "method `goal` needs goal: {pose:"},
@@ -219,23 +220,28 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"route_nan", "[4.0, 2.5]", "[4.0, .nan]", ":8: node /driver: route = nan outside"},
         Mistake{"unknown_parameter", "{route", "{rout", "rout = [4.0, 2.5] is not a parameter of"},
         Mistake{"unknown_component", "{driver", "{diver", ":8: parameters for `diver`, which is"},
-        Mistake{"parameters_scalar", "{driver: {route: [4.0, 2.5]}}", "5", ":8: expected `key"},
-        Mistake{"parameters_list", "{route: [4.0, 2.5]}", "[1, 2]", ":8: expected `key: value`"},
+        Mistake{"parameters_scalar", "{driver: {route: [4.0, 2.5]}}", "5",
+                ":8: `parameters`: expected `key"},
+        Mistake{"parameters_list", "{route: [4.0, 2.5]}", "[1, 2]",
+                ":8: `parameters.driver`: expected `key: value`"},
         Mistake{"slice_over_everything", "duration: 60", "slice: {z_min: 5, z_max: 6}",
-                "contains nothing between 5 m and 6 m"},
-        Mistake{"people_no_list", "duration: 60", "people: 3", ":7: `people` needs a list"},
-        Mistake{"people_without_way", "duration: 60", "people: [{speed: 1}]", "`way` is missing"},
-        Mistake{"people_odd_way", "duration: 60", "people: [{way: [1, 2, 3]}]", "`way` needs x1"},
+                "holds nothing from 5 m to 6 m"},
+        Mistake{"people_no_list", "duration: 60", "people: 3", ":7: `people`: expected a list"},
+        Mistake{"people_without_way", "duration: 60", "people: [{speed: 1}]",
+                ":7: `people[0].way` is missing"},
+        Mistake{"people_odd_way", "duration: 60", "people: [{way: [1, 2, 3]}]",
+                "`people[0].way` needs x1"},
         Mistake{"people_backward", "duration: 60", "people: [{way: [1, 2], speed: -1}]",
                 "`speed` outside [0, 5]"},
         Mistake{"people_thin", "duration: 60", "people: [{way: [1, 2], radius: 0}]",
                 "`radius` outside [0.05, 5]"},
         Mistake{"people_unknown_key", "duration: 60", "people: [{way: [1, 2], spede: 1}]",
-                "unknown key `spede`"},
+                "unknown key `people[0].spede`; known here: "},
         Mistake{"crossings_area", "duration: 60", "people: [{crossings: 3, area: [1, 1, 0, 2]}]",
-                "`area` needs [x1, y1, x2, y2]"},
+                "`people[0].area` needs [x1, y1, x2, y2]"},
         Mistake{"crossings_too_many", "duration: 60",
-                "people: [{crossings: 999, area: [0, 0, 1, 1]}]", "`crossings` outside [0, 100]"},
+                "people: [{crossings: 999, area: [0, 0, 1, 1]}]",
+                "`people[0].crossings` outside [0, 100]"},
         Mistake{"seed_too_large", "duration: 60", "seed: 4294967295", "above the largest"},
         Mistake{"map_missing", "forest.bt", "nowhere.bt", "nowhere.bt: no such file"},
         Mistake{"robot_folder", "/mir100.yaml", "", "/robots is a folder; name a robot's file"},

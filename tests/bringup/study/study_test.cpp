@@ -184,16 +184,16 @@ TEST_P(Mistaken, IsRefusedInOneLineThatNamesTheFile) {
 INSTANTIATE_TEST_SUITE_P(
     Files, Mistaken,
     ::testing::Values(
-        Mistake{"key", "seeds", "sedes", ":4: unknown key 'sedes'; valid keys: "},
+        Mistake{"key", "seeds", "sedes", ":4: unknown key `sedes`; known here: "},
         Mistake{"key_twice", "seeds: 1-3", "seeds: 1\nmethods: [path]",
                 ":5: `methods` is given twice, first in line 3"},
         Mistake{"driver_key_twice", "seeds: 1-3",
                 "seeds: 1\ndrivers: [{name: x, preview: 0.7, preview: 0.8}]", "given twice"},
         Mistake{"yaml", "seeds: 1-3", "seeds: [1", "s.yaml:"},
-        Mistake{"no_name", "study: t\n", "", "'study' is missing"},
+        Mistake{"no_name", "study: t\n", "", ":1: `study` is missing"},
         Mistake{"name_of_a_path", "study: t", "study: a/t", ":1: `study` = a/t: a name may not"},
         Mistake{"method_name", "leader", "{name: a/b, method: leader}",
-                ":3: `name` = a/b: a name must not contain `/`"},
+                ":3: `methods[1].name` = a/b: a name may not hold a `/`"},
         Mistake{"no_methods", "[manual, leader]", "[]", ":3: `methods` needs a list of methods"},
         Mistake{"no_seeds", "seeds: 1-3\n", "", "`seeds` is missing"},
         Mistake{"seeds_0", "1-3", "0", "`seeds` = 0: expected 20, 1-20 or [3, 5, 8]"},
@@ -210,20 +210,22 @@ INSTANTIATE_TEST_SUITE_P(
                 "parameters for `planer`, which is not one of"},
         Mistake{"parameter", "seeds: 1-3", "seeds: 1\noverrides: {local_planner: {magrin: 0.1}}",
                 "magrin"},
-        Mistake{"driver", "seeds: 1-3", "seeds: 1\ndrivers: [{nmae: x}]", "'name' is missing"},
+        Mistake{"driver", "seeds: 1-3", "seeds: 1\ndrivers: [{nmae: x}]",
+                ":5: `drivers[0].name` is missing; is `nmae` a misspelling of it?"},
         Mistake{"replay_of_nothing", "seeds: 1-3", "seeds: 1\ndrivers: [replay]",
                 "driver `replay` also needs a `recording`"},
         Mistake{"recording_of_another", "seeds: 1-3",
                 "seeds: 1\ndrivers: [{name: x, driver: pointer, recording: y}]",
                 ":5: a `recording` needs `driver: replay`"},
-        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` must be a list"},
-        Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]", "unknown key 'sede'"}),
+        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` needs a list"},
+        Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]",
+                "unknown key `parts[0].sede`"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(StudyFile, RefusesAScenarioNameThatIsNotAFileName) {
   EXPECT_NE(complaint("study: t\nscenarios: [{file: " + kScenarios +
                       "forest_task2.yaml, name: a/b}]\nseeds: 1\n")
-                .find("s.yaml:2: `name` = a/b: a name must not contain `/`"),
+                .find("s.yaml:2: `scenarios[0].name` = a/b: a name may not hold a `/`"),
             std::string::npos);
 }
 

@@ -86,10 +86,12 @@ TEST_F(SystemFile, IsReadWithPathsRelativeToIt) {
 
 TEST_F(SystemFile, ErrorsNameTheLine) {
   const std::string head = "components:\n  - ";
-  expect_complaint("component: []\n", {path_ + ":1", "unknown key 'component'"});
-  expect_complaint(head + "{component: c, nam: x}\n", {path_ + ":2", "'nam'"});
-  expect_complaint(head + "{name: x}\n", {path_ + ":2", "component"});
-  expect_complaint(head + "c\n", {path_ + ":2"});
+  expect_complaint("component: []\n",
+                   {path_ + ":1", "unknown key `component`", "did you mean `components`?"});
+  expect_complaint(head + "{component: c, nam: x}\n",
+                   {path_ + ":2", "unknown key `components[0].nam`", "did you mean `name`?"});
+  expect_complaint(head + "{name: x}\n", {path_ + ":2", "`components[0].component` is missing"});
+  expect_complaint(head + "c\n", {path_ + ":2: `components[0]`: expected `key: value` lines"});
   expect_complaint("components: []\n", {"no components"});
   expect_complaint("components: [\n", {path_});
   EXPECT_THROW((void)load_system("/nowhere.yaml"), std::invalid_argument);
