@@ -76,7 +76,7 @@ void YamlReader::finish() {
     const auto& name = entry.first.Scalar();
     if (std::find(asked_.begin(), asked_.end(), name) != asked_.end()) continue;
     const std::string meant = nearest_name(name, asked_);
-    fail_at(entry.first, "unknown key `" + key_of(name) + "`; known here: " + joined(asked_) +
+    fail_at(entry.first, "unknown key `" + key_of(name) + "`; valid keys: " + joined(asked_) +
                              (meant.empty() ? "" : "; did you mean `" + meant + "`?"));
   }
 }

@@ -112,7 +112,11 @@ Placing FramesInput::place(std::string_view a, std::string_view b, const Stamp& 
   if (found->drift > kMaxDrift)
     return {.refusal = fmt::format("`{}` moves in `{}`, and /tf has no transform for that time yet",
                                    b, a)};
-  return {.X_AB = found->X_BF, .is_static = found->is_static(), .moves = found->speed > kMoves};
+  return {.X_AB = found->X_BF, .is_static = found->is_static()};
+}
+
+bool FramesInput::moves(std::string_view a, std::string_view b) const {
+  return tree_.moved(a, b) > kMostMotion;
 }
 
 Placing FramesInput::in_map(std::string_view frame, const Stamp& stamp) const {

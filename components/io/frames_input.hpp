@@ -20,7 +20,6 @@ namespace tandem {
 struct Placing {
   std::optional<Eigen::Isometry3d> X_AB = {};
   bool is_static = true;     ///< X_AB does not change
-  bool moves = false;        ///< X_AB has changed recently
   std::string refusal = {};  ///< why there is no X_AB; empty if there is
 };
 
@@ -33,9 +32,9 @@ struct Placing {
 class FramesInput {
  public:
   using Changed = std::function<void()>;
-  static constexpr double kMaxTilt = 0.1;   ///< maximum tilt of a planar frame [rad]
-  static constexpr double kMoves = 0.02;    ///< [m/s] above which a link moves; turns count at 1 m
-  static constexpr double kMaxDrift = 0.1;  ///< maximum motion from link to timestamp [m]
+  static constexpr double kMaxTilt = 0.1;     ///< maximum tilt of a planar frame [rad]
+  static constexpr double kMaxMotion = 0.05;  ///< [m] of a frame at rest in FrameTree::moved()
+  static constexpr double kMaxDrift = 0.1;    ///< maximum motion from link to timestamp [m]
 
   /// `changed` is called after each message of either topic.
   FramesInput(rt::Node& node, const Frames& names, const LocalizationParams& params,
@@ -52,6 +51,8 @@ class FramesInput {
   /// X_AB of frame B in frame A at `stamp`, or the newest one if `stamp` is zero.
   [[nodiscard]] Placing place(std::string_view a, std::string_view b,
                               const Stamp& stamp = {}) const;
+  /// Whether frame B moves in frame A in the plane, by more than kMaxMotion within a second.
+  [[nodiscard]] bool moves(std::string_view a, std::string_view b) const;
   /// X_MF of a message's frame F in the map. An empty name means the map frame.
   [[nodiscard]] Placing in_map(std::string_view frame, const Stamp& stamp = {}) const;
   /// The same in the plane, for a message of `topic`. Logs the reason if there is no result.

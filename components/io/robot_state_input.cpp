@@ -44,13 +44,16 @@ std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odom
   if (!in_odom.X_AB)
     return fmt::format("odom is given in frame `{}`, not `{}` (odom_frame): dropped: {}", frame,
                        names.odom, in_odom.refusal);
-  const Placing on_robot = frames_.place(child.empty() ? names.base : child, names.base);
+  const std::string& part = child.empty() ? names.base : child;
+  const Placing on_robot = frames_.place(part, names.base);
   if (!on_robot.X_AB)
     return fmt::format("odom is for frame `{}`, not `{}` (base_frame): dropped: {}", child,
                        names.base, on_robot.refusal);
-  if (on_robot.moves)
-    return fmt::format("odom is for frame `{}`, which moves relative to `{}` (base_frame): dropped",
-                       child, names.base);
+  if (frames_.moves(part, names.base))
+    return fmt::format(
+        "odom is of frame `{}`, which moves against `{}` (base_frame): dropped; "
+        "let its sender give it of a frame that is fixed to the robot",
+        child, names.base);
   odometry.twist = twist_of(in_plane(*on_robot.X_AB), msg.twist().twist());
   odometry.X = compose(compose(in_plane(*in_odom.X_AB), odometry.X), in_plane(*on_robot.X_AB));
   return {};

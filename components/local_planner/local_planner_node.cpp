@@ -129,6 +129,9 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
     diagnostics_.report_well("plans");
   else
     diagnostics_.report_trouble(name(plan.status));
+  if (plan.status == PlanStatus::kRefused)
+    node_.log().error_every(1.0, "no plan: a number of the request is not finite in `{}`",
+                            params_->input.frames.map);
   status_.cycles(status_.cycles() + 1);
   if (is_fallback(plan.source)) status_.fallbacks(status_.fallbacks() + 1);
   const double budget = params_->live.nmpc.time_budget;

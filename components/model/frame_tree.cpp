@@ -2,10 +2,12 @@
 #include "tandem/model/frame_tree.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tandem {
 namespace {
 
+constexpr int kMotionSteps = 10;         // times within the window at which moved() looks
 constexpr std::size_t kDeepest = 1'000;  // links of a chain, as in tf2; a longer chain is a loop
 
 Eigen::Isometry3d isometry(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
@@ -16,6 +18,11 @@ bool is_name(std::string_view name) { return !name.empty() && name.size() <= Fra
 
 std::string quoted(std::string_view name) { return "`" + std::string{name} + "`"; }
 
+// Distance in the plane, plus the turn as that of a point 1 m away [m].
+double apart(const Pose2& a, const Pose2& b) {
+  return (a.position() - b.position()).norm() + std::abs(wrap_angle(a.theta - b.theta));
+}
+
 }  // namespace
 
 // A restarted or second sender may have earlier stamps: the history restarts then.
@@ -23,34 +30,35 @@ void FrameTree::Link::remember(const FrameLink& link) {
   X_PC = link.X_PC;
   sender = link.sender;
   heard = link.heard;
-  if (!link.stamp || (stamp && *link.stamp < *stamp)) past.clear();
+  const double before = std::exchange(time, link.stamp.value_or(link.heard));
+  if (link.stamp.has_value() != stamp.has_value() || time < before) past.clear();
   stamp = link.stamp;
-  if (!stamp || (!past.empty() && *stamp < past.back().stamp + kSpacing)) return;
-  past.push_back({*stamp, Eigen::Quaterniond{X_PC.linear()}, X_PC.translation()});
+  if (!past.empty() && time < past.back().time + kSpacing) return;
+  past.push_back({time, Eigen::Quaterniond{X_PC.linear()}, X_PC.translation()});
   if (past.size() > kSamples) past.pop_front();
 }
 
 // Interpolates between samples; constant before the first and after the newest.
 Eigen::Isometry3d FrameTree::Link::at(double t) const {
-  if (!stamp || t >= *stamp || past.empty()) return X_PC;
-  const auto after = std::find_if(past.begin(), past.end(),
-                                  [t](const Sample& sample) { return sample.stamp > t; });
+  if (t >= time || past.empty()) return X_PC;
+  const auto after =
+      std::find_if(past.begin(), past.end(), [t](const Sample& sample) { return sample.time > t; });
   if (after == past.begin()) return isometry(after->q_PC, after->p_PC);
   const Sample& from = *std::prev(after);
-  const Sample newest{*stamp, Eigen::Quaterniond{X_PC.linear()}, X_PC.translation()};
+  const Sample newest{time, Eigen::Quaterniond{X_PC.linear()}, X_PC.translation()};
   const Sample& to = after == past.end() ? newest : *after;
-  const double share = (t - from.stamp) / (to.stamp - from.stamp);
+  const double share = (t - from.time) / (to.time - from.time);
   return isometry(from.q_PC.slerp(share, to.q_PC), from.p_PC + share * (to.p_PC - from.p_PC));
 }
 
 // Speed over the last samples [m/s], rotation counted as that of a point 1 m away.
 double FrameTree::Link::speed() const {
-  if (past.size() < 2 || !stamp) return 0.0;
+  if (past.size() < 2) return 0.0;
   const Sample& from = past[past.size() - std::min<std::size_t>(past.size(), 4)];
-  const double time = *stamp - from.stamp;
-  if (!(time > 0.0)) return 0.0;
+  const double duration = time - from.time;
+  if (!(duration > 0.0)) return 0.0;
   const double turn = from.q_PC.angularDistance(Eigen::Quaterniond{X_PC.linear()});
-  return ((X_PC.translation() - from.p_PC).norm() + turn) / time;
+  return ((X_PC.translation() - from.p_PC).norm() + turn) / duration;
 }
 
 LinkFate FrameTree::set_static(const FrameLink& link) { return add(link, true); }
@@ -103,15 +111,26 @@ std::string_view FrameTree::root_of(const Chain& chain, std::string_view frame) 
   return chain.empty() ? frame : std::string_view{chain.back()->parent};
 }
 
-// X_RF in the root R, with each dynamic link at time `t`, or at its newest value without `t`.
-Eigen::Isometry3d FrameTree::composed(const Chain& chain, std::optional<double> t) {
+// X_RF in the root R, with each dynamic link as it was `ago` seconds before time `t`; without `t`,
+// and for a link without stamps, before its newest value.
+Eigen::Isometry3d FrameTree::composed(const Chain& chain, std::optional<double> t, double ago) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  for (const Link* link : chain) X = (t && link->is_dynamic() ? link->at(*t) : link->X_PC) * X;
+  for (const Link* link : chain) {
+    const double newest = t && link->stamp ? *t : link->time;
+    X = (link->is_dynamic() ? link->at(newest - ago) : link->X_PC) * X;
+  }
   return X;
 }
 
-std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view frame,
-                                         std::optional<double> stamp) const {
+// X_BF of the frame in the base.
+Eigen::Isometry3d FrameTree::composed(const Branches& branches, double ago) {
+  return composed(branches.down, branches.stamp, ago).inverse() *
+         composed(branches.up, branches.stamp, ago);
+}
+
+// nullopt if the frames are not connected.
+std::optional<FrameTree::Branches> FrameTree::between(std::string_view base,
+                                                      std::string_view frame) const {
   base = bare_frame(base);
   frame = bare_frame(frame);
   auto down = chain_of(base), up = chain_of(frame);
@@ -121,20 +140,41 @@ std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view
     down->pop_back();
     up->pop_back();
   }
+  Chain moving = *down;
+  moving.insert(moving.end(), up->begin(), up->end());
+  std::erase_if(moving, [](const Link* link) { return !link->is_dynamic(); });
+  const auto stamp = moving.size() > 1 ? common_stamp(moving) : std::nullopt;
+  return Branches{std::move(*down), std::move(*up), std::move(moving), stamp};
+}
 
-  Chain both = *down;
-  both.insert(both.end(), up->begin(), up->end());
-  std::erase_if(both, [](const Link* link) { return !link->is_dynamic(); });
-  if (!stamp && both.size() > 1) {
-    stamp = common_stamp(both);
-    if (stamp && first_stamp(both) - *stamp > kMaxApart) return std::nullopt;
-  }
-  FramePose found{.X_BF = composed(*down, stamp).inverse() * composed(*up, stamp)};
-  for (const Link* link : both) {
+std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view frame,
+                                         std::optional<double> stamp) const {
+  auto branches = between(base, frame);
+  if (!branches) return std::nullopt;
+  if (stamp)
+    branches->stamp = stamp;
+  else if (branches->stamp && first_stamp(branches->moving) - *branches->stamp > kMaxApart)
+    return std::nullopt;
+  FramePose found{.X_BF = composed(*branches, 0.0)};
+  for (const Link* link : branches->moving) {
     found.heard = std::min(found.heard, link->heard);
-    if (stamp && link->stamp) found.drift += link->speed() * std::max(0.0, *stamp - *link->stamp);
+    if (branches->stamp && link->stamp)
+      found.drift += link->speed() * std::max(0.0, *branches->stamp - *link->stamp);
   }
   return found;
+}
+
+double FrameTree::moved(std::string_view base, std::string_view frame) const {
+  const auto branches = between(base, frame);
+  if (!branches || branches->moving.empty()) return 0.0;
+  const Eigen::Isometry3d X_BF = composed(*branches, 0.0);
+  double in_base = 0.0, in_frame = 0.0;
+  for (int step = 1; step <= kMotionSteps; ++step) {
+    const Eigen::Isometry3d past = composed(*branches, kMotionWindow * step / kMotionSteps);
+    in_base = std::max(in_base, apart(in_plane(X_BF), in_plane(past)));
+    in_frame = std::max(in_frame, apart(in_plane(X_BF.inverse()), in_plane(past.inverse())));
+  }
+  return std::min(in_base, in_frame);
 }
 
 // The newest time that all links have reached; nullopt if no link has stamps.
@@ -149,7 +189,7 @@ std::optional<double> FrameTree::common_stamp(const Chain& links) {
 double FrameTree::first_stamp(const Chain& links) {
   double first = -FramePose::kAlways;
   for (const Link* link : links)
-    if (!link->past.empty()) first = std::max(first, link->past.front().stamp);
+    if (link->stamp && !link->past.empty()) first = std::max(first, link->past.front().time);
   return first;
 }
 

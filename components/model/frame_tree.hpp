@@ -56,8 +56,7 @@ struct FramePose {
 
   Eigen::Isometry3d X_BF;
   double heard = kAlways;  ///< arrival of the oldest dynamic link [s]; kAlways: all are static
-  double speed = 0.0;  ///< recent speed of the links [m/s]; rotation as that of a point 1 m away
-  double drift = 0.0;  ///< possible motion between the newest link and the stamp [m]
+  double drift = 0.0;      ///< possible motion between the newest link and the stamp [m]
 
   [[nodiscard]] bool is_static() const { return heard == kAlways; }
 };
@@ -78,11 +77,12 @@ struct TwoParents {
 /// this one's.
 class FrameTree {
  public:
-  static constexpr std::size_t kMaxFrames = 2'000;  ///< frames; further ones are refused
-  static constexpr std::size_t kLongest = 255;      ///< longest name [bytes]
-  static constexpr std::size_t kSamples = 64;       ///< samples kept of a dynamic link …
-  static constexpr double kSpacing = 0.03;          ///< … at least this far apart [s]
-  static constexpr double kMaxApart = 0.5;  ///< [s] lag of a link behind the samples of another
+  static constexpr std::size_t kMaxFrames = 2'000;   ///< frames; further ones are refused
+  static constexpr std::size_t kLongest = 255;  ///< longest name [bytes]
+  static constexpr std::size_t kSamples = 64;   ///< samples kept of a dynamic link …
+  static constexpr double kSpacing = 0.03;      ///< … at least this far apart [s]
+  static constexpr double kMaxApart = 0.5;     ///< [s] lag of a link behind the samples of another
+  static constexpr double kMotionWindow = 1.0;  ///< [s] over which moved() looks back
   static constexpr std::size_t kMaxListed = 12;  ///< links listed in a text
 
   /// Adds a static link, valid forever.
@@ -102,6 +102,13 @@ class FrameTree {
   /// X_BF of find() at the newest common time.
   [[nodiscard]] std::optional<Eigen::Isometry3d> pose(std::string_view base,
                                                       std::string_view frame) const;
+
+  /// How far `frame` has moved against `base` in the plane within the last kMotionWindow [m]: the
+  /// greatest distance between its newest pose and an earlier one, plus the turn as that of a point
+  /// 1 m away. Measured in the plane of both frames; the smaller value counts, because roll, pitch
+  /// and height of one of them are no motion in the plane of the other. Zero if only static links
+  /// join the frames, or none.
+  [[nodiscard]] double moved(std::string_view base, std::string_view frame) const;
 
   /// Whether `frame` is an ancestor of `base` with a dynamic link between them.
   [[nodiscard]] bool is_above(std::string_view frame, std::string_view base) const;
@@ -126,7 +133,7 @@ class FrameTree {
 
  private:
   struct Sample {
-    double stamp;
+    double time;  // as Link::time
     Eigen::Quaterniond q_PC;
     Eigen::Vector3d p_PC;
   };
@@ -136,7 +143,9 @@ class FrameTree {
     FrameSender sender = {};
     double heard = FramePose::kAlways;
     std::optional<double> stamp = {};  // of the newest value
-    std::deque<Sample> past = {};      // oldest first
+    double time =
+        -FramePose::kAlways;       // of the newest value: its stamp, or its arrival without one
+    std::deque<Sample> past = {};  // oldest first
 
     [[nodiscard]] bool is_dynamic() const { return heard != FramePose::kAlways; }
     void remember(const FrameLink& link);
@@ -150,12 +159,21 @@ class FrameTree {
     }
   };
   using Chain = std::vector<const Link*>;  // from a frame up to its root
+  struct Branches {
+    Chain down, up;               // from base and from frame up to their common ancestor
+    Chain moving;                 // the dynamic links of both
+    std::optional<double> stamp;  // the newest time that all of these have reached
+  };
 
   LinkFate add(const FrameLink& link, bool is_static);
   void note_parents(const std::string& child, const Link& old, const FrameLink& link);
   [[nodiscard]] std::optional<Chain> chain_of(std::string_view frame) const;
   [[nodiscard]] static std::string_view root_of(const Chain& chain, std::string_view frame);
-  [[nodiscard]] static Eigen::Isometry3d composed(const Chain& chain, std::optional<double> t);
+  [[nodiscard]] std::optional<Branches> between(std::string_view base,
+                                                std::string_view frame) const;
+  [[nodiscard]] static Eigen::Isometry3d composed(const Chain& chain, std::optional<double> t,
+                                                  double ago);
+  [[nodiscard]] static Eigen::Isometry3d composed(const Branches& branches, double ago);
   [[nodiscard]] static std::optional<double> common_stamp(const Chain& links);
   [[nodiscard]] static double first_stamp(const Chain& links);
   [[nodiscard]] bool knows(std::string_view frame) const;

@@ -52,10 +52,10 @@ TEST(YamlReader, RefusesAnUnknownKeyWithFileLinePathAndNearestKey) {
     goal.finish();
   };
   EXPECT_EQ(complaint("goal:\n  pose: 1\n  tolerence: 2\n", read),
-            "/a/t.yaml:3: unknown key `goal.tolerence`; known here: pose, tolerance; did you mean "
+            "/a/t.yaml:3: unknown key `goal.tolerence`; valid keys: pose, tolerance; did you mean "
             "`tolerance`?");
   EXPECT_EQ(complaint("goal: {size: 2}\n", read),
-            "/a/t.yaml:1: unknown key `goal.size`; known here: pose, tolerance");
+            "/a/t.yaml:1: unknown key `goal.size`; valid keys: pose, tolerance");
 }
 
 TEST(YamlReader, NamesTheMisspellingOfAMissingKey) {

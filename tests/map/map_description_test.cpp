@@ -84,7 +84,7 @@ TEST(MapDescription, FreeSpaceAndFloorAreFlags) {
 
 TEST(MapDescription, ErrorsNameTheLine) {
   EXPECT_EQ(complaint("resolution: 0.05\nbounds: {low: [0, 0, 0], high: [1, 1, 1]}\nwals: []\n"),
-            "test.yaml:3: unknown key `wals`; known here: resolution, bounds, free_space, floor, "
+            "test.yaml:3: unknown key `wals`; valid keys: resolution, bounds, free_space, floor, "
             "walls, boxes, cylinders; did you mean `walls`?");
   EXPECT_TRUE(complaint(kHead + "cylinders:\n- {center: [0, 0], diamter: 1, height: 1}\n")
                   .starts_with("test.yaml:4: `cylinders[0].diameter` is missing; is `diamter` a "

@@ -67,7 +67,7 @@ TEST_F(FixtureFile, MayGuideToo) {
 TEST_F(FixtureFile, ThatIsWrongIsRefusedWithItsLine) {
   expect_complaint(
       "forbiden: []\n",
-      ":1: unknown key `forbiden`; known here: forbidden, guidance; did you mean `forbidden`?");
+      ":1: unknown key `forbiden`; valid keys: forbidden, guidance; did you mean `forbidden`?");
   expect_complaint("forbidden: []\nforbidden: []\n",
                    ":2: `forbidden` is given twice, first in line 1");
   expect_complaint("guidance:\n  - {line: [[0, 0], [1, 0]], reach: 1, reach: 2}\n", "given twice");

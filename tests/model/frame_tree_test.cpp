@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numbers>
+#include <random>
 
 namespace tandem {
 namespace {
@@ -203,6 +205,101 @@ TEST(FrameTree, DynamicTransformsHaveNoAgeAfterTheClockJumpedBack) {
   tree.on_time_jump();
   EXPECT_LT(tree.find("map", "odom")->heard, 0.0);
   EXPECT_TRUE(tree.find("odom", "fixed")->is_static());
+}
+
+// Publishes base_link → `frame` at 50 Hz from time 0 on, with or without stamps.
+class MovingFrame : public ::testing::TestWithParam<bool> {
+ protected:
+  void publish(int steps, const std::function<Eigen::Isometry3d(double)>& X_BF) {
+    for (int i = 0; i < steps; ++i, t_ += 0.02)
+      tree_.set(told("base_link", "frame", X_BF(t_), t_,
+                     GetParam() ? std::optional{1000.0 + t_} : std::nullopt));
+  }
+  [[nodiscard]] double moved() const { return tree_.moved("base_link", "frame"); }
+
+  FrameTree tree_;
+  double t_ = 0.0;
+};
+
+INSTANTIATE_TEST_SUITE_P(Stamps, MovingFrame, ::testing::Values(true, false));
+
+TEST_P(MovingFrame, HasMovedByWhatItTravelledWithinTheWindow) {
+  publish(101, [](double t) { return placed_at(0.3 * t, 0.0, 1.0); });
+  EXPECT_NEAR(moved(), 0.3 * FrameTree::kMotionWindow, 1e-9);
+  EXPECT_NEAR(tree_.moved("frame", "base_link"), moved(), 1e-9);
+}
+
+TEST_P(MovingFrame, ATurretHasMovedAsAPointOneMetreAway) {
+  publish(101, [](double t) { return placed_at(0.1, 0.0, 1.0, 0.3 * t); });
+  EXPECT_NEAR(moved(), 0.3 * FrameTree::kMotionWindow, 1e-9);
+}
+
+TEST_P(MovingFrame, ATurretThatIsBackWhereItWasHasMoved) {
+  publish(101, [](double t) {
+    return placed_at(0.0, 0.0, 1.0, 0.2 * std::sin(2.0 * std::numbers::pi * t));
+  });
+  EXPECT_GT(moved(), 0.15);
+}
+
+TEST_P(MovingFrame, AFrameThatCameToRestHasNotMovedOnceTheWindowIsOver) {
+  publish(51, [](double t) { return placed_at(0.3 * t, 0.0, 1.0); });
+  publish(51, [](double) { return placed_at(0.3, 0.0, 1.0); });
+  EXPECT_NEAR(moved(), 0.0, 1e-2);
+  publish(2, [](double) { return placed_at(0.3, 0.0, 1.0); });
+  EXPECT_NEAR(moved(), 0.0, 1e-9);
+}
+
+TEST_P(MovingFrame, ANewOffsetCountsWithinTheWindowOnly) {
+  publish(51, [](double) { return placed_at(0.2, 0.0, 1.0); });
+  publish(5, [](double) { return placed_at(0.4, 0.0, 1.0, 0.5); });
+  EXPECT_NEAR(moved(), 0.7, 1e-9);
+  publish(60, [](double) { return placed_at(0.4, 0.0, 1.0, 0.5); });
+  EXPECT_NEAR(moved(), 0.0, 1e-9);
+}
+
+// base_link on springs or two wheels above base_footprint: only roll, pitch and height change.
+TEST_P(MovingFrame, ASwayingBodyHasNotMovedInThePlaneOfTheLevelFrame) {
+  publish(101, [](double t) -> Eigen::Isometry3d {
+    return Eigen::Translation3d(0.0, 0.0, 0.4 + 0.02 * std::sin(9.0 * t)) *
+           Eigen::AngleAxisd(0.2 * std::sin(7.0 * t), Eigen::Vector3d::UnitY()) *
+           Eigen::AngleAxisd(0.1 * std::sin(5.0 * t), Eigen::Vector3d::UnitX());
+  });
+  // Interpolation between two samples leaves a little yaw.
+  EXPECT_LT(moved(), 1e-3);
+  EXPECT_LT(tree_.moved("frame", "base_link"), 1e-3) << "and the other way round";
+}
+
+// An estimator that publishes a fixed link: each value is off by up to 1 cm and 0.01 rad.
+TEST_P(MovingFrame, NoiseIsLessThanTheMotionThatIsAllowed) {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> off{-0.01, 0.01};
+  for (int i = 0; i < 500; ++i) {
+    publish(1, [&](double) {
+      return placed_at(0.2 + off(random), off(random), 1.0 + off(random), off(random));
+    });
+    ASSERT_LT(moved(), 0.05) << "FramesInput::kMostMotion";
+  }
+}
+
+TEST(FrameTree, ALinkThatIsStaticOrUnknownHasNotMoved) {
+  FrameTree tree;
+  tree.set_static(told("base_link", "laser", placed_at(0.2, 0.0, 0.0), 0.0, 0.0));
+  tree.set_static(told("base_link", "laser", placed_at(0.9, 0.0, 0.0), 0.5, 0.5));
+  EXPECT_EQ(tree.moved("base_link", "laser"), 0.0);
+  EXPECT_EQ(tree.moved("base_link", "base_link"), 0.0);
+  EXPECT_EQ(tree.moved("base_link", "other"), 0.0);
+}
+
+// Two frames that move in odom with the robot, so the chain between them leads over odom.
+TEST(FrameTree, FramesThatMoveTogetherHaveNotMovedAgainstEachOther) {
+  FrameTree tree;
+  for (double t = 0.0; t < 3.0; t += 0.02) {
+    tree.set(told("odom", "base_link", placed_at(0.8 * t, 0.0, 0.0), t, t));
+    tree.set(told("odom", "camera", placed_at(0.8 * t + 0.3, 0.0, 0.0), t + 0.01, t + 0.01 - 0.1));
+  }
+  // The camera's stamps are 0.09 s earlier, so it runs ahead by a constant distance.
+  EXPECT_LT(tree.moved("base_link", "camera"), 1e-9);
+  EXPECT_GT(tree.moved("odom", "camera"), 0.7);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests how the nodes handle the frame in a message's header.
+#include <cmath>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -12,6 +14,7 @@
 #include "system/one_component.hpp"
 #include "system/wall_map.hpp"
 #include "tandem/map/octomap_file.hpp"
+#include "tandem/model/frame_tree.hpp"
 
 namespace tandem::test {
 namespace {
@@ -45,6 +48,7 @@ class FramesOverDds : public OneComponent {
   }
 
   void beat() {
+    if (part_at_) tf_links_.back() = part_at_(node_.steady_now());
     if (!tf_links_.empty()) tf_.publish(message_of(tf_links_));
     odom_.publish(to_msg(Odometry{}, header({}, odom_frame_), child_));
     command_.publish(to_msg(Twist2{0.3, 0.0}));
@@ -64,6 +68,8 @@ class FramesOverDds : public OneComponent {
   rt::Subscription status_in_;
   rt::Timer beat_;
   Transforms tf_links_ = {link("map", "odom", kOdomInMap)};
+  // Link of a part that moves on the robot, at a time [s]; replaces the last of tf_links_.
+  std::function<geometry_msgs::msg::TransformStamped(double)> part_at_;
   std::string odom_frame_ = "odom", child_ = "base_link";
   std::string reason_;
   double clearance_ = kNaN;
@@ -144,6 +150,51 @@ TEST_F(FramesOverDds, OdometryInAnotherFrameAndOfAnotherPartOfTheRobotIsTransfor
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0 && clearance_ < 0.21; })) << reason_;
   odom_frame_ = "world";
   EXPECT_TRUE(wait_for_reason("not localized: odom is given in frame `world`, not `odom`"));
+}
+
+// A camera on a turret gives odometry of itself: its twist is not the robot's.
+TEST_F(FramesOverDds, OdometryOfAPartThatMovesOnTheRobotIsRefusedUntilThePartIsAtRest) {
+  map_.publish(wall("odom"));
+  tf_links_.push_back(link("base_link", "turret", {}));
+  child_ = "turret";
+  ASSERT_TRUE(wait_until([&] { return clearance_ > 0.2; })) << reason_;
+  const double began = node_.steady_now();
+  double angle = 0.0;
+  part_at_ = [&](double t) {
+    angle = 0.5 * std::sin(2.0 * (t - began));
+    return link("base_link", "turret", {0.0, 0.0, angle});
+  };
+  EXPECT_TRUE(
+      wait_for_reason("not localized: odom is for frame `turret`, which moves relative to `base_link`"))
+      << reason_;
+  part_at_ = [&](double) { return link("base_link", "turret", {0.0, 0.0, angle}); };
+  clearance_ = kNaN;
+  EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0; })) << reason_;
+}
+
+// Longer than the time over which motion is looked for.
+TEST_F(FramesOverDds, OdometryBelowABodyThatSwaysIsTaken) {
+  map_.publish(wall("odom"));
+  tf_links_.push_back(link("base_footprint", "base_link", {}));
+  child_ = "base_footprint";
+  const double began = node_.steady_now();
+  part_at_ = [&](double t) {
+    const double sway = std::sin(10.0 * (t - began));
+    auto swaying = link("base_footprint", "base_link", {0.003 * sway, -0.003 * sway, 0.01 * sway});
+    swaying.header().stamp(node_.stamp());
+    swaying.transform().translation().z(0.3 + 0.02 * sway);
+    swaying.transform().rotation().y(0.1 * sway);  // pitch of 0.2 rad
+    swaying.transform().rotation().w(std::sqrt(1.0 - 0.01 * sway * sway));
+    return swaying;
+  };
+  ASSERT_TRUE(wait_until([&] { return clearance_ > 0.2; })) << reason_;
+  int looks = 0;
+  const auto looked =
+      node_.create_subscription(topics::filter_status, [&](const auto&) { ++looks; });
+  const double until = node_.steady_now() + 1.5 * FrameTree::kMotionWindow;
+  EXPECT_TRUE(wait_until([&] { return looks > 20 && node_.steady_now() > until; }));
+  EXPECT_EQ(log_.lines("which moves relative to"), 0);
+  EXPECT_GT(clearance_, 0.2) << reason_;
 }
 
 TEST_F(FramesOverDds, AFrameWithTwoParentsIsReportedWithBothPublishers) {

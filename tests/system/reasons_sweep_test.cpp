@@ -1,122 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every reason to stand that can be brought about with nodes in one process: arbitration names the
-// first cause on its status and once in the log, with what would mend it.
-#include <cmath>
-#include <memory>
-#include <string>
-#include <vector>
+// first cause on its status and once in the log, with what would mend it. Those of plans are in
+// plan_reasons_test.
+#include "system/reasons_sweep.hpp"
 
-#include "support/captured_log.hpp"
-#include "system/one_component.hpp"
-#include "tandem/map/octomap_file.hpp"
-#include "tandem/model/reasons.hpp"
+#include <cmath>
 
 namespace tandem::test {
 namespace {
-
-// Free ground about the robot, and a wall across its way if wanted.
-octomap_msgs::msg::Octomap map_with_wall(double wall) {
-  octomap::OcTree tree(0.05);
-  for (int i = -80; i <= 80; ++i) {
-    for (int k = -80; k <= 80; ++k)
-      tree.updateNode(octomap::point3d(0.05F * static_cast<float>(i) + 0.02F,
-                                       0.05F * static_cast<float>(k) + 0.02F, 0.3F),
-                      false);
-    tree.updateNode(
-        octomap::point3d(static_cast<float>(wall), 0.05F * static_cast<float>(i) + 0.02F, 0.3F),
-        true);
-  }
-  octomap_msgs::msg::Octomap msg;
-  msg.header(header({}, "map"));
-  msg.binary(true);
-  msg.id("OcTree");
-  msg.resolution(0.05);
-  msg.data(encode_octomap(tree));
-  return msg;
-}
-
-// Runs arbitration; the test publishes what base, localiser, joystick and map_server would.
-class Sweep : public OneComponent {
- protected:
-  Sweep() {
-    status_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
-      reason_ = msg.reason();
-      remedy_ = msg.remedy();
-      EXPECT_FALSE(reason_.starts_with("arbitration: ")) << reason_;  // itself, by a circle
-    });
-    beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
-  }
-
-  void beat() {
-    if (odom_on_) {
-      auto msg = to_msg(Odometry{X_WB_, twist_}, header(node_.stamp(), "odom"), "base_link");
-      odom_.publish(msg);
-    }
-    // A person lets go where the stick must be seen at rest: after a stall of this process.
-    if (pushes_) hold(reason_ == words(Reason::kStickMoved).text ? 0.0F : 0.5F);
-    if (joy_on_) joy_.publish(stick_);
-    if (local_on_) local_.publish(local_map_);
-  }
-  void run(const std::string& component, Values values = {}) {
-    if (component != "arbitration") values.emplace("map_is_odom", "true");
-    values.merge(patience(component));
-    running_[component] = std::make_unique<rt::RunningComponent>(load(component, values));
-  }
-  // Time-outs that a busy computer keeps: what is silent for a moment would be one more reason.
-  static Values patience(const std::string& component) {
-    if (component == "arbitration") return {{"user_timeout", "1.0"}, {"shared_timeout", "1.0"}};
-    if (component == "teleop") return {{"joy_timeout", "1.0"}};
-    if (component == "local_planner") return {{"user_timeout", "1.0"}, {"obstacle_timeout", "1.0"}};
-    return {};
-  }
-  void end(const std::string& component) { running_.erase(component); }
-  void hold(float linear, int deadman = 1) {
-    stick_.axes({0.0F, linear});
-    stick_.buttons({deadman, 0});
-    joy_on_ = true;
-  }
-  // A stick that was seen at rest, pushed.
-  void push() {
-    hold(0.0F);
-    const auto user =
-        node_.create_subscription(topics::cmd_vel_user, [this](const auto&) { ++user_; });
-    EXPECT_TRUE(wait_until([this] { return user_ > 0; }));
-    pushes_ = true;
-  }
-
-  // It is given, with its remedy, and logged once more than before, with that.
-  void expect_reason(const std::string& begin, Reason row) {
-    EXPECT_TRUE(wait_until([&] { return reason_.starts_with(begin); }))
-        << "expected " << begin << ", not " << reason_;
-    EXPECT_EQ(remedy_, words(row).remedy) << reason_;
-    EXPECT_FALSE(remedy_.empty()) << reason_;
-    EXPECT_TRUE(wait_until([&] { return lines_of_arbitration(begin) > 0; })) << begin;
-    EXPECT_EQ(lines_of_arbitration(begin), 1) << begin;
-    EXPECT_GT(log_.lines(words(row).remedy), 0) << begin;
-  }
-  [[nodiscard]] int lines_of_arbitration(const std::string& begin) const {
-    int count = 0;
-    for (const char* source : {"none", "user", "shared", "blend", "nav"})
-      count += log_.lines("[arbitration]: " + std::string{source} + ": " + begin);
-    return count;
-  }
-
-  CapturedLog log_;
-  rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
-  rt::Publisher<sensor_msgs::msg::Joy> joy_ = node_.create_publisher(topics::joy);
-  rt::Publisher<octomap_msgs::msg::Octomap> map_ = node_.create_publisher(topics::octomap_binary);
-  rt::Publisher<octomap_msgs::msg::Octomap> local_ = node_.create_publisher(topics::octomap_local);
-  rt::Subscription status_;
-  rt::Timer beat_;
-  std::map<std::string, std::unique_ptr<rt::RunningComponent>> running_;
-  Pose2 X_WB_;
-  Twist2 twist_;
-  sensor_msgs::msg::Joy stick_;
-  octomap_msgs::msg::Octomap local_map_ = map_with_wall(3.0);
-  bool odom_on_ = true, joy_on_ = false, local_on_ = false, pushes_ = false;
-  int user_ = 0;  ///< commands of teleop
-  std::string reason_, remedy_;
-};
 
 TEST_F(Sweep, OfTheStick) {
   run("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}});
@@ -178,6 +69,39 @@ TEST_F(Sweep, OfTheFilter) {
   expect_reason("safety filter: stopped", Reason::kStopped);
   end("safety_filter");
   expect_reason("safety filter is silent", Reason::kFilterSilent);
+}
+
+TEST_F(Sweep, OfOdometryWhoseTwistContradictsItsPoses) {
+  run("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}});
+  run("teleop");
+  run("safety_filter");
+  map_.publish(map_with_wall(0.75));
+  push();
+  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  twist_ = {0.8, 0.0};  // of a robot that does not move
+  expect_reason("safety filter: stopped: odom's twist contradicts its poses",
+                Reason::kTwistInDoubt);
+}
+
+// A node between arbitration and the filter that spoils commands.
+TEST_F(Sweep, OfACommandThatIsNotFinite) {
+  const rt::Publisher<geometry_msgs::msg::Twist> spoiled =
+      node_.create_publisher(topics::cmd_vel_arbitrated);
+  const rt::Topic<geometry_msgs::msg::Twist> decided{"cmd_vel_decided",
+                                                     topics::cmd_vel_arbitrated.qos};
+  double speed = 0.2;
+  const auto relay = node_.create_subscription(decided, [&](const auto&) {
+    spoiled.publish(to_msg(Twist2{speed, 0.0}));
+  });
+  run("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}},
+      {{topics::cmd_vel_arbitrated.name, decided.name}});
+  run("teleop");
+  run("safety_filter");
+  map_.publish(map_with_wall(3.0));
+  push();
+  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  speed = kNaN;
+  expect_reason("safety filter: command not finite", Reason::kCommandNotFinite);
 }
 
 TEST_F(Sweep, OfAFilterThatWatchesPeople) {
@@ -266,13 +190,7 @@ TEST_F(Sweep, OfSensors) {
   push();
   expect_reason("octomap_builder: no data on scan or cloud_in", Reason::kNothingSensed);
   const auto scans = node_.create_publisher(topics::scan);
-  sensor_msgs::msg::LaserScan scan;
-  scan.header().frame_id("laser");
-  scan.angle_min(-3.1F);
-  scan.angle_increment(0.0172F);
-  scan.angle_max(3.1F);
-  scan.range_min(0.1F);
-  scan.range_max(10.0F);
+  sensor_msgs::msg::LaserScan scan = round_scan();
   double age = 0.0;
   auto beat = node_.create_wall_timer(0.05, [&] {
     scan.header().stamp(ago(age));
@@ -296,6 +214,26 @@ TEST_F(Sweep, OfSensors) {
   expect_reason("octomap_builder: scan is silent: is its driver running?", Reason::kSensorSilent);
   end("octomap_builder");
   expect_reason("safety filter: octomap_local is silent", Reason::kLocalMapSilent);
+}
+
+// A driver that hangs sends its last scan for ever, while the robot drives on.
+TEST_F(Sweep, OfASensorThatRepeatsWhatItSaw) {
+  local_ = {};  // the builder's alone
+  run("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}});
+  run("teleop");
+  run("octomap_builder", {{"scan_pose", "[0.0, 0.0, 0.3, 0.0, 0.0, 0.0]"}});
+  run("safety_filter", {{"map_source", "local"}});
+  push();
+  const auto scans = node_.create_publisher(topics::scan);
+  sensor_msgs::msg::LaserScan scan = round_scan();
+  const auto beat = node_.create_wall_timer(0.05, [&] {
+    scan.header().stamp(ago(0.0));
+    scans.publish(scan);
+  });
+  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  twist_ = {0.3, 0.0};
+  const auto drive = node_.create_wall_timer(0.02, [this] { X_WB_.x += 0.006; });
+  expect_reason("octomap_builder: scan is frozen", Reason::kSensorFrozen);
 }
 
 TEST_F(Sweep, OfAClockThatStands) {

@@ -152,7 +152,7 @@ TEST(Methods, OfAScenarioRunTheMapBuilderIfItHasNoFinishedMap) {
 
 TEST(UnknownMethod, IsAnsweredWithTheListAndTheNearestName) {
   const std::string line = complaint_about("leadr");
-  EXPECT_TRUE(line.starts_with("method `leadr` is none of manual, safety_filter, ")) << line;
+  EXPECT_TRUE(line.starts_with("method `leadr` is not one of manual, safety_filter, ")) << line;
   EXPECT_TRUE(line.ends_with("; did you mean `leader`?")) << line;
   for (const DriveMethod& method : all_methods())
     EXPECT_NE(line.find(method.name), std::string::npos) << line;

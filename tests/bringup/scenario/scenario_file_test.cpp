@@ -236,7 +236,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"people_thin", "duration: 60", "people: [{way: [1, 2], radius: 0}]",
                 "`radius` outside [0.05, 5]"},
         Mistake{"people_unknown_key", "duration: 60", "people: [{way: [1, 2], spede: 1}]",
-                "unknown key `people[0].spede`; known here: "},
+                "unknown key `people[0].spede`; valid keys: "},
         Mistake{"crossings_area", "duration: 60", "people: [{crossings: 3, area: [1, 1, 0, 2]}]",
                 "`people[0].area` needs [x1, y1, x2, y2]"},
         Mistake{"crossings_too_many", "duration: 60",

@@ -184,7 +184,7 @@ TEST_P(Mistaken, IsRefusedInOneLineThatNamesTheFile) {
 INSTANTIATE_TEST_SUITE_P(
     Files, Mistaken,
     ::testing::Values(
-        Mistake{"key", "seeds", "sedes", ":4: unknown key `sedes`; known here: "},
+        Mistake{"key", "seeds", "sedes", ":4: unknown key `sedes`; valid keys: "},
         Mistake{"key_twice", "seeds: 1-3", "seeds: 1\nmethods: [path]",
                 ":5: `methods` is given twice, first in line 3"},
         Mistake{"driver_key_twice", "seeds: 1-3",
