@@ -110,7 +110,8 @@ DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
   return log.result;
 }
 
-std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const ScenarioRequest& request) {
+std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all,
+                                   const ScenarioRequest& request) {
   if (request.lockstep && all.size() > 1) {  // progress lines of parallel drives would interleave
     ScenarioRequest each = request;
     each.quiet = true;
