@@ -116,7 +116,7 @@ Placing FramesInput::place(std::string_view a, std::string_view b, const Stamp& 
 }
 
 bool FramesInput::moves(std::string_view a, std::string_view b) const {
-  return tree_.moved(a, b) > kMostMotion;
+  return tree_.moved(a, b) > kMaxMotion;
 }
 
 Placing FramesInput::in_map(std::string_view frame, const Stamp& stamp) const {

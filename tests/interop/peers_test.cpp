@@ -76,12 +76,11 @@ TEST(PythonPeer, ReadsOurRecordings) {
   fs::remove_all(root);
 }
 
-// rclpy, ROS 2's Python library.
-const fs::path kRclpy = kPeers / "rclpy" / "bin" / "python";
+// rclpy, ROS 2's Python library, of a release of ROS 2.
 const std::string kUserScript = test::source_path("tests/interop/rclpy/user_script.py");
 
 // Newer releases of ROS 2 no longer support ROS_LOCALHOST_ONLY.
-class RclpyScript : public testing::Test {
+class RclpyScript : public testing::TestWithParam<const char*> {
  protected:
   RclpyScript() {
     unsetenv("ROS_LOCALHOST_ONLY");
@@ -91,14 +90,18 @@ class RclpyScript : public testing::Test {
     unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
     setenv("ROS_LOCALHOST_ONLY", "1", 1);
   }
+  fs::path python_ = kPeers / (std::string{"rclpy_"} + GetParam()) / "bin" / "python";
 };
 
-TEST_F(RclpyScript, DrivesByTheLeader) {
-  expect_python_does(kUserScript, "", "local_planner:method:=leader", kRclpy);
+TEST_P(RclpyScript, DrivesByTheLeader) {
+  expect_python_does(kUserScript, "", "local_planner:method:=leader", python_);
 }
-TEST_F(RclpyScript, DrivesByTheLeadersPath) {
-  expect_python_does(kUserScript, "", "local_planner:method:=path", kRclpy);
+TEST_P(RclpyScript, DrivesByTheLeadersPath) {
+  expect_python_does(kUserScript, "", "local_planner:method:=path", python_);
 }
+
+INSTANTIATE_TEST_SUITE_P(Releases, RclpyScript, testing::Values("jazzy", "kilted"),
+                         [](const auto& release) { return std::string{release.param}; });
 
 const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";
 

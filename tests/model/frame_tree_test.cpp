@@ -277,7 +277,7 @@ TEST_P(MovingFrame, NoiseIsLessThanTheMotionThatIsAllowed) {
     publish(1, [&](double) {
       return placed_at(0.2 + off(random), off(random), 1.0 + off(random), off(random));
     });
-    ASSERT_LT(moved(), 0.05) << "FramesInput::kMostMotion";
+    ASSERT_LT(moved(), 0.05) << "FramesInput::kMaxMotion";
   }
 }
 

@@ -6,7 +6,7 @@ rclpy subscriber of depth 10.
                           one kind than the robot
 
 Each program sends as soon as its publisher is matched with anybody and leaves 0.1 s later, so what
-arrives depends on how soon robot and subscriber are discovered. Started by stop_once.
+arrives depends on how soon robot and subscriber are discovered. Started through with_rclpy.
 """
 import os
 import signal
