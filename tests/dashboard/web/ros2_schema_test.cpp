@@ -3,6 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+
+#include "support/paths.hpp"
+
 namespace tandem {
 namespace {
 
@@ -26,6 +33,30 @@ TEST(Ros2Msg, WritesArraysAndBounds) {
   EXPECT_NE(descriptor.find("rcl_interfaces/FloatingPointRange[<=1] floating_point_range"),
             std::string::npos);
   EXPECT_EQ(ros2msg("no_such/msg/Type"), std::nullopt);
+}
+
+// Without comments, constants and the name of the package, which a type of its own may omit.
+std::string fields_in(const std::filesystem::path& msg_file) {
+  std::ifstream in{msg_file};
+  std::string fields;
+  for (std::string line; std::getline(in, line);) {
+    line = line.substr(0, line.find("  #"));
+    if (!line.starts_with("#") && line.find('=') == std::string::npos) fields += line + "\n";
+  }
+  return fields;
+}
+
+TEST(Ros2Msg, WritesOurTypesAsTheirRosPackageDoes) {
+  const std::regex own{"tandem_msgs/"};
+  int files = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator{test::source_path("idl/tandem_msgs/msg")}) {
+    const std::string all = ros2msg("tandem_msgs/msg/" + entry.path().stem().string()).value_or("");
+    EXPECT_EQ(std::regex_replace(all.substr(0, all.find("=====")), own, ""),
+              fields_in(entry.path()));
+    ++files;
+  }
+  EXPECT_GE(files, 7);
 }
 
 }  // namespace
