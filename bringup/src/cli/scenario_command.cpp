@@ -15,6 +15,7 @@
 #include "bringup/drive/over_dds.hpp"
 #include "bringup/drive/parallel_drives.hpp"
 #include "bringup/drive/summary_table.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
 namespace tandem {
@@ -38,7 +39,7 @@ std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
                                                    : seed_range("--seeds", request.seeds);
   std::vector<DriveJob> jobs;
   for (const auto& file : request.files) {
-    const Scenario scenario = load_scenario(file);
+    const Scenario scenario = load_scenario(find_file(file, "scenarios"));
     check_robot(scenario);
     const auto methods =
         request.method == "all" ? scenario.methods : std::vector<std::string>{request.method};
@@ -110,7 +111,8 @@ DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
   return log.result;
 }
 
-std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all, const ScenarioRequest& request) {
+std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all,
+                                   const ScenarioRequest& request) {
   if (request.lockstep && all.size() > 1) {  // progress lines of parallel drives would interleave
     ScenarioRequest each = request;
     each.quiet = true;
@@ -164,9 +166,7 @@ int run(const ScenarioRequest& request) {
 void add_scenario_command(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("scenario", "Drive scenario files and check what must hold");
   auto request = std::make_shared<ScenarioRequest>();
-  command->add_option("files", request->files, "scenario files")
-      ->required()
-      ->check(CLI::ExistingFile);
+  command->add_option("files", request->files, "scenario files, or names of Tandem's")->required();
   command->add_option(
       "--method", request->method,
       "manual, safety_filter, leader, intention, path, blend, adaptive, dwa, hindsight, goal; "
