@@ -39,9 +39,11 @@ MakeComponent find_registered(const std::string& name) {
   return found == registry().components.end() ? nullptr : found->second;
 }
 
-fs::path program_folder() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
+// The folder of libtandem_runtime.so.
+fs::path library_folder() {
+  Dl_info info{};
+  dladdr(reinterpret_cast<const void*>(&registry), &info);
+  return fs::path{info.dli_fname}.parent_path();
 }
 
 // Component names for which `folder` has a library.
@@ -117,8 +119,8 @@ std::vector<std::string> component_folders() {
     for (std::string folder; std::getline(stream, folder, ':');)
       if (!folder.empty()) folders.push_back(folder);
   }
-  folders.push_back(program_folder());
-  folders.push_back((program_folder() / ".." / "lib").lexically_normal());
+  folders.push_back(library_folder());
+  folders.push_back(library_folder() / "tandem");
   return folders;
 }
 

@@ -24,7 +24,8 @@ bool register_component(const char* name, MakeComponent make);
       });                                                                                          \
   }
 
-/// Folders searched for libtandem_<name>.so: TANDEM_COMPONENT_PATH, the program's folder, ../lib.
+/// Folders searched for libtandem_<name>.so: those of TANDEM_COMPONENT_PATH, the folder of
+/// libtandem_runtime.so, and tandem/ in that folder.
 [[nodiscard]] std::vector<std::string> component_folders();
 /// Names of the components that can be loaded.
 [[nodiscard]] std::vector<std::string> list_components();

@@ -44,6 +44,7 @@ std::string explained(const std::exception& error) {
 int main(int argc, char** argv) {
   CLI::App app{"Tandem: shared control for differential-drive robots"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", "tandem " TANDEM_VERSION);
   int status = 0;
   tandem::add_run_command(app, status);
   tandem::add_container_command(app);

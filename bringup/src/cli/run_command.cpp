@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bringup/system/shared_files.hpp"
 #include "bringup/system/system.hpp"
 #include "tandem/runtime/component.hpp"
 
@@ -19,13 +20,14 @@ void add_run_command(CLI::App& app, int& status) {
   };
   auto request = std::make_shared<Request>();
   auto* run = app.add_subcommand("run", "Compose the components of a system and run them");
-  run->add_option("file", request->file, "system file")->required()->check(CLI::ExistingFile);
+  run->add_option("file", request->file, "system file, or the name of one of Tandem's")->required();
   run->add_option("--only", request->only, "run only the nodes of these names");
   run->add_flag("--separate", request->separate, "one process per component");
   run->allow_extras();  // --ros-args …
   run->footer("Takes ROS 2's --ros-args -r from:=to -p key:=value --params-file FILE.");
   run->callback([request, run, &status] {
-    status = run_system(request->file, request->only, request->separate, run->remaining());
+    status = run_system(find_file(request->file, "systems"), request->only, request->separate,
+                        run->remaining());
   });
 
   auto* list = app.add_subcommand("list", "List the components that can be run");

@@ -16,6 +16,7 @@
 #include "bringup/drive/parallel_drives.hpp"
 #include "bringup/drive/summary_table.hpp"
 #include "bringup/scenario/method.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
 namespace tandem {
@@ -39,7 +40,7 @@ std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
                                                    : seed_range("--seeds", request.seeds);
   std::vector<DriveJob> jobs;
   for (const auto& file : request.files) {
-    const Scenario scenario = load_scenario(file);
+    const Scenario scenario = load_scenario(find_file(file, "scenarios"));
     check_robot(scenario);
     const auto methods =
         request.method == "all" ? scenario.methods : std::vector<std::string>{request.method};
@@ -173,9 +174,7 @@ int run(const ScenarioRequest& request) {
 void add_scenario_command(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("scenario", "Drive scenario files and check what must hold");
   auto request = std::make_shared<ScenarioRequest>();
-  command->add_option("files", request->files, "scenario files")
-      ->required()
-      ->check(CLI::ExistingFile);
+  command->add_option("files", request->files, "scenario files, or names of Tandem's")->required();
   command->add_option(
       "--method", request->method,
       "one of those below, or all: those that the scenario lists. Default: the scenario's");

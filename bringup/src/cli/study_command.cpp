@@ -17,6 +17,7 @@
 #include "bringup/study/study_report.hpp"
 #include "bringup/study/study_summary.hpp"
 #include "bringup/study/study_worlds.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "tandem/runtime/time.hpp"
 
 namespace tandem {
@@ -112,7 +113,7 @@ void run(const StudyRequest& request) {
     throw std::invalid_argument("study: name a study file, as bringup/studies/quick.yaml");
   if (request.out.empty()) throw std::invalid_argument("study: --out DIR is missing");
   (void)read_shard(request.shard);
-  const Study study = load_study(request.study);
+  const Study study = load_study(find_file(request.study, "studies"));
   check_study(study);
   StudyFolder folder{request.out, contents_of(study)};
   make_drives(study, folder, request);
@@ -147,7 +148,7 @@ void add_study_command(CLI::App& app) {
   auto request = std::make_shared<StudyRequest>();
   auto* command = app.add_subcommand(
       "study", "Drive scenarios × methods × drivers × seeds, and report; resumes where it stopped");
-  command->add_option("study", request->study, "study file")->check(CLI::ExistingFile);
+  command->add_option("study", request->study, "study file, or the name of one of Tandem's");
   command->add_option("--out", request->out, "folder of the results");
   command->add_option("--jobs", request->jobs, "processes side by side")
       ->check(CLI::Range(1, 256))

@@ -7,6 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "bringup/system/shared_files.hpp"
+
 namespace tandem {
 namespace {
 
@@ -30,7 +32,7 @@ std::string shell_quoted(const std::string& word) {
 }  // namespace
 
 void draw_report(const std::string& folder) {
-  const fs::path script = TANDEM_REPORT;
+  const fs::path script = share_folder() / "report" / "report.py";
   const auto interpreter = python();
   if (!interpreter || !fs::exists(script)) {
     std::fprintf(stderr, "no report: %s\n",

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the systems, scenarios, studies and scripts that come with Tandem.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace tandem {
+
+/// Folder `share/tandem` of the installation that this program belongs to, or of its build folder.
+/// Throws std::runtime_error if there is none.
+[[nodiscard]] std::filesystem::path share_folder();
+
+/// The file that a command's argument means: the file of that path if there is one, otherwise the
+/// file of that name, with or without ".yaml", in share_folder()/bringup/`kind`. Kinds are
+/// "systems", "scenarios" and "studies". Throws std::invalid_argument listing the names in that
+/// folder if there is neither.
+[[nodiscard]] std::string find_file(const std::string& argument, const std::string& kind);
+
+}  // namespace tandem
