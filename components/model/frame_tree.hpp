@@ -77,11 +77,11 @@ struct TwoParents {
 /// this one's.
 class FrameTree {
  public:
-  static constexpr std::size_t kMaxFrames = 2'000;   ///< frames; further ones are refused
-  static constexpr std::size_t kLongest = 255;  ///< longest name [bytes]
-  static constexpr std::size_t kSamples = 64;   ///< samples kept of a dynamic link …
-  static constexpr double kSpacing = 0.03;      ///< … at least this far apart [s]
-  static constexpr double kMaxApart = 0.5;     ///< [s] lag of a link behind the samples of another
+  static constexpr std::size_t kMaxFrames = 2'000;  ///< frames; further ones are refused
+  static constexpr std::size_t kLongest = 255;      ///< longest name [bytes]
+  static constexpr std::size_t kSamples = 64;       ///< samples kept of a dynamic link …
+  static constexpr double kSpacing = 0.03;          ///< … at least this far apart [s]
+  static constexpr double kMaxApart = 0.5;      ///< [s] lag of a link behind the samples of another
   static constexpr double kMotionWindow = 1.0;  ///< [s] over which moved() looks back
   static constexpr std::size_t kMaxListed = 12;  ///< links listed in a text
 

@@ -48,9 +48,10 @@ int main(int argc, char** argv) try {
     const tandem::Filtered out = filter.update(state, state.t);
     state.twist = out.twist;
     state.X_MB = tandem::integrate(state.X_MB, out.twist, period);
-    std::printf("%5.2f s  pose %6.2f %6.2f %6.2f  command %5.2f m/s %5.2f rad/s  clearance %.2f m\n",
-                state.t, state.X_MB.x, state.X_MB.y, state.X_MB.theta, out.twist.v, out.twist.w,
-                map->clearance(outline, state.X_MB, 1.0));
+    std::printf(
+        "%5.2f s  pose %6.2f %6.2f %6.2f  command %5.2f m/s %5.2f rad/s  clearance %.2f m\n",
+        state.t, state.X_MB.x, state.X_MB.y, state.X_MB.theta, out.twist.v, out.twist.w,
+        map->clearance(outline, state.X_MB, 1.0));
   }
   return 0;
 } catch (const std::exception& error) {

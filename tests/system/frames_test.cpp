@@ -164,8 +164,8 @@ TEST_F(FramesOverDds, OdometryOfAPartThatMovesOnTheRobotIsRefusedUntilThePartIsA
     angle = 0.5 * std::sin(2.0 * (t - began));
     return link("base_link", "turret", {0.0, 0.0, angle});
   };
-  EXPECT_TRUE(
-      wait_for_reason("not localized: odom is for frame `turret`, which moves relative to `base_link`"))
+  EXPECT_TRUE(wait_for_reason(
+      "not localized: odom is for frame `turret`, which moves relative to `base_link`"))
       << reason_;
   part_at_ = [&](double) { return link("base_link", "turret", {0.0, 0.0, angle}); };
   clearance_ = kNaN;
