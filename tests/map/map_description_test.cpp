@@ -92,7 +92,7 @@ TEST(MapDescription, ErrorsNameTheLine) {
   EXPECT_TRUE(complaint(kHead + "cylinders:\n- {center: [0, 0], diameter: x, height: 1}\n")
                   .starts_with("test.yaml:4: `cylinders[0].diameter`: expected a number"));
   EXPECT_TRUE(complaint(kHead + "boxes:\n- {center: [0, 0], size: [9, 1], height: 1}\n")
-                  .starts_with("test.yaml:4: reaches outside"));
+                  .starts_with("test.yaml:4: extends beyond the bounds"));
   EXPECT_TRUE(complaint(kHead + "boxes: []\nboxes: []\n")
                   .starts_with("test.yaml:4: `boxes` is given twice, first in line 3"));
   EXPECT_TRUE(complaint("a: [1\n").starts_with("test.yaml:"));

@@ -256,7 +256,7 @@ TEST(RefusedFootprint, HasAVertexOnAnEdge) {
 
 TEST(RefusedFootprint, HasTwoVertices) {
   expect_refused({{0, 0}, {1, 0}}, "part 2: ", "has 2 vertices; a polygon needs at least 3");
-  EXPECT_EQ(complaint({}), "has no part");
+  EXPECT_EQ(complaint({}), "has no parts");
 }
 
 TEST(RefusedFootprint, HasACoordinateThatIsNotANumber) {

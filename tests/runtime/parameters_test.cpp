@@ -222,7 +222,7 @@ TEST_F(ParameterFile, ValueOfAWrongTypeIsNamed) {
   expect_complaint(head + "margin: [1]\n", {"margin", "a number"});
   expect_complaint(head + "steps: 2.5\n", {"steps", "2.5", "an integer"});
   expect_complaint(head + "enforce: 1\n", {"enforce", "true or false"});
-  expect_complaint(head + "mode: 1\n", {"mode", "text"});
+  expect_complaint(head + "mode: 1\n", {"mode", "a string"});
   expect_complaint(head + "outline: [1, two]\n", {"outline", "list of numbers"});
   expect_complaint(head + "outline: [\"1\"]\n", {"outline", "list of numbers"});
 }

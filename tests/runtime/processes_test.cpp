@@ -133,8 +133,8 @@ struct Setting {
 // Fast DDS logs an error and falls back to its defaults if these are wrong.
 TEST(Environment, NothingStartsWhereFastDdsWouldFallBackToDefaults) {
   for (const auto& [variable, value, complaint] :
-       {Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:99999", "'99999' is no port"},
-        Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:1181x", "'1181x' is no port"},
+       {Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:99999", "'99999' is not a port"},
+        Setting{"ROS_DISCOVERY_SERVER", "127.0.0.1:1181x", "'1181x' is not a port"},
         Setting{"ROS_DISCOVERY_SERVER", ";;", "names no server"},
         Setting{"ROS_DISCOVERY_SERVER", "no.such.host.invalid:11811",
                 "nor a host name that can be resolved"},

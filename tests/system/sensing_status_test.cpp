@@ -84,7 +84,7 @@ TEST_F(BuilderOverDds, ReturnsFromTheRobotItselfAreNotObstacles) {
   ASSERT_TRUE(wait_with_scans(posts, [&] { return maps_ > before + 5; }));
   EXPECT_FALSE(is_occupied(kRobot.x + 0.01, kRobot.y + 0.301));
   EXPECT_TRUE(is_occupied(kRobot.x, kRobot.y - 3.001));
-  EXPECT_EQ(log_.lines("scan: 10 echoes of a look lie inside the robot's outline"), 1);
+  EXPECT_EQ(log_.lines("scan: 10 returns of one measurement lie inside the robot's outline"), 1);
 }
 
 TEST_F(BuilderOverDds, InfiniteRangeMaxAndAnOddTimeIncrementAreAccepted) {

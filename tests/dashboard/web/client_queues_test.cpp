@@ -169,7 +169,7 @@ TEST(ClientQueues, SayNothingOfAClientThatLeftBeforeItsArrivalWasTaken) {
   ClientQueues queues{{}};
   queues.join(1, 0.0);
   ASSERT_TRUE(queues.push(say(1, "a")));
-  EXPECT_FALSE(queues.next(Lane::kUsual, 0.0)) << "its arrival is first";
+  EXPECT_FALSE(queues.next(Lane::kUsual, 0.0)) << "its arrival is handled first";
   queues.leave(1);
   for (const Lane lane : {Lane::kJoined, Lane::kLeft, Lane::kUsual, Lane::kLastWords})
     EXPECT_FALSE(queues.next(lane, 0.0));
