@@ -32,6 +32,11 @@ using FrameSender = std::array<std::uint8_t, 16>;
   return {X.translation().x(), X.translation().y(), std::atan2(X.linear()(1, 0), X.linear()(0, 0))};
 }
 
+/// The planar pose in space, at height 0.
+[[nodiscard]] inline Eigen::Isometry3d in_space(const Pose2& X) {
+  return Eigen::Translation3d(X.x, X.y, 0.0) * Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
+}
+
 /// One transform of a message: `child` lies at X_PC in `parent`.
 struct FrameLink {
   std::string_view parent, child;
