@@ -110,9 +110,10 @@ class FrameTree {
 
   /// How far `frame` has moved against `base` in the plane within the last kMotionWindow [m]: the
   /// greatest distance between its newest pose and an earlier one, plus the turn as that of a point
-  /// 1 m away. Measured in the plane of both frames; the smaller value counts, because roll, pitch
-  /// and height of one of them are no motion in the plane of the other. Zero if only static links
-  /// join the frames, or none.
+  /// 1 m away. Measured in the planes of both frames; the smaller value counts, because roll, pitch
+  /// and height of one of them are no motion in the plane of the other. Of a frame that is tilted
+  /// by more than 45°, as optical frames are, only the motion in the plane of `base` counts. Zero
+  /// if only static links join the frames, or none.
   [[nodiscard]] double moved(std::string_view base, std::string_view frame) const;
 
   /// Whether `frame` is an ancestor of `base` with a dynamic link between them.
