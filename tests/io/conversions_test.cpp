@@ -149,7 +149,7 @@ TEST(Convert, OdometryOfAnOpticalFrameIsThatOfTheBase) {
   EXPECT_NEAR(odometry->twist.w, twist.w, 1e-6);
 }
 
-// base_link leans above base_footprint: its odometry tells of the lean, the wheels' does not.
+// base_link leans above base_footprint: its odometry shows the lean, that of the wheels does not.
 TEST(Convert, ALeaningBodyDoesNotShiftTheRobot) {
   const Eigen::Isometry3d lean =
       Eigen::Translation3d(0.0, 0.0, 0.4) * Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());
