@@ -71,6 +71,12 @@ geometry_msgs::msg::Vector3 vector(double x, double y, double z) {
   return v;
 }
 
+template <class Vector>  // of a message: Point or Vector3
+Eigen::Vector3d finite_vector(const Vector& v) {
+  const auto finite = [](double x) { return std::isfinite(x) ? x : 0.0; };
+  return {finite(v.x()), finite(v.y()), finite(v.z())};
+}
+
 bool is_valid(const Obstacle& o) {
   return o.p_MO.allFinite() && o.v_MO.allFinite() && std::isfinite(o.angle) && std::isfinite(o.a) &&
          o.b > 0.0 && o.a >= o.b;
@@ -88,13 +94,6 @@ std_msgs::msg::Header header(const Stamp& stamp, const std::string& frame) {
 std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg) {
   const Twist2 twist{msg.linear().x(), msg.angular().z()};
   return is_finite(twist) ? std::optional{twist} : std::nullopt;
-}
-
-Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C) {
-  if (X_CB == Pose2{}) return {of_C.linear().x(), of_C.angular().z()};
-  const double w = of_C.angular().z();
-  const Eigen::Vector2d v_CB{of_C.linear().x() - w * X_CB.y, of_C.linear().y() + w * X_CB.x};
-  return {std::cos(X_CB.theta) * v_CB.x() + std::sin(X_CB.theta) * v_CB.y(), w};
 }
 
 geometry_msgs::msg::Twist to_msg(const Twist2& twist) {
@@ -133,6 +132,23 @@ std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg) {
   const auto twist = from_msg(msg.twist().twist());
   if (!X || !twist) return std::nullopt;
   return Odometry{*X, *twist};
+}
+
+std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& of_C, const Eigen::Isometry3d& X_AF,
+                                 const Eigen::Isometry3d& X_CB) {
+  const auto as_given = from_msg(of_C);
+  const auto none = Eigen::Isometry3d::Identity().matrix();
+  if (!as_given || (X_AF.matrix() == none && X_CB.matrix() == none)) return as_given;
+  const auto& q = of_C.pose().pose().orientation();
+  const Eigen::Isometry3d X_AC =
+      X_AF * (Eigen::Translation3d(finite_vector(of_C.pose().pose().position())) *
+              Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()).normalized());
+  const Eigen::Vector3d v_AC = X_AC.linear() * finite_vector(of_C.twist().twist().linear());
+  const Eigen::Vector3d w_AC = X_AC.linear() * finite_vector(of_C.twist().twist().angular());
+  const Eigen::Vector3d v_AB = v_AC + w_AC.cross(X_AC.linear() * X_CB.translation());
+  const Pose2 X_AB = in_plane(X_AC * X_CB);
+  const double ahead = std::cos(X_AB.theta) * v_AB.x() + std::sin(X_AB.theta) * v_AB.y();
+  return Odometry{X_AB, {ahead, w_AC.z()}};
 }
 
 std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg, const std::string& map) {

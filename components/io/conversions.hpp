@@ -45,10 +45,6 @@ struct Odometry {
 [[nodiscard]] std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg);
 [[nodiscard]] geometry_msgs::msg::Twist to_msg(const Twist2& twist);
 
-/// The twist of frame B, fixed at X_CB on a robot whose frame C moves with `of_C`. B's lateral
-/// velocity is ignored.
-[[nodiscard]] Twist2 twist_of(const Pose2& X_CB, const geometry_msgs::msg::Twist& of_C);
-
 /// Why from_msg rejects a pose: "is not finite", or that its quaternion is zero.
 [[nodiscard]] const char* fault_of(const geometry_msgs::msg::Quaternion& orientation);
 
@@ -60,6 +56,13 @@ struct Odometry {
                                                      const std_msgs::msg::Header& header);
 
 [[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg);
+/// Odometry of frame B in frame A. `of_C` is of the child frame C in the header's frame F, and B is
+/// fixed to the same body as C. The frames may be tilted: poses and twist are transformed in space,
+/// and the result is their part in the plane of A, with B's lateral velocity left out. nullopt as
+/// above; other numbers that are not finite count as 0.
+[[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& of_C,
+                                               const Eigen::Isometry3d& X_AF,
+                                               const Eigen::Isometry3d& X_CB);
 /// Ground truth. It is not transformed: nullopt if its frame is neither `map` nor empty.
 [[nodiscard]] std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg,
                                                  const std::string& map);

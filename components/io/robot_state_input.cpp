@@ -20,13 +20,12 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
 }
 
 void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
-  auto odometry = from_msg(msg);
-  if (!odometry) {
+  if (!from_msg(msg)) {
     node_.log().warn_every(1.0, "odom {}: dropped", fault_of(msg.pose().pose().orientation()));
     return;
   }
-  odom_refusal_ = place(*odometry, msg);
-  if (!odom_refusal_.empty()) {
+  const auto odometry = placed(msg);
+  if (!odometry) {
     node_.log().error_every(5.0, "{}", odom_refusal_);
     return;
   }
@@ -35,28 +34,29 @@ void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
   if (on_odom_) on_odom_(rt::to_seconds(msg.header().stamp()));
 }
 
-// Transforms the odometry to the frames odom and base. Returns why that is impossible, or an empty
-// string.
-std::string RobotStateInput::place(Odometry& odometry, const nav_msgs::msg::Odometry& msg) const {
+// The odometry in the frames odom and base; nullopt, with odom_refusal_, if that is impossible.
+std::optional<Odometry> RobotStateInput::placed(const nav_msgs::msg::Odometry& msg) {
   const Frames& names = frames_.names();
-  const std::string &frame = msg.header().frame_id(), &child = msg.child_frame_id();
+  const std::string& frame = msg.header().frame_id();
+  const std::string& part = msg.child_frame_id().empty() ? names.base : msg.child_frame_id();
   const Placing in_odom = frames_.place(names.odom, frame.empty() ? names.odom : frame);
+  const Placing on_part = frames_.place(part, names.base);
+  odom_refusal_.clear();
   if (!in_odom.X_AB)
-    return fmt::format("odom is given in frame `{}`, not `{}` (odom_frame): dropped: {}", frame,
-                       names.odom, in_odom.refusal);
-  const std::string& part = child.empty() ? names.base : child;
-  const Placing on_robot = frames_.place(part, names.base);
-  if (!on_robot.X_AB)
-    return fmt::format("odom is for frame `{}`, not `{}` (base_frame): dropped: {}", child,
-                       names.base, on_robot.refusal);
-  if (frames_.moves(part, names.base))
-    return fmt::format(
-        "odom is of frame `{}`, which moves against `{}` (base_frame): dropped; "
-        "let its sender give it of a frame that is fixed to the robot",
-        child, names.base);
-  odometry.twist = twist_of(in_plane(*on_robot.X_AB), msg.twist().twist());
-  odometry.X = compose(compose(in_plane(*in_odom.X_AB), odometry.X), in_plane(*on_robot.X_AB));
-  return {};
+    odom_refusal_ = fmt::format("odom is given in frame `{}`, not `{}` (odom_frame): dropped: {}",
+                                frame, names.odom, in_odom.refusal);
+  else if (!on_part.X_AB)
+    odom_refusal_ = fmt::format("odom is for frame `{}`, not `{}` (base_frame): dropped: {}", part,
+                                names.base, on_part.refusal);
+  else if (frames_.moves(names.base, part))
+    odom_refusal_ = fmt::format(
+        "odom is for frame `{}`, which moves relative to `{}` (base_frame): dropped; publish it "
+        "for "
+        "a frame that is fixed to the robot",
+        part, names.base);
+  else
+    return from_msg(msg, *in_odom.X_AB, *on_part.X_AB);
+  return std::nullopt;
 }
 
 // Ignores changes elsewhere in the tree, which do not affect the robot's state.

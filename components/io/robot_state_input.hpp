@@ -59,7 +59,7 @@ class RobotStateInput {
  private:
   void on_odom(const nav_msgs::msg::Odometry& msg);
   void on_frames();
-  [[nodiscard]] std::string place(Odometry& odometry, const nav_msgs::msg::Odometry& msg) const;
+  [[nodiscard]] std::optional<Odometry> placed(const nav_msgs::msg::Odometry& msg);
   [[nodiscard]] double lateness(const Stamp& stamp) const;
   void tell();
 

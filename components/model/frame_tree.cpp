@@ -7,7 +7,8 @@
 namespace tandem {
 namespace {
 
-constexpr int kMotionSteps = 10;         // times within the window at which moved() looks
+constexpr int kMotionSteps = 10;  // times within the window at which moved() looks
+constexpr double kLevel = 0.7;    // least cosine of the tilt between two frames that have one plane
 constexpr std::size_t kDeepest = 1'000;  // links of a chain, as in tf2; a longer chain is a loop
 
 Eigen::Isometry3d isometry(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
@@ -174,7 +175,8 @@ double FrameTree::moved(std::string_view base, std::string_view frame) const {
     in_base = std::max(in_base, apart(in_plane(X_BF), in_plane(past)));
     in_frame = std::max(in_frame, apart(in_plane(X_BF.inverse()), in_plane(past.inverse())));
   }
-  return std::min(in_base, in_frame);
+  const bool both_level = X_BF.linear()(2, 2) > kLevel;
+  return both_level ? std::min(in_base, in_frame) : in_base;
 }
 
 // The newest time that all links have reached; nullopt if no link has stamps.

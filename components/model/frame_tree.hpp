@@ -32,6 +32,11 @@ using FrameSender = std::array<std::uint8_t, 16>;
   return {X.translation().x(), X.translation().y(), std::atan2(X.linear()(1, 0), X.linear()(0, 0))};
 }
 
+/// The planar pose in space, at height 0.
+[[nodiscard]] inline Eigen::Isometry3d in_space(const Pose2& X) {
+  return Eigen::Translation3d(X.x, X.y, 0.0) * Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
+}
+
 /// One transform of a message: `child` lies at X_PC in `parent`.
 struct FrameLink {
   std::string_view parent, child;
@@ -105,9 +110,10 @@ class FrameTree {
 
   /// How far `frame` has moved against `base` in the plane within the last kMotionWindow [m]: the
   /// greatest distance between its newest pose and an earlier one, plus the turn as that of a point
-  /// 1 m away. Measured in the plane of both frames; the smaller value counts, because roll, pitch
-  /// and height of one of them are no motion in the plane of the other. Zero if only static links
-  /// join the frames, or none.
+  /// 1 m away. Measured in the planes of both frames; the smaller value counts, because roll, pitch
+  /// and height of one of them are no motion in the plane of the other. Of a frame that is tilted
+  /// by more than 45°, as optical frames are, only the motion in the plane of `base` counts. Zero
+  /// if only static links join the frames, or none.
   [[nodiscard]] double moved(std::string_view base, std::string_view frame) const;
 
   /// Whether `frame` is an ancestor of `base` with a dynamic link between them.

@@ -128,8 +128,8 @@ struct ReasonText {
               "wait; if it lasts, let one localiser alone say where the map's frame is"};
     case Reason::kNotLocalized:
       return {"not localized",
-              "publish odom, and map → odom on /tf; name the frames with map_frame, odom_frame and "
-              "base_frame, or set map_is_odom: true without a localiser"};
+              "publish odom of base_frame, and map → odom on /tf; name the frames with map_frame, "
+              "odom_frame and base_frame, or set map_is_odom: true without a localiser"};
     case Reason::kPoseJumped:
       return {"pose jumped", "wait; if two nodes publish odom or map → odom, stop one"};
     case Reason::kTooFast:

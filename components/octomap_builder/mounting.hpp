@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts mounting parameters and planar poses to poses in space.
+// Converts mounting parameters to poses in space.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "tandem/model/se2.hpp"
 
 namespace tandem {
 
@@ -24,11 +22,6 @@ namespace tandem {
          Eigen::AngleAxisd(numbers[5], Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(numbers[4], Eigen::Vector3d::UnitY()) *
          Eigen::AngleAxisd(numbers[3], Eigen::Vector3d::UnitX());
-}
-
-/// The planar pose in space, at height 0.
-[[nodiscard]] inline Eigen::Isometry3d in_space(const Pose2& X) {
-  return Eigen::Translation3d(X.x, X.y, 0.0) * Eigen::AngleAxisd(X.theta, Eigen::Vector3d::UnitZ());
 }
 
 }  // namespace tandem

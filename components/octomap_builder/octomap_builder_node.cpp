@@ -77,9 +77,16 @@ void OctomapBuilderNode::on_scan(const sensor_msgs::msg::LaserScan& msg) {
   check_oddities(scan);
   note_own_body(scanner_, reading.own_body);
   const Stamp& stamp = msg.header().stamp();
-  const auto pose_after = [&](double t) { return pose_at(stamp, t); };
-  auto looks = looks_of(scan, *X_BS, pose_after, reader_.no_return());
-  if (!looks) return give_up(scanner_, kDropped, why_no_pose(stamp));
+  std::string unplaced;  // why the mount is unknown at a later beam
+  const auto pose_after = [&](double t) -> std::optional<Eigen::Isometry3d> {
+    const auto X_MB = pose_at(stamp, t);
+    const Placing on_robot = place_after(scanner_, msg.header(), t);
+    if (!on_robot.X_AB) unplaced = why_unplaced(scanner_, msg.header().frame_id(), on_robot);
+    if (!X_MB || !on_robot.X_AB) return std::nullopt;
+    return in_space(*X_MB) * *on_robot.X_AB;
+  };
+  auto looks = looks_of(scan, pose_after, reader_.no_return());
+  if (!looks) return give_up(scanner_, kDropped, unplaced.empty() ? why_no_pose(stamp) : unplaced);
   for (Look& look : *looks) body_.drop(look.echoes, *X_BS);
   take(scanner_, {{reading.seen, *X_BS, odometry_at(stamp), reading.valid_share},
                   reading.composition,
@@ -121,14 +128,29 @@ std::optional<Eigen::Isometry3d> OctomapBuilderNode::place_of(
     return on_robot.X_AB;
   }
   if (!sensor.unplaced) sensor.unplaced = node_.steady_now();
-  const std::string why = fmt::format(
-      "/tf_static does not say where its frame `{}` is on `{}`, nor does /tf ({}); publish that "
-      "transform (robot_state_publisher, static_transform_publisher), or set the parameter {}",
-      frame, base, on_robot.refusal, sensor.parameter);
+  const std::string why = why_unplaced(sensor, frame, on_robot);
   sensor.watch.on_trouble("is dropped: " + why, node_.now());
   if (node_.steady_now() - *sensor.unplaced > kPatience)
     node_.log().error_every(5.0, "{} dropped: {}", sensor.topic, why);
   return std::nullopt;
+}
+
+std::string OctomapBuilderNode::why_unplaced(const Sensor& sensor, const std::string& frame,
+                                             const Placing& on_robot) const {
+  return fmt::format(
+      "/tf_static does not say where its frame `{}` is on `{}`, nor does /tf ({}); publish that "
+      "transform (robot_state_publisher, static_transform_publisher), or set the parameter {}",
+      frame, params_->input.frames.base, on_robot.refusal, sensor.parameter);
+}
+
+// The sensor's pose on the robot `after` seconds after the stamp: a turret turns during a scan.
+Placing OctomapBuilderNode::place_after(const Sensor& sensor, const std_msgs::msg::Header& header,
+                                        double after) const {
+  if (sensor.X_BS) return {.X_AB = sensor.X_BS};
+  const Stamp& stamp = header.stamp();
+  return robot_.frames().place(
+      params_->input.frames.base, header.frame_id(),
+      is_zero(stamp) ? stamp : rt::to_stamp(std::llround(1e9 * (rt::to_seconds(stamp) + after))));
 }
 
 // Reports a message that could not be used, with the reason.

@@ -9,6 +9,7 @@
 #include "tandem/io/diagnostics.hpp"
 #include "tandem/io/robot_state_input.hpp"
 #include "tandem/map/slice.hpp"
+#include "tandem/model/frame_tree.hpp"
 #include "tandem/model/robot.hpp"
 #include "tandem/octomap_builder/local_map.hpp"
 #include "tandem/octomap_builder/mounting.hpp"
@@ -93,6 +94,10 @@ class OctomapBuilderNode {
   void on_cloud(const sensor_msgs::msg::PointCloud2& msg);
   [[nodiscard]] std::optional<Eigen::Isometry3d> place_of(Sensor& sensor,
                                                           const std_msgs::msg::Header& header);
+  [[nodiscard]] Placing place_after(const Sensor& sensor, const std_msgs::msg::Header& header,
+                                    double after) const;
+  [[nodiscard]] std::string why_unplaced(const Sensor& sensor, const std::string& frame,
+                                         const Placing& on_robot) const;
   [[nodiscard]] std::optional<Pose2> pose_at(const Stamp& stamp, double after);
   [[nodiscard]] std::optional<Pose2> odometry_at(const Stamp& stamp);
   [[nodiscard]] std::string why_no_pose(const Stamp& stamp);

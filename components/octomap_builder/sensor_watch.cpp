@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "tandem/octomap_builder/mounting.hpp"
+#include "tandem/model/frame_tree.hpp"
 
 namespace tandem {
 namespace {

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tandem/octomap_builder/mounting.hpp"
-
 namespace tandem {
 namespace {
 
@@ -13,9 +11,9 @@ constexpr double kTurn = 0.01;  // [rad]
 constexpr double kWay = 0.02;   // [m]
 constexpr double kMaxParts = 100.0;
 
-std::size_t parts_between(const Pose2& first, const Pose2& last) {
-  const double turn = std::abs(wrap_angle(last.theta - first.theta));
-  const double way = (last.position() - first.position()).norm();
+std::size_t parts_between(const Eigen::Isometry3d& first, const Eigen::Isometry3d& last) {
+  const double turn = Eigen::AngleAxisd{first.linear().transpose() * last.linear()}.angle();
+  const double way = (last.translation() - first.translation()).norm();
   return static_cast<std::size_t>(
       std::clamp(std::ceil(std::max(turn / kTurn, way / kWay)), 1.0, kMaxParts));
 }
@@ -29,8 +27,8 @@ RangeScan part_of(const RangeScan& scan, std::size_t begin, std::size_t end) {
 
 }  // namespace
 
-std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const Eigen::Isometry3d& X_BS,
-                                          const PoseAfter& pose_after, const NoReturn& no_return) {
+std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const PoseAfter& pose_after,
+                                          const NoReturn& no_return) {
   const std::size_t beams = scan.ranges.size();
   const auto after = [&](double beam) { return pose_after(beam * scan.time_increment); };
   const auto first = after(0.0),
@@ -41,10 +39,9 @@ std::optional<std::vector<Look>> looks_of(const RangeScan& scan, const Eigen::Is
   for (std::size_t i = 0; i < parts; ++i) {
     const std::size_t begin = beams * i / parts, end = beams * (i + 1) / parts;
     if (begin == end && parts > 1) continue;
-    const auto X_MB = after(0.5 * static_cast<double>(begin + std::max(end, begin + 1) - 1));
-    if (!X_MB) return std::nullopt;
-    looks.push_back(
-        {range_returns_of(part_of(scan, begin, end), no_return), in_space(*X_MB) * X_BS});
+    const auto X_MS = after(0.5 * static_cast<double>(begin + std::max(end, begin + 1) - 1));
+    if (!X_MS) return std::nullopt;
+    looks.push_back({range_returns_of(part_of(scan, begin, end), no_return), *X_MS});
   }
   return looks;
 }

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
+
+#include "tandem/model/frame_tree.hpp"
 
 namespace tandem {
 namespace {
@@ -83,17 +86,95 @@ TEST(Convert, ObstaclesThatAreNoEllipsesAreCountedAndLeftOut) {
   EXPECT_EQ(back.refused, 3);
 }
 
+nav_msgs::msg::Odometry odometry_of(const Pose2& X, double v, double lateral, double w) {
+  nav_msgs::msg::Odometry msg = to_msg(Odometry{X, {v, w}}, header({}, "odom"), "part");
+  msg.twist().twist().linear().y(lateral);
+  return msg;
+}
+
 TEST(Convert, TheTwistOfAnotherPartOfTheRobotIsThatOfTheBaseThere) {
-  geometry_msgs::msg::Twist of_C;
-  of_C.linear().x(0.5);
-  of_C.linear().y(0.1);
-  of_C.angular().z(0.2);
-  EXPECT_EQ(twist_of({}, of_C), (Twist2{0.5, 0.2}));
-  const Twist2 beside = twist_of({0.3, 0.4, 0.0}, of_C);
-  EXPECT_DOUBLE_EQ(beside.v, 0.5 - 0.2 * 0.4);
-  EXPECT_DOUBLE_EQ(beside.w, 0.2);
-  EXPECT_NEAR(twist_of({0.3, 0.4, std::numbers::pi}, of_C).v, -beside.v, 1e-12);
-  EXPECT_NEAR(twist_of({0.3, 0.4, std::numbers::pi / 2}, of_C).v, 0.1 + 0.2 * 0.3, 1e-12);
+  const auto same = Eigen::Isometry3d::Identity();
+  const auto v_at = [&](const Pose2& X_CB) {
+    return from_msg(odometry_of({}, 0.5, 0.1, 0.2), same, in_space(X_CB))->twist.v;
+  };
+  EXPECT_EQ(v_at({}), 0.5);
+  EXPECT_DOUBLE_EQ(v_at({0.3, 0.4, 0.0}), 0.5 - 0.2 * 0.4);
+  EXPECT_NEAR(v_at({0.3, 0.4, std::numbers::pi}), -v_at({0.3, 0.4, 0.0}), 1e-12);
+  EXPECT_NEAR(v_at({0.3, 0.4, std::numbers::pi / 2}), 0.1 + 0.2 * 0.3, 1e-12);
+}
+
+TEST(Convert, OdometryInThePlaneIsComposedInThePlane) {
+  const Pose2 X_AF{1.0, 2.0, 0.4}, X_FC{-0.5, 0.7, 2.0}, X_CB{0.3, -0.2, -1.0};
+  const auto odometry = from_msg(odometry_of(X_FC, 0.5, 0.0, 0.2), in_space(X_AF), in_space(X_CB));
+  const Pose2 X_AB = compose(compose(X_AF, X_FC), X_CB);
+  EXPECT_NEAR((odometry->X.position() - X_AB.position()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(odometry->X.theta, X_AB.theta, 1e-12);
+  EXPECT_NEAR(odometry->twist.w, 0.2, 1e-12);
+}
+
+// A camera that looks down by 0.4 rad, on a mast; its optical frame has z ahead and y down. The
+// odometry is computed from the base's motion, by central differences.
+TEST(Convert, OdometryOfAnOpticalFrameIsThatOfTheBase) {
+  const Eigen::Isometry3d X_BC =
+      Eigen::Translation3d(0.3, 0.1, 1.2) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY()) *
+      Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitZ()) *
+      Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX());
+  const Twist2 twist{0.6, -0.3};
+  const auto X_AC_at = [&](double t) {
+    return in_space(integrate(Pose2{2.0, -1.0, 0.8}, twist, t)) * X_BC;
+  };
+  constexpr double kStep = 1e-4;
+  const Eigen::Isometry3d X_AC = X_AC_at(0.0);
+  const Eigen::Vector3d v_AC =
+      (X_AC_at(kStep).translation() - X_AC_at(-kStep).translation()) / (2.0 * kStep);
+  const Eigen::AngleAxisd turn{X_AC_at(-kStep).linear().transpose() * X_AC_at(kStep).linear()};
+  const Eigen::Vector3d v = X_AC.linear().transpose() * v_AC,
+                        w = turn.axis() * turn.angle() / (2.0 * kStep);
+  nav_msgs::msg::Odometry msg;
+  const auto place = to_transform(X_AC, header({}, "odom"), "camera").transform();
+  msg.pose().pose().position().x(place.translation().x());
+  msg.pose().pose().position().y(place.translation().y());
+  msg.pose().pose().position().z(place.translation().z());
+  msg.pose().pose().orientation(place.rotation());
+  for (auto [to, from] : {std::pair{&msg.twist().twist().linear(), &v},
+                          std::pair{&msg.twist().twist().angular(), &w}}) {
+    to->x(from->x());
+    to->y(from->y());
+    to->z(from->z());
+  }
+  const auto odometry = from_msg(msg, Eigen::Isometry3d::Identity(), X_BC.inverse());
+  EXPECT_NEAR((odometry->X.position() - Eigen::Vector2d(2.0, -1.0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(odometry->X.theta, 0.8, 1e-9);
+  EXPECT_NEAR(odometry->twist.v, twist.v, 1e-6);
+  EXPECT_NEAR(odometry->twist.w, twist.w, 1e-6);
+}
+
+// base_link leans above base_footprint: its odometry shows the lean, that of the wheels does not.
+TEST(Convert, ALeaningBodyDoesNotShiftTheRobot) {
+  const Eigen::Isometry3d lean =
+      Eigen::Translation3d(0.0, 0.0, 0.4) * Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY());
+  const auto below =
+      from_msg(odometry_of({1.0, 2.0, 0.5}, 0.6, 0.0, 0.3), Eigen::Isometry3d::Identity(), lean);
+  EXPECT_NEAR((below->X.position() - Eigen::Vector2d(1.0, 2.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(below->twist.v, 0.6, 1e-12);
+  nav_msgs::msg::Odometry leaning = odometry_of({1.0, 2.0, 0.0}, 0.6, 0.0, 0.0);
+  leaning.pose().pose().position().z(0.4);
+  leaning.pose().pose().orientation().y(std::sin(0.1));
+  leaning.pose().pose().orientation().w(std::cos(0.1));
+  const auto of_base = from_msg(leaning, Eigen::Isometry3d::Identity(), lean.inverse());
+  EXPECT_NEAR((of_base->X.position() - Eigen::Vector2d(1.0, 2.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(of_base->twist.v, 0.6 * std::cos(0.2), 1e-12);
+}
+
+TEST(Convert, NumbersThatOdometryDoesNotNeedMayBeMissing) {
+  nav_msgs::msg::Odometry msg = odometry_of({1.0, 2.0, 0.0}, 0.6, 0.0, 0.3);
+  msg.pose().pose().position().z(kNaN);
+  msg.twist().twist().linear().z(kNaN);
+  const auto moved = from_msg(msg, in_space({1.0, 0.0, 0.0}), in_space({0.2, 0.0, 0.0}));
+  EXPECT_NEAR(moved->X.x, 2.2, 1e-12);
+  EXPECT_NEAR(moved->twist.v, 0.6, 1e-12);
+  msg.twist().twist().linear().x(kNaN);
+  EXPECT_FALSE(from_msg(msg, in_space({1.0, 0.0, 0.0}), in_space({0.2, 0.0, 0.0})));
 }
 
 TEST(Convert, GroundTruthIsOfTheMapOrOfNoFrame) {

@@ -241,6 +241,13 @@ TEST_P(MovingFrame, ATurretThatIsBackWhereItWasHasMoved) {
   EXPECT_GT(moved(), 0.15);
 }
 
+TEST_P(MovingFrame, TheOpticalFrameOfACameraOnATurretHasMoved) {
+  const auto optical = Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitZ()) *
+                       Eigen::AngleAxisd(-std::numbers::pi / 2, Eigen::Vector3d::UnitX());
+  publish(101, [&](double t) { return placed_at(0.0, 0.0, 1.0, 0.3 * t) * optical; });
+  EXPECT_NEAR(moved(), 0.3 * FrameTree::kMotionWindow, 1e-9);
+}
+
 TEST_P(MovingFrame, AFrameThatCameToRestHasNotMovedOnceTheWindowIsOver) {
   publish(51, [](double t) { return placed_at(0.3 * t, 0.0, 1.0); });
   publish(51, [](double) { return placed_at(0.3, 0.0, 1.0); });
