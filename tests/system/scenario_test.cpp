@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the program as a user does: scenarios in lockstep, tuning, and its messages for bad input.
-
 #include "support/captured_log.hpp"
 #include "support/instrumented.hpp"
 #include "support/paths.hpp"
