@@ -116,7 +116,7 @@ TEST(Environment, WhereItForbidsToSpeakUnsecuredOrNamesNoHostNothingStarts) {
 // The error message of a node that does not start; empty if it starts.
 std::string complaint_at_start() {
   try {
-    rt::Node{"careful"};
+    const rt::Node node{"careful"};
     return {};
   } catch (const std::runtime_error& error) {
     return error.what();
