@@ -29,6 +29,8 @@ template <class... Actions>
 struct Overloaded : Actions... {
   using Actions::operator()...;
 };
+template <class... Actions>
+Overloaded(Actions...) -> Overloaded<Actions...>;  // clang 14 does not deduce it
 
 // Direction of travel along the path [rad]: the rear leads when reversing.
 double facing(const PathPhase& path, const Pose2& X) {

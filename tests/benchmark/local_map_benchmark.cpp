@@ -35,8 +35,8 @@ class Stopwatch {
   void print() {
     for (auto& [what, values] : laps_) {
       std::sort(values.begin(), values.end());
-      const auto at = [&](double share) {
-        return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+      const auto at = [&sorted = values](double share) {
+        return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
       };
       std::printf("%-28s p50 %8.2f  p99 %8.2f  max %8.2f\n", what.c_str(), at(0.5), at(0.99),
                   at(1.0));

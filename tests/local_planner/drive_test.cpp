@@ -45,17 +45,20 @@ double distance(const Drive& drive, double x, double y) {
 
 double share(int part, std::size_t whole) { return part / static_cast<double>(whole); }
 
-// Tables 3.1 and 3.2: 0.1283 m and 0.1142 m. Bounds: what the two sets of parameters that the
-// thesis mixes give, see the README.
+// Devalla's tables 3.1 and 3.2 give 0.1283 and 0.1142. With the parameters as the thesis writes
+// them the planner stops further away; with a terminal cost much closer.
 struct Table {
   const char* title;
   bool poles;
-  double terminal_weight, least, most;
+  double terminal_weight;
+  double steady_error;  // of this planner, recorded 2026-11-27, the same with each solver
 };
+
+constexpr double kRepeatable = 0.002;  // of steady_error
 
 class ThesisTables : public testing::TestWithParam<Table> {};
 
-TEST_P(ThesisTables, SteadyErrorIsTheThesissOrBetterWithATerminalCost) {
+TEST_P(ThesisTables, SteadyErrorIsTheRecordedOne) {
   const Table& table = GetParam();
   NmpcParams params = script_exact(table.poles);
   params.solver = unlimited().solver;
@@ -67,18 +70,17 @@ TEST_P(ThesisTables, SteadyErrorIsTheThesissOrBetterWithATerminalCost) {
   const double error = std::hypot(d, theta);
   std::printf("%s: steady error %.4f (distance %.4f m, heading %.4f rad)\n", table.title, error, d,
               theta);
-  EXPECT_GT(error, table.least);
-  EXPECT_LT(error, table.most);
+  EXPECT_NEAR(error, table.steady_error, kRepeatable);
   EXPECT_EQ(result.contacts, 0);
   EXPECT_LE(share(result.fallbacks, result.plans.size()), 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Devalla2020, ThesisTables,
-    testing::Values(Table{"table 3.1 as written", false, 0.0, 0.10, 0.20},
-                    Table{"table 3.1 with a terminal cost", false, 50.0, 0.0, 0.05},
-                    Table{"table 3.2 as written", true, 0.0, 0.10, 0.16},
-                    Table{"table 3.2 with a terminal cost", true, 50.0, 0.0, 0.05}),
+    testing::Values(Table{"table 3.1 as written", false, 0.0, 0.1737},
+                    Table{"table 3.1 with a terminal cost", false, 50.0, 0.0374},
+                    Table{"table 3.2 as written", true, 0.0, 0.1406},
+                    Table{"table 3.2 with a terminal cost", true, 50.0, 0.0241}),
     [](const auto& table) { return std::string("Case") + std::to_string(table.index); });
 
 TEST(Drive, GoalThroughTheForestIsReachedWithoutContact) {

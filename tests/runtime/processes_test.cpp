@@ -3,7 +3,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <vector>
@@ -30,22 +29,22 @@ constexpr double kTimeout = 20.0;  // [s]
 TEST(TwoProcesses, ExchangeMessagesInBothDirections) {
   ChildProcess peer{"peer", {"echo"}};
   rt::Node node{"pinger"};
-  int got = 0;
+  std::vector<double> got;
   const auto ping = node.create_publisher(rt::Topic<Twist>{"ping"});
   const auto pong =
-      node.create_subscription(rt::Topic<Twist>{"pong", rt::kLatched}, [&](const auto&) { ++got; });
+      node.create_subscription(rt::Topic<Twist>{"pong", rt::kLatched},
+                               [&](const Twist& message) { got.push_back(message.linear().x()); });
   ASSERT_TRUE(
       spin_until([&] { return ping.matched() == 1 && pong.matched() == 1; }, kTimeout, node));
-  std::vector<double> one_way;
+  std::vector<double> sent;
   for (int i = 0; i < 300; ++i) {
-    const double start = rt::steady_seconds();
-    ping.publish(Twist{});
-    ASSERT_TRUE(spin_until([&] { return got == i + 1; }, kTimeout, node)) << i;
-    one_way.push_back((rt::steady_seconds() - start) / 2.0);
+    sent.push_back(i);
+    Twist message;
+    message.linear().x(i);
+    ping.publish(message);
+    ASSERT_TRUE(spin_until([&] { return got.size() >= sent.size(); }, kTimeout, node)) << i;
+    ASSERT_EQ(got, sent);
   }
-  std::sort(one_way.begin(), one_way.end());
-  std::printf("one way: median %.0f us, p99 %.0f us\n", 1e6 * one_way[150], 1e6 * one_way[297]);
-  EXPECT_LT(one_way[150], 0.010);
 }
 
 TEST(TwoProcesses, ClientGetsTheFirstAnswerOfALateServer) {
@@ -117,7 +116,7 @@ TEST(Environment, NothingStartsIfItForbidsUnsecuredTrafficOrNamesAnUnknownHost) 
 // The error message of a node that does not start; empty if it starts.
 std::string complaint_at_start() {
   try {
-    rt::Node{"careful"};
+    const rt::Node node{"careful"};
     return {};
   } catch (const std::runtime_error& error) {
     return error.what();

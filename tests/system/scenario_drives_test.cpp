@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs scenarios over DDS with the program, as a user does: their expectations hold, and the
 // planner meets its deadlines.
+#include <sys/resource.h>
+
+#include "support/busy_machine.hpp"
 #include "system/scenario_program.hpp"
 
 namespace tandem::test {
@@ -25,16 +28,32 @@ struct Drive {
 // Runs one seed of each scenario with the real nodes, some faster than real time by /clock.
 class OverDds : public ScenarioProgram, public ::testing::WithParamInterface<Drive> {};
 
+// [s] processor time of the child processes that have ended.
+double time_of_children() {
+  rusage used{};
+  getrusage(RUSAGE_CHILDREN, &used);
+  return static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+}
+
 TEST_P(OverDds, HoldsWhatTheScenarioExpects) {
   const Drive& drive = GetParam();
+  const BusyMachine machine{1e-3 * kBudget};
+  const double before = time_of_children();
   ASSERT_EQ(run(drive.scenario, {"--dds", "--method", drive.method, "--speed", drive.speed}), 0);
   const auto result = json().at(0);
   EXPECT_EQ(result.at("collisions"), 0);
   if (result.at("plans") == 0) return;
-  EXPECT_LE(result.at("plan_fallbacks").get<double>(), 0.01 * result.at("plans").get<double>());
-  // Wall-clock time: the machine may take the processor away from a solve now and then.
-  EXPECT_LE(result.at("plan_overruns").get<double>(), 0.002 * result.at("plans").get<double>());
-  EXPECT_LE(result.at("plan_ms").at("p99").get<double>(), kBudget);
+  const double plans = result.at("plans").get<double>();
+  EXPECT_LE(time_of_children() - before, 1e-3 * kBudget * plans) << "of all nodes";
+  // Deadlines are wall-clock time: a busy machine takes the processor away from the planner as
+  // often as from another thread that computes.
+  const double late = machine.late_share();
+  EXPECT_LE(result.at("plan_fallbacks").get<double>(), (0.01 + late) * plans);
+  EXPECT_LE(result.at("plan_overruns").get<double>(), (0.002 + 2.0 * late) * plans);
+  if (late == 0.0) {
+    EXPECT_LE(result.at("plan_ms").at("p99").get<double>(), kBudget);
+  }
 }
 
 #if defined(__SANITIZE_ADDRESS__)  // slow code misses its deadlines: only that it drives

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the program as a user does: scenarios in lockstep, tuning, and its messages for bad input.
-#include <cstdio>
-#include <cstring>
-#include <memory>
-
 #include "support/captured_log.hpp"
 #include "support/instrumented.hpp"
 #include "support/paths.hpp"
@@ -148,19 +144,6 @@ TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
 
 INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::Values("empty", "text", "truncated"),
                          [](const auto& test) { return std::string(test.param); });
-
-// Everything that `tandem list` finds, `tandem describe` must know.
-TEST(Program, DescribesEachComponentThatItLists) {
-  std::unique_ptr<FILE, int (*)(FILE*)> list{popen("../tandem list", "r"), pclose};
-  ASSERT_TRUE(list);
-  int components = 0;
-  for (char line[100]; std::fgets(line, sizeof line, list.get()) != nullptr; ++components) {
-    const std::string name{line, std::strcspn(line, "\n")};
-    ChildProcess describe{"../tandem", {"describe", name}};
-    EXPECT_EQ(describe.wait(20.0), 0) << name;
-  }
-  EXPECT_GE(components, 14);
-}
 
 }  // namespace
 }  // namespace tandem::test

@@ -37,7 +37,7 @@ std::vector<Division> divisions(const Labels& before, const Labels& after, doubl
     for (const auto& [piece, count] : pieces)
       if (count > least) division.rooms.push_back(piece);
     std::stable_sort(division.rooms.begin(), division.rooms.end(),
-                     [&](int a, int b) { return pieces.at(a) > pieces.at(b); });
+                     [&counts = pieces](int a, int b) { return counts.at(a) > counts.at(b); });
     if (division.rooms.size() > 1) all.push_back(std::move(division));
   }
   return all;
