@@ -91,6 +91,7 @@ class LocalPlannerNode {
   [[nodiscard]] PlanRequest request(const RobotState& robot, double now) const;
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
+  void write_reason(const std::string& reason);
   void publish_paths(const Plan& plan, const PlanRequest& request);
   void stop(Reason reason);
   void stop(const std::string& reason);

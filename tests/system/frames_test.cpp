@@ -39,6 +39,7 @@ class FramesOverDds : public OneComponent {
       : component_{load(component, values)} {
     status_in_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
       reason_ = msg.reason();
+      code_ = from_msg(msg.reason_code());
       clearance_ = msg.clearance();
     });
     beat_ = node_.create_wall_timer(kBeat, [this] { beat(); });
@@ -51,6 +52,9 @@ class FramesOverDds : public OneComponent {
   }
   [[nodiscard]] bool wait_for_reason(const std::string& part) {
     return wait_until([&] { return reason_.find(part) != std::string::npos; });
+  }
+  [[nodiscard]] bool wait_for_reason(Reason reason) {
+    return wait_until([&] { return code_ == reason; });
   }
 
   CapturedLog log_;
@@ -66,6 +70,7 @@ class FramesOverDds : public OneComponent {
   Transforms tf_links_ = {link("map", "odom", kOdomInMap)};
   std::string odom_frame_ = "odom", child_ = "base_link";
   std::string reason_;
+  Reason code_ = Reason::kNone;
   double clearance_ = kNaN;
 };
 
@@ -143,6 +148,7 @@ TEST_F(FramesOverDds, OdometryInAnotherFrameAndOfAnotherPartOfTheRobotIsTransfor
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0 && clearance_ < 0.21; })) << reason_;
   odom_frame_ = "world";
   EXPECT_TRUE(wait_for_reason("not localized: odom is given in frame `world`, not `odom`"));
+  EXPECT_EQ(code_, Reason::kOtherFrame);
 }
 
 TEST_F(FramesOverDds, AFrameWithTwoParentsIsReportedWithBothPublishers) {
@@ -178,11 +184,11 @@ TEST_F(PeopleInFrames, PeopleAreWhereTheirFrameSays) {
     people.publish(to_msg(std::vector<Obstacle>{{.p_MO = {0.85, 0.0}, .a = 0.25, .b = 0.25}},
                           header({}, frame)));
   });
-  EXPECT_TRUE(wait_for_reason("slowed")) << reason_;
+  EXPECT_TRUE(wait_for_reason(Reason::kSlowed)) << reason_;
   frame = "map";
-  EXPECT_TRUE(wait_for_reason("clear")) << reason_;
+  EXPECT_TRUE(wait_for_reason(Reason::kClear)) << reason_;
   frame = "";
-  EXPECT_TRUE(wait_for_reason("people are silent")) << reason_;
+  EXPECT_TRUE(wait_for_reason(Reason::kPeopleSilent)) << reason_;
 }
 
 class PlannerInFrames : public FramesOverDds {
@@ -268,7 +274,7 @@ TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
 TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
   map_.publish(wall("map"));
   tf_links_ = {link("map", "odom_combined", {})};
-  ASSERT_TRUE(wait_for_reason("not localized"));
+  ASSERT_TRUE(wait_for_reason(Reason::kNotLocalized));
   char file[] = "/tmp/tandem_doctor_XXXXXX";
   close(mkstemp(file));
   ChildProcess doctor{"/bin/sh", {"-c", binary_path("tandem") + " doctor --wait 2 > " + file}};

@@ -40,9 +40,10 @@ class Sweep : public OneComponent {
  protected:
   Sweep() {
     status_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
-      reason_ = msg.reason();
+      words_ = msg.reason();
+      reason_ = from_msg(msg.reason_code());
       remedy_ = msg.remedy();
-      EXPECT_FALSE(reason_.starts_with("arbitration: ")) << reason_;  // itself, by a circle
+      EXPECT_FALSE(words_.starts_with("arbitration: ")) << words_;  // itself, by a circle
     });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
   }
@@ -53,7 +54,7 @@ class Sweep : public OneComponent {
       odom_.publish(msg);
     }
     // A person lets go where the stick must be seen at rest: after a stall of this process.
-    if (pushes_) hold(reason_ == words(Reason::kStickMoved).text ? 0.0F : 0.5F);
+    if (pushes_) hold(reason_ == Reason::kStickMoved ? 0.0F : 0.5F);
     if (joy_on_) joy_.publish(stick_);
     if (local_on_) local_.publish(local_map_);
   }
@@ -84,12 +85,13 @@ class Sweep : public OneComponent {
     pushes_ = true;
   }
 
-  // It is given, with its remedy, and logged once more than before, with that.
+  // It is given, with its remedy and number, and logged once more than before, with that.
   void expect_reason(const std::string& begin, Reason row) {
-    EXPECT_TRUE(wait_until([&] { return reason_.starts_with(begin); }))
-        << "expected " << begin << ", not " << reason_;
-    EXPECT_EQ(remedy_, words(row).remedy) << reason_;
-    EXPECT_FALSE(remedy_.empty()) << reason_;
+    EXPECT_TRUE(wait_until([&] { return words_.starts_with(begin); }))
+        << "expected " << begin << ", not " << words_;
+    EXPECT_EQ(reason_, row) << words_;
+    EXPECT_EQ(remedy_, words(row).remedy) << words_;
+    EXPECT_FALSE(remedy_.empty()) << words_;
     EXPECT_TRUE(wait_until([&] { return lines_of_arbitration(begin) > 0; })) << begin;
     EXPECT_EQ(lines_of_arbitration(begin), 1) << begin;
     EXPECT_GT(log_.lines(words(row).remedy), 0) << begin;
@@ -115,7 +117,8 @@ class Sweep : public OneComponent {
   octomap_msgs::msg::Octomap local_map_ = map_with_wall(3.0);
   bool odom_on_ = true, joy_on_ = false, local_on_ = false, pushes_ = false;
   int user_ = 0;  ///< commands of teleop
-  std::string reason_, remedy_;
+  Reason reason_ = Reason::kNone;
+  std::string words_, remedy_;
 };
 
 TEST_F(Sweep, OfTheStick) {
@@ -136,7 +139,7 @@ TEST_F(Sweep, OfArbitrationItself) {
   run("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}});
   run("teleop");
   push();
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; }));
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; }));
   const auto button = node_.create_publisher(topics::e_stop);
   std_msgs::msg::Bool pressed;
   pressed.data(true);
@@ -164,7 +167,7 @@ TEST_F(Sweep, OfTheFilter) {
   push();
   expect_reason("safety filter: no map yet", Reason::kNoMapYet);
   map_.publish(map_with_wall(3.0));
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; }));
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; }));
   odom_on_ = false;
   expect_reason("safety filter: not localized", Reason::kNotLocalized);
   odom_on_ = true;
@@ -173,7 +176,7 @@ TEST_F(Sweep, OfTheFilter) {
   twist_ = {};
   X_WB_.x += 1.0;
   expect_reason("safety filter: pose jumped", Reason::kPoseJumped);
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; }));
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; }));
   map_.publish(map_with_wall(X_WB_.x + 0.56));
   expect_reason("safety filter: stopped", Reason::kStopped);
   end("safety_filter");
@@ -213,7 +216,7 @@ TEST_F(Sweep, OfThePlannerAndWhatItWaitsFor) {
   run("obstacle_extractor", {{"map_source", "local"}});
   expect_reason("obstacle_extractor: no map yet", Reason::kNoMapYet);
   local_on_ = true;
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   local_on_ = false;
   expect_reason("obstacle_extractor: octomap_local is silent", Reason::kLocalMapSilent);
   run("octomap_builder");
@@ -281,7 +284,7 @@ TEST_F(Sweep, OfSensors) {
   scan.ranges().assign(360, 0.0F);
   expect_reason("octomap_builder: scan gives no valid range", Reason::kSensorBlind);
   scan.ranges().assign(360, 3.0F);
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   scan.angle_increment(static_cast<float>(kNaN));
   expect_reason("octomap_builder: scan is refused", Reason::kSensorRefused);
   scan.angle_increment(0.0172F);
