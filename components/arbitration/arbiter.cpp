@@ -68,11 +68,11 @@ const char* name(Source source) {
 const char* name(ArbitrationReason reason) {
   switch (reason) {
     case ArbitrationReason::kFollowsSource:
-      return "follows the source";
+      return text_of(Reason::kFollowsSource);
     case ArbitrationReason::kHandover:
-      return "handover";
+      return text_of(Reason::kHandover);
     case ArbitrationReason::kUserTakesOver:
-      return "the person takes over";
+      return text_of(Reason::kUserTakesOver);
     case ArbitrationReason::kEmergencyStop:
       return text_of(Reason::kEmergencyStop);
     case ArbitrationReason::kLetGoFirst:

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
-#include "tandem/model/reasons.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -206,6 +206,7 @@ void ArbitrationNode::publish_status() {
   msg.command(to_msg(decision_.command));
   msg.silent_sources(arbiter_.silent_sources(node_.now()));
   msg.remedy(remedy_);
+  msg.reason_code(to_msg(reason_in(why_)));
   status_.publish(msg);
 }
 

@@ -3,8 +3,8 @@
 
 #include <utility>
 
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
-#include "tandem/model/reasons.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -124,7 +124,7 @@ void LocalPlannerNode::stop(Reason reason) {
 void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   cmd_vel_shared_.publish(to_msg(plan.command));
   write_status(plan);
-  status_.status_text(name(plan.status));
+  write_reason(name(plan.status));
   if (plan.status >= PlanStatus::kOptimal)
     diagnostics_.report_well("plans");
   else
@@ -143,7 +143,12 @@ void LocalPlannerNode::publish(const Plan& plan, const PlanRequest& request) {
   publish_paths(plan, request);
 }
 
-// Fills all fields but the status text and the counters since start.
+void LocalPlannerNode::write_reason(const std::string& reason) {
+  status_.status_text(reason);
+  status_.reason_code(to_msg(reason_in(reason)));
+}
+
+// Fills all fields but the reason and the counters since start.
 void LocalPlannerNode::write_status(const Plan& plan) {
   const bool is_solution = plan.source == PlanSource::kSolution;
   status_.header(header(node_.stamp(), params_->input.frames.map));
@@ -181,7 +186,7 @@ void LocalPlannerNode::stop(const std::string& reason) {
     node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   write_status({.status = PlanStatus::kRefused, .source = PlanSource::kStanding});
-  status_.status_text(reason);
+  write_reason(reason);
   status_out_.publish(status_);
 }
 

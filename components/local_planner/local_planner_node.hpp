@@ -76,6 +76,7 @@ class LocalPlannerNode {
   void watch();
   void publish(const Plan& plan, const PlanRequest& request);
   void write_status(const Plan& plan);
+  void write_reason(const std::string& reason);
   void publish_paths(const Plan& plan, const PlanRequest& request);
   void stop(Reason reason);
   void stop(const std::string& reason);

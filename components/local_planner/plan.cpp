@@ -38,9 +38,9 @@ const char* name(Method method) {
 const char* name(PlanStatus status) {
   switch (status) {
     case PlanStatus::kOptimal:
-      return "optimal";
+      return text_of(Reason::kPlanOptimal);
     case PlanStatus::kAcceptable:
-      return "acceptable";
+      return text_of(Reason::kPlanAcceptable);
     case PlanStatus::kTimeout:
       return text_of(Reason::kPlanTimeout);
     case PlanStatus::kInfeasible:

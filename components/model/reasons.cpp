@@ -22,22 +22,26 @@ bool fits(std::string_view written, std::string_view text) {
   return open_after ? written.starts_with(text) : begins(written, text);
 }
 
-const ReasonText* find(std::string_view written) {
-  const ReasonText* best = nullptr;
-  for (const ReasonText& reason : kReasons)
-    if (fits(written, reason.text) &&
-        (!best || std::string_view{reason.text}.size() > std::string_view{best->text}.size()))
-      best = &reason;
+std::size_t length(Reason reason) { return std::string_view{text_of(reason)}.size(); }
+
+// The longest reason that fits; kOther if none does.
+Reason find(std::string_view written) {
+  Reason best = Reason::kOther;
+  for (std::size_t i = 0; i < kReasons.size(); ++i) {
+    const auto reason = static_cast<Reason>(i);
+    if (length(reason) > length(best) && fits(written, text_of(reason))) best = reason;
+  }
   return best;
 }
 
 }  // namespace
 
-std::string remedy_for(std::string_view written) {
+Reason reason_in(std::string_view written) {
+  if (written.empty()) return Reason::kNone;
   while (true) {
-    if (const ReasonText* reason = find(written)) return reason->remedy;
+    if (const Reason reason = find(written); reason != Reason::kOther) return reason;
     const auto colon = written.find(": ");
-    if (colon == std::string_view::npos) return {};
+    if (colon == std::string_view::npos) return Reason::kOther;
     written.remove_prefix(colon + 2);
   }
 }

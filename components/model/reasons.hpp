@@ -1,16 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every reason for which the robot stands or a node is in trouble, and the remedy for it.
+// Every reason that a status message gives: why the robot drives as it does, why it stands or a
+// node is in trouble, and the remedy for that.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 namespace tandem {
 
-/// Reasons that nodes report, in the order of the data flow: sensors first, the base last.
-enum class Reason : std::size_t {
+/// Reasons that nodes report; those with a remedy in the order of the data flow: sensors first, the
+/// base last. Their numbers are published and recorded (tandem_msgs/ReasonCode): a new reason goes
+/// to the end, and no number is used again.
+enum class Reason : std::uint8_t {
+  kNone,   ///< no reason is given: the text is empty
+  kOther,  ///< a text that is not in the table
+  // Commands pass, and plans are made.
+  kClear,
+  kSlowed,
+  kDeflected,
+  kBackingOut,
+  kFollowsSource,
+  kHandover,
+  kUserTakesOver,
+  kPlanOptimal,
+  kPlanAcceptable,
+  kArcChosen,
+  // The robot stands, or a node is in trouble.
   kNothingSensed,
   kSensorMissing,
   kSensorSilent,
@@ -63,8 +81,11 @@ enum class Reason : std::size_t {
   kCount
 };
 
+/// Whether something is wrong, so that the table has a remedy.
+[[nodiscard]] constexpr bool is_trouble(Reason reason) { return reason >= Reason::kNothingSensed; }
+
 /// The text of a reason as nodes publish it. "…" stands for a variable part. A reason without it
-/// may be followed by ": " or " (" and details.
+/// may be followed by ": " or " (" and details. `remedy` is empty unless is_trouble().
 struct ReasonText {
   const char* text;
   const char* remedy;
@@ -74,6 +95,29 @@ struct ReasonText {
 // has no default, and the assertion below requires both.
 [[nodiscard]] constexpr ReasonText words(Reason reason) {
   switch (reason) {
+    case Reason::kNone:
+    case Reason::kOther:
+      break;
+    case Reason::kClear:
+      return {"clear", ""};
+    case Reason::kSlowed:
+      return {"slowed", ""};
+    case Reason::kDeflected:
+      return {"deflected", ""};
+    case Reason::kBackingOut:
+      return {"backing out", ""};
+    case Reason::kFollowsSource:
+      return {"follows the source", ""};
+    case Reason::kHandover:
+      return {"handover", ""};
+    case Reason::kUserTakesOver:
+      return {"the person takes over", ""};
+    case Reason::kPlanOptimal:
+      return {"optimal", ""};
+    case Reason::kPlanAcceptable:
+      return {"acceptable", ""};
+    case Reason::kArcChosen:
+      return {"chosen", ""};
     case Reason::kNothingSensed:
       return {"no data on scan or cloud_in…",
               "start a sensor's driver, or remap scan or cloud_in to its topic"};
@@ -204,6 +248,7 @@ struct ReasonText {
   return {"", ""};
 }
 
+/// The texts, by the reasons' numbers.
 inline constexpr auto kReasons = [] {
   std::array<ReasonText, static_cast<std::size_t>(Reason::kCount)> all{};
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = words(static_cast<Reason>(i));
@@ -212,17 +257,23 @@ inline constexpr auto kReasons = [] {
 
 static_assert(
     [] {
-      for (const ReasonText& reason : kReasons)
-        if (std::string_view{reason.text}.empty() || std::string_view{reason.remedy}.empty())
+      for (std::size_t i = static_cast<std::size_t>(Reason::kClear); i < kReasons.size(); ++i)
+        if (std::string_view{kReasons[i].text}.empty() ||
+            std::string_view{kReasons[i].remedy}.empty() == is_trouble(static_cast<Reason>(i)))
           return false;
       return true;
     }(),
-    "every reason has words and a remedy");
+    "every reason has words, and those of trouble have a remedy");
 
 [[nodiscard]] constexpr const char* text_of(Reason reason) { return words(reason).text; }
 
-/// The remedy for a reason as a node published it, with or without a "node: " prefix; empty if the
-/// table has none. If several reasons match, the longest one is used.
-[[nodiscard]] std::string remedy_for(std::string_view written);
+/// The reason of a text as a node published it, with or without a "node: " prefix: kNone if the
+/// text is empty, kOther if the table does not have it. If several reasons match, the longest one.
+[[nodiscard]] Reason reason_in(std::string_view written);
+
+/// The remedy for the reason in a published text; empty if the table has none.
+[[nodiscard]] inline std::string remedy_for(std::string_view written) {
+  return words(reason_in(written)).remedy;
+}
 
 }  // namespace tandem

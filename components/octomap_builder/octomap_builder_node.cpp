@@ -7,6 +7,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/map/octomap_file.hpp"
 #include "tandem/runtime/component.hpp"
@@ -241,6 +242,7 @@ void OctomapBuilderNode::publish_status() {
   tandem_msgs::msg::SensingStatus msg;
   msg.header(header(node_.stamp(), params_->input.frames.base));
   msg.reason(reason());
+  msg.reason_code(to_msg(reason_in(msg.reason())));
   status_.publish(msg);
   diagnose(msg.reason());
 }

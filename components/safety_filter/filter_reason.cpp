@@ -7,13 +7,13 @@ namespace tandem {
 const char* name(FilterReason reason) {
   switch (reason) {
     case FilterReason::kClear:
-      return "clear";
+      return text_of(Reason::kClear);
     case FilterReason::kSlowed:
-      return "slowed";
+      return text_of(Reason::kSlowed);
     case FilterReason::kDeflected:
-      return "deflected";
+      return text_of(Reason::kDeflected);
     case FilterReason::kBackingOut:
-      return "backing out";
+      return text_of(Reason::kBackingOut);
     case FilterReason::kUnseen:
       return text_of(Reason::kUnseenGround);
     case FilterReason::kStopped:

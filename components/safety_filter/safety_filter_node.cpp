@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
-#include "tandem/model/reasons.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -118,6 +118,7 @@ void SafetyFilterNode::publish_status(const Filtered& out) {
   tandem_msgs::msg::FilterStatus msg;
   msg.header(header(node_.stamp(), params_->input.frames.map));
   msg.reason(why(out));
+  msg.reason_code(to_msg(reason_in(msg.reason())));
   msg.scale(out.scale);
   msg.clearance(out.clearance);
   msg.enforcing(params_->filter.enforce);

@@ -3,8 +3,8 @@
 
 #include <utility>
 
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
-#include "tandem/model/reasons.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -48,11 +48,13 @@ void SharedDwaNode::publish(const DwaChoice& choice, double time) {
   cmd_vel_shared_.publish(to_msg(choice.command));
   status_.header(header(node_.stamp(), params_->input.frames.map));
   status_.status(choice.admissible ? 0 : -1);
-  status_.status_text(choice.admissible ? "chosen" : text_of(Reason::kNothingAdmissible));
+  const Reason reason = choice.admissible ? Reason::kArcChosen : Reason::kNothingAdmissible;
+  status_.status_text(text_of(reason));
+  status_.reason_code(to_msg(reason));
   if (choice.admissible)
-    diagnostics_.report_well("chosen");
+    diagnostics_.report_well(text_of(reason));
   else
-    diagnostics_.report_trouble(text_of(Reason::kNothingAdmissible));
+    diagnostics_.report_trouble(text_of(reason));
   status_.source(choice.admissible ? "solution" : "braking");
   status_.solve_time(time);
   status_.guesses(choice.looked_at);
@@ -81,6 +83,7 @@ void SharedDwaNode::stop(const std::string& reason) {
   standing.header(header(node_.stamp(), params_->input.frames.map));
   standing.status(-1);
   standing.status_text(reason);
+  standing.reason_code(to_msg(reason_in(reason)));
   standing.source("standing");
   status_out_.publish(standing);
 }

@@ -12,6 +12,7 @@
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/io/conversions.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/metrics/metrics.hpp"
 
@@ -28,7 +29,7 @@ class Scanner {
  public:
   explicit Scanner(rt::Node& node) : node_{node} {
     status_ = node.create_subscription(topics::filter_status, [this](const auto& msg) {
-      if (msg.reason() == "clear") filter_knows_ = msg.clearance() < 0.9;
+      if (from_msg(msg.reason_code()) == Reason::kClear) filter_knows_ = msg.clearance() < 0.9;
     });
     list_ = node.create_subscription(topics::obstacles, [this](const auto& msg) {
       const auto all = from_msg(msg).all;

@@ -122,7 +122,7 @@ class BlindDrive {
   [[nodiscard]] unsigned collisions() const { return sim_.contacts().count; }
   [[nodiscard]] double t() const { return t_; }
   /// Counts each reason that the filter gave since the last call.
-  [[nodiscard]] std::map<std::string, int> take_reasons() { return std::exchange(reasons_, {}); }
+  [[nodiscard]] std::map<FilterReason, int> take_reasons() { return std::exchange(reasons_, {}); }
   /// Speed of the outline's fastest point while over ground unseen for coverage_timeout [m/s].
   [[nodiscard]] double max_speed_over_unseen() const { return max_speed_over_unseen_; }
   [[nodiscard]] int looks_over_unseen() const { return looks_over_unseen_; }
@@ -163,7 +163,7 @@ class BlindDrive {
     if (n % 4 != 0) return;
     filter_.on_command(stick, t_);
     const Filtered out = filter_.update(robot, t_);
-    ++reasons_[name(out.reason)];
+    ++reasons_[out.reason];
     sim_.command(out.twist, t_);
   }
   void look(const RobotState& robot) {
@@ -197,7 +197,7 @@ class BlindDrive {
   CoverageJudge judge_;
   double t_ = 0.0, max_speed_over_unseen_ = 0.0;
   int looks_over_unseen_ = 0;
-  std::map<std::string, int> reasons_;
+  std::map<FilterReason, int> reasons_;
 };
 
 }  // namespace tandem::test

@@ -37,7 +37,7 @@ TEST(UnseenGround, ARobotThatSeesOnlyAheadLeavesADeadEndTheWayItCame) {
   const double began = drive.t();
   drive.run({-0.4, 0.0}, 20.0, [&] { return drive.X().x < -0.4; });
   EXPECT_LT(drive.t() - began, 4.0 / 0.4 + 1.0);
-  EXPECT_FALSE(drive.take_reasons().contains("unseen ground"));
+  EXPECT_FALSE(drive.take_reasons().contains(FilterReason::kUnseen));
   // Beside where it stood at first nothing was ever seen.
   drive.run({-0.4, 0.0}, 6.0, [&] { return drive.X().x < -1.0; });
   EXPECT_LT(drive.X().x, -1.0);
@@ -52,7 +52,7 @@ TEST(UnseenGround, ADeadEndIsLeftSlowlyAfterTheGroundBehindWasForgotten) {
   drive.run({-0.4, 0.0}, 10.0);
   EXPECT_NEAR(drive.X().x, x - 1.5, 0.1);
   EXPECT_LE(drive.max_speed_over_unseen(), kSlow);
-  EXPECT_GT(drive.take_reasons()["unseen ground"], 200);
+  EXPECT_GT(drive.take_reasons()[FilterReason::kUnseen], 200);
 }
 
 TEST(UnseenGround, ARobotTurnsAtFullRateInAHallThatItHasDrivenThrough) {
@@ -66,7 +66,7 @@ TEST(UnseenGround, ARobotTurnsAtFullRateInAHallThatItHasDrivenThrough) {
     return false;
   });
   EXPECT_GT(turned, 6.3);
-  EXPECT_FALSE(drive.take_reasons().contains("unseen ground"));
+  EXPECT_FALSE(drive.take_reasons().contains(FilterReason::kUnseen));
 }
 
 // An obstacle that the scanner has never seen is half a metre behind the robot.
@@ -78,7 +78,7 @@ TEST(UnseenGround, BackwardsIntoWhatWasNeverSeenIsSlow) {
     EXPECT_LT(drive.X().x, -1.5 * unseen_speed) << "it may be driven into";
     EXPECT_LE(drive.max_speed_over_unseen(), unseen_speed + 0.01);
     EXPECT_GT(drive.looks_over_unseen(), 5);
-    EXPECT_GT(drive.take_reasons()["unseen ground"], 20);
+    EXPECT_GT(drive.take_reasons()[FilterReason::kUnseen], 20);
   }
 }
 
@@ -88,7 +88,7 @@ TEST(UnseenGround, OfSpeedZeroIsNotDrivenInto) {
   drive.run({-0.4, 0.0}, 5.0);
   EXPECT_GT(drive.X().x, -0.06);
   EXPECT_EQ(drive.looks_over_unseen(), 0);
-  EXPECT_GT(drive.take_reasons()["unseen ground"], 100);
+  EXPECT_GT(drive.take_reasons()[FilterReason::kUnseen], 100);
   drive.run({0.8, 0.0}, 3.0);
   EXPECT_GT(drive.X().x, 1.8) << "ahead it sees";
 }
@@ -106,7 +106,7 @@ TEST(UnseenGround, AScannerThatSeesAllAroundSlowsNothing) {
   BlindDrive drive({.scan_angle = kAllAround}, room(4.0, 4.0), {-2.0, 0.0, 0.0});
   for (const Twist2& stick : {Twist2{-0.4, 0.3}, Twist2{0.8, 0.0}, Twist2{0.0, 1.0}}) {
     drive.run(stick, 2.0);
-    EXPECT_FALSE(drive.take_reasons().contains("unseen ground")) << stick.v;
+    EXPECT_FALSE(drive.take_reasons().contains(FilterReason::kUnseen)) << stick.v;
   }
 }
 

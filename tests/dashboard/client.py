@@ -4,6 +4,7 @@
 import itertools
 import json
 import os
+import pathlib
 import random
 import re
 import resource
@@ -20,6 +21,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 PROTOCOL = "foxglove.websocket.v1"
+DEFINITION = pathlib.Path(__file__).parents[2] / "idl/tandem_msgs/msg/ReasonCode.msg"
+REASON_CODES = {name: int(value) for name, value in re.findall(r"^uint8 (\w+)=(\d+)$", DEFINITION.read_text(), re.M)}
 LONG = 60.0  # [s] for a slow machine
 SANITIZED = "TANDEM_SANITIZED" in os.environ
 
@@ -228,7 +231,7 @@ def leave(robot):
     held = lambda: back.publish(1, joy(1.0, 0.0, 1))
     speed = lambda: abs(back.newest("/odom").twist.twist.linear.x)
     back.until(lambda: back.newest("/odom") and speed() < 0.01, beat=held)
-    refused = lambda: back.newest("/arbitration/status").reason == "stick is not at rest"
+    refused = lambda: back.newest("/arbitration/status").reason_code.value == REASON_CODES["STICK_MOVED"]
     back.until(lambda: back.newest("/arbitration/status") and refused(), beat=held)
     end = time.monotonic() + 2.0
     back.until(lambda: time.monotonic() > end or speed() > 0.01, beat=held)

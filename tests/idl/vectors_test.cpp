@@ -144,18 +144,28 @@ TEST(TandemMessages, ReadBackWhatTheyWrote) {
   written.command().linear().x(0.5);
   written.silent_sources({"planner", "user"});
   written.remedy("let go of the stick for a second");
+  written.reason_code().value(tandem_msgs::msg::ReasonCode_Constants::LET_GO_FIRST);
   ASSERT_TRUE(deserialize(serialize(written), read));
   EXPECT_TRUE(read == written);
   EXPECT_EQ(type_name<tandem_msgs::msg::ArbitrationStatus>(),
             "tandem_msgs::msg::dds_::ArbitrationStatus_");
 }
 
-// Recordings made before `remedy`, the last field, was added contain such messages; see the README.
-TEST(TandemMessages, AnArbitrationStatusWithoutRemedyIsRejected) {
+// Recordings made before a last field was added contain such messages; see bringup/ROS2.md.
+TEST(TandemMessages, AnArbitrationStatusWithoutALastFieldIsRejected) {
   tandem_msgs::msg::ArbitrationStatus status, read;
   status.silent_sources({"user"});
   Bytes bytes = serialize(status);
-  bytes.resize(bytes.size() - 5);  // of an empty text: its length, and its end
+  bytes.resize(bytes.size() - 6);  // an empty text (its length, and its end), and the reason's code
+  EXPECT_FALSE(deserialize(bytes, read));
+}
+
+TEST(TandemMessages, AStatusWithoutReasonCodeIsNone) {
+  tandem_msgs::msg::FilterStatus status, read;
+  status.reason("clear");
+  Bytes bytes = serialize(status);
+  EXPECT_TRUE(deserialize(bytes, read));
+  bytes.resize(bytes.size() - 1);
   EXPECT_FALSE(deserialize(bytes, read));
 }
 

@@ -101,6 +101,31 @@ TEST(Reasons, AreFoundBehindTheNodeThatGaveThemAndTheLongestCounts) {
   EXPECT_EQ(remedy_for(""), "");
 }
 
+TEST(Reasons, OfAPublishedTextAreFoundInTheTable) {
+  EXPECT_EQ(reason_in("safety filter: no map yet"), Reason::kNoMapYet);
+  EXPECT_EQ(reason_in("scan is silent: is its driver running? (3.0 s)"), Reason::kSensorSilent);
+  EXPECT_EQ(reason_in(""), Reason::kNone);
+  EXPECT_EQ(reason_in("no mapping"), Reason::kOther);
+}
+
+TEST(Reasons, OfANodeThatDrivesAreInTheTable) {
+  for (const auto reason : {FilterReason::kClear, FilterReason::kSlowed, FilterReason::kDeflected,
+                            FilterReason::kBackingOut})
+    EXPECT_LT(Reason::kOther, reason_in(name(reason))) << name(reason);
+  for (const auto reason : {ArbitrationReason::kFollowsSource, ArbitrationReason::kHandover,
+                            ArbitrationReason::kUserTakesOver})
+    EXPECT_LT(Reason::kOther, reason_in(name(reason))) << name(reason);
+  for (const auto status : {PlanStatus::kOptimal, PlanStatus::kAcceptable})
+    EXPECT_LT(Reason::kOther, reason_in(name(status))) << name(status);
+}
+
+TEST(Reasons, OfEveryTextWithoutAVariablePartAreTheirOwn) {
+  for (std::size_t i = static_cast<std::size_t>(Reason::kClear); i < kReasons.size(); ++i)
+    if (std::string_view{kReasons[i].text}.find("…") == std::string_view::npos) {
+      EXPECT_EQ(reason_in(kReasons[i].text), static_cast<Reason>(i)) << kReasons[i].text;
+    }
+}
+
 std::string row(const ReasonText& reason) {
   return std::string{"| "} + reason.text + " | " + reason.remedy + " |";
 }
@@ -115,7 +140,8 @@ TEST(Reasons, AreDocumentedAsInTheTable) {
     if (in_table) rows.push_back(line);
   }
   wanted = {"| reason | what helps |", "|---|---|"};
-  for (const ReasonText& reason : kReasons) wanted.push_back(row(reason));
+  for (const ReasonText& reason : kReasons)
+    if (*reason.remedy != '\0') wanted.push_back(row(reason));
   EXPECT_EQ(rows, wanted);
 }
 

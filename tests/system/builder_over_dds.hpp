@@ -30,6 +30,7 @@ class BuilderOverDds : public OneComponent {
     builder_.emplace(load("octomap_builder", parameters));
     status_in_ = node_.create_subscription(topics::sensing_status, [this](const auto& msg) {
       reason_ = msg.reason();
+      code_ = from_msg(msg.reason_code());
       ++statuses_;
     });
     maps_in_ = node_.create_subscription(topics::octomap_local, [this](const auto& msg) {
@@ -103,6 +104,7 @@ class BuilderOverDds : public OneComponent {
   std::string frame_;
   Pose2 robot_ = kRobot;
   std::optional<std::string> reason_;
+  Reason code_ = Reason::kOther;
   long maps_ = 0, statuses_ = 0;
 };
 

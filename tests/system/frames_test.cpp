@@ -42,6 +42,7 @@ class FramesOverDds : public OneComponent {
       : component_{load(component, values)} {
     status_in_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
       reason_ = msg.reason();
+      code_ = from_msg(msg.reason_code());
       clearance_ = msg.clearance();
     });
     beat_ = node_.create_wall_timer(kBeat, [this] { beat(); });
@@ -55,6 +56,9 @@ class FramesOverDds : public OneComponent {
   }
   [[nodiscard]] bool wait_for_reason(const std::string& part) {
     return wait_until([&] { return reason_.find(part) != std::string::npos; });
+  }
+  [[nodiscard]] bool wait_for_reason(Reason reason) {
+    return wait_until([&] { return code_ == reason; });
   }
 
   CapturedLog log_;
@@ -72,6 +76,7 @@ class FramesOverDds : public OneComponent {
   std::function<geometry_msgs::msg::TransformStamped(double)> part_at_;
   std::string odom_frame_ = "odom", child_ = "base_link";
   std::string reason_;
+  Reason code_ = Reason::kNone;
   double clearance_ = kNaN;
 };
 
@@ -150,6 +155,7 @@ TEST_F(FramesOverDds, OdometryInAnotherFrameAndOfAnotherPartOfTheRobotIsTransfor
   EXPECT_TRUE(wait_until([&] { return clearance_ > 0.0 && clearance_ < 0.21; })) << reason_;
   odom_frame_ = "world";
   EXPECT_TRUE(wait_for_reason("not localized: odom is given in frame `world`, not `odom`"));
+  EXPECT_EQ(code_, Reason::kOtherFrame);
 }
 
 // A camera on a turret gives odometry of itself: its twist is not the robot's.
@@ -230,11 +236,11 @@ TEST_F(PeopleInFrames, PeopleAreWhereTheirFrameSays) {
     people.publish(to_msg(std::vector<Obstacle>{{.p_MO = {0.85, 0.0}, .a = 0.25, .b = 0.25}},
                           header({}, frame)));
   });
-  EXPECT_TRUE(wait_for_reason("slowed")) << reason_;
+  EXPECT_TRUE(wait_for_reason(Reason::kSlowed)) << reason_;
   frame = "map";
-  EXPECT_TRUE(wait_for_reason("clear")) << reason_;
+  EXPECT_TRUE(wait_for_reason(Reason::kClear)) << reason_;
   frame = "";
-  EXPECT_TRUE(wait_for_reason("people are silent")) << reason_;
+  EXPECT_TRUE(wait_for_reason(Reason::kPeopleSilent)) << reason_;
 }
 
 class PlannerInFrames : public FramesOverDds {
@@ -320,7 +326,7 @@ TEST_F(BuilderInFrames, AScanInAFrameThatTheRobotMovesInIsRefused) {
 TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
   map_.publish(wall("map"));
   tf_links_ = {link("map", "odom_combined", {})};
-  ASSERT_TRUE(wait_for_reason("not localized"));
+  ASSERT_TRUE(wait_for_reason(Reason::kNotLocalized));
   char file[] = "/tmp/tandem_doctor_XXXXXX";
   close(mkstemp(file));
   ChildProcess doctor{"/bin/sh", {"-c", binary_path("tandem") + " doctor --wait 2 > " + file}};

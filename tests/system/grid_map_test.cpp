@@ -34,8 +34,8 @@ class FilterOnGrid : public OneComponent {
   FilterOnGrid() {
     out_ = node_.create_subscription(topics::cmd_vel,
                                      [this](const auto& msg) { v_ = msg.linear().x(); });
-    status_ = node_.create_subscription(topics::filter_status,
-                                        [this](const auto& msg) { reason_ = msg.reason(); });
+    status_ = node_.create_subscription(
+        topics::filter_status, [this](const auto& msg) { reason_ = from_msg(msg.reason_code()); });
     beat_ = node_.create_wall_timer(0.02, [this] {
       odom_.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
       command_.publish(to_msg(Twist2{kSpeed, 0.0}));
@@ -47,15 +47,15 @@ class FilterOnGrid : public OneComponent {
     return load("safety_filter", more);
   }
   [[nodiscard]] bool drives() {
-    return wait_until([this] { return v_ == kSpeed && reason_ == "clear"; });
+    return wait_until([this] { return v_ == kSpeed && reason_ == Reason::kClear; });
   }
   [[nodiscard]] bool is_slowed() {
-    return wait_until([this] { return v_ >= 0.0 && v_ < kSpeed && reason_ != "clear"; });
+    return wait_until([this] { return v_ >= 0.0 && v_ < kSpeed && reason_ != Reason::kClear; });
   }
 
   CapturedLog log_;
   double v_ = -1.0;
-  std::string reason_;
+  Reason reason_ = Reason::kNone;
   rt::Publisher<nav_msgs::msg::OccupancyGrid> map_ = node_.create_publisher(topics::map);
   rt::Publisher<nav_msgs::msg::Odometry> odom_ = node_.create_publisher(topics::odom);
   rt::Publisher<geometry_msgs::msg::Twist> command_ =
@@ -66,7 +66,7 @@ class FilterOnGrid : public OneComponent {
 
 TEST_F(FilterOnGrid, StandsUntilTheMapArrivesAndRespectsItsWalls) {
   const auto running = filter({});
-  ASSERT_TRUE(wait_until([this] { return v_ == 0.0 && reason_ == "no map yet"; }));
+  ASSERT_TRUE(wait_until([this] { return v_ == 0.0 && reason_ == Reason::kNoMapYet; }));
   map_.publish(room(0));
   ASSERT_TRUE(drives());
   map_.publish(room(100));

@@ -57,7 +57,7 @@ TEST(KillPlanner, TheOthersSayWhyAndARestartDrivesOn) {
   ASSERT_TRUE(system.wait_until_driving());
   system.kill_hard("local_planner");
   ASSERT_TRUE(system.wait_until(
-      [&] { return system.reason == "cmd_vel_shared is silent" && system.stands(); }, 5.0));
+      [&] { return system.reason == Reason::kSharedSilent && system.stands(); }, 5.0));
   system.start("local_planner");
   EXPECT_TRUE(system.wait_until_driving());
 }
@@ -108,7 +108,7 @@ TEST(KillArbitration, AfterARespawnItStandsUntilTheStopIsWithdrawnAndReleased) {
   ASSERT_EQ(victims.size(), 1u);
   kill(victims.front(), SIGKILL);
   ASSERT_TRUE(system.wait_until(
-      [&] { return system.reason == "emergency stop" && system.stands(); }, 20.0));
+      [&] { return system.reason == Reason::kEmergencyStop && system.stands(); }, 20.0));
 
   const auto release = system.node().create_client(
       rt::ServiceName<std_srvs::srv::Trigger>{"arbitration/release_emergency_stop"});

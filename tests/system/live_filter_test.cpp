@@ -23,7 +23,7 @@ class FilterWithLiveSensing : public OneComponent {
     map_.resolution(0.05);
   }
   void show(const octomap::OcTree& tree) { map_.data(encode_octomap(tree)); }
-  [[nodiscard]] bool drives(double v, const std::string& reason) {
+  [[nodiscard]] bool drives(double v, Reason reason) {
     return wait_until([&] { return v_ == v && reason_ == reason; });
   }
 
@@ -36,7 +36,7 @@ class FilterWithLiveSensing : public OneComponent {
   rt::Subscription out_ = node_.create_subscription(
       topics::cmd_vel, [this](const auto& msg) { v_ = msg.linear().x(); });
   rt::Subscription status_ = node_.create_subscription(
-      topics::filter_status, [this](const auto& msg) { reason_ = msg.reason(); });
+      topics::filter_status, [this](const auto& msg) { reason_ = from_msg(msg.reason_code()); });
   rt::Timer beat_ = node_.create_wall_timer(0.02, [this] {
     odom_.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
     command_.publish(to_msg(Twist2{0.3, 0.0}));
@@ -44,26 +44,26 @@ class FilterWithLiveSensing : public OneComponent {
   octomap_msgs::msg::Octomap map_;
   octomap::OcTree tree_{0.05};
   double v_ = -1.0;
-  std::string reason_;
+  Reason reason_ = Reason::kNone;
 };
 
 TEST_F(FilterWithLiveSensing, StandsUntilSomethingIsSeenAndWhenNothingIsAnyMore) {
-  ASSERT_TRUE(drives(0.0, "no map yet"));
+  ASSERT_TRUE(drives(0.0, Reason::kNoMapYet));
 
   tree_.updateNode(octomap::point3d(0.0F, 0.0F, 0.3F), false);
   show(tree_);  // an empty map is not an error
   auto looks = node_.create_wall_timer(0.1, [&] { maps_.publish(map_); });
-  ASSERT_TRUE(drives(0.15, "unseen ground"));
+  ASSERT_TRUE(drives(0.15, Reason::kUnseenGround));
   cover_ground(tree_);
   show(tree_);
-  ASSERT_TRUE(drives(0.3, "clear"));
+  ASSERT_TRUE(drives(0.3, Reason::kClear));
 
   for (int i = -20; i <= 20; ++i)
     tree_.updateNode(octomap::point3d(0.57F, 0.05F * static_cast<float>(i), 0.3F), true);
   show(tree_);
-  ASSERT_TRUE(wait_until([&] { return v_ < 0.3 && reason_ != "clear"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ < 0.3 && reason_ != Reason::kClear; }));
   looks = {};
-  EXPECT_TRUE(drives(0.0, "octomap_local is silent"));
+  EXPECT_TRUE(drives(0.0, Reason::kLocalMapSilent));
 }
 
 // The builder's report on its sensors takes precedence over the age of the map.
@@ -71,22 +71,21 @@ TEST_F(FilterWithLiveSensing, StandsWhileTheBuilderSaysThatItsSensorsDoNotSee) {
   cover_ground(tree_);
   show(tree_);
   const auto looks = node_.create_wall_timer(0.02, [&] { maps_.publish(map_); });
-  ASSERT_TRUE(drives(0.3, "clear"));  // a foreign map source
+  ASSERT_TRUE(drives(0.3, Reason::kClear));  // a foreign map source
 
   auto sensing = std::optional{node_.create_publisher(topics::sensing_status)};
   tandem_msgs::msg::SensingStatus word;
   auto words = node_.create_wall_timer(0.1, [&] { sensing->publish(word); });
   ASSERT_TRUE(wait_until([&] { return sensing->matched() > 0; }));
-  ASSERT_TRUE(drives(0.3, "clear"));
+  ASSERT_TRUE(drives(0.3, Reason::kClear));
   word.reason("scan gives no valid range");
-  ASSERT_TRUE(drives(0.0, "scan gives no valid range"));
+  ASSERT_TRUE(drives(0.0, Reason::kSensorBlind));
   word.reason("");
-  ASSERT_TRUE(drives(0.3, "clear"));
+  ASSERT_TRUE(drives(0.3, Reason::kClear));
   words = {};
-  ASSERT_TRUE(wait_until(
-      [&] { return v_ == 0.0 && reason_.find("sensing_status is silent") != std::string::npos; }));
+  ASSERT_TRUE(drives(0.0, Reason::kSensingSilent));
   sensing.reset();
-  EXPECT_TRUE(drives(0.3, "clear"));
+  EXPECT_TRUE(drives(0.3, Reason::kClear));
 }
 
 // Two sensors over DDS: if either is lost, the robot stops and reports which.

@@ -29,7 +29,6 @@ class PlannerOverDds : public OneComponent {
     });
     status_in_ = node_.create_subscription(topics::planner_status, [this](const auto& msg) {
       status_ = msg;
-      says_ = msg.status_text();
       rungs_.insert(msg.source());
     });
     beat_ = node_.create_wall_timer(kBeat, [this] { beat(); });
@@ -51,9 +50,9 @@ class PlannerOverDds : public OneComponent {
     send_goal({5.0, 0.0, 0.0});
     return wait_until([&] { return command_.v > 0.2; });
   }
-  [[nodiscard]] bool wait_until_standing(const std::string& because) {
+  [[nodiscard]] bool wait_until_standing(Reason because) {
     return wait_until(
-        [&] { return command_ == Twist2{} && says_.find(because) != std::string::npos; });
+        [&] { return command_ == Twist2{} && from_msg(status_.reason_code()) == because; });
   }
 
   CapturedLog log_;
@@ -70,7 +69,6 @@ class PlannerOverDds : public OneComponent {
 
   Pose2 X_;
   Twist2 command_;
-  std::string says_;
   tandem_msgs::msg::PlannerStatus status_;
   std::set<std::string> rungs_;  // that the status has named
   bool sees_obstacles_ = true, sees_nan_ = false;
@@ -79,7 +77,7 @@ class PlannerOverDds : public OneComponent {
 };
 
 TEST_F(PlannerOverDds, StandsUntilThereIsAGoalAndThenDrivesThere) {
-  ASSERT_TRUE(wait_until_standing("no goal_pose yet"));
+  ASSERT_TRUE(wait_until_standing(Reason::kNoGoal));
   EXPECT_EQ(X_, Pose2{});
   std::size_t planned = 0;
   const auto plan = node_.create_subscription(
@@ -101,7 +99,7 @@ TEST_F(PlannerOverDds, SlowsDownForAWallInItsWay) {
 TEST_F(PlannerOverDds, SilentObstaclesAreAReasonToStand) {
   ASSERT_TRUE(wait_until_driving());
   sees_obstacles_ = false;
-  EXPECT_TRUE(wait_until_standing("obstacles are silent"));
+  EXPECT_TRUE(wait_until_standing(Reason::kObstaclesSilent));
   sees_obstacles_ = true;
   EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
 }
@@ -109,14 +107,14 @@ TEST_F(PlannerOverDds, SilentObstaclesAreAReasonToStand) {
 TEST_F(PlannerOverDds, OdometryThatIsNotANumberIsIgnored) {
   ASSERT_TRUE(wait_until_driving());
   sees_nan_ = true;
-  EXPECT_TRUE(wait_until_standing("not localized"));
+  EXPECT_TRUE(wait_until_standing(Reason::kNotLocalized));
   EXPECT_GE(log_.lines("odom is not finite: dropped"), 1);
 }
 
 TEST_F(PlannerOverDds, RefusesAGoalThatIsNotANumberAndKeepsTheOldOne) {
   send_goal({kNaN, 0.0, 0.0});
   ASSERT_TRUE(wait_until([&] { return log_.lines("goal_pose is not finite: dropped") == 1; }));
-  ASSERT_TRUE(wait_until_standing("no goal_pose yet"));
+  ASSERT_TRUE(wait_until_standing(Reason::kNoGoal));
   ASSERT_TRUE(wait_until_driving());
   send_goal({5.0, 0.0, kNaN});
   const double before = X_.x;
@@ -127,7 +125,7 @@ TEST_F(PlannerOverDds, RefusesAGoalInAnotherFrameAndAcceptsOneWithoutAFrame) {
   goal_.publish(to_msg(Pose2{5.0, 0.0, 0.0}, header({}, "odom")));
   ASSERT_TRUE(wait_until(
       [&] { return log_.lines("goal_pose is given in frame `odom`, not `map`: dropped") == 1; }));
-  ASSERT_TRUE(wait_until_standing("no goal_pose yet"));
+  ASSERT_TRUE(wait_until_standing(Reason::kNoGoal));
   goal_.publish(to_msg(Pose2{5.0, 0.0, 0.0}, header({}, "")));
   EXPECT_TRUE(wait_until([&] { return command_.v > 0.2; }));
 }
@@ -149,7 +147,7 @@ TEST_F(PlannerOverDds, ReportsTheVerdictOnItsSolutionButNotOnceItStands) {
   EXPECT_GT(status_.cost(), 0.0);
   const auto cycles = status_.cycles();
   sees_obstacles_ = false;
-  ASSERT_TRUE(wait_until_standing("obstacles are silent"));
+  ASSERT_TRUE(wait_until_standing(Reason::kObstaclesSilent));
   EXPECT_EQ(status_.source(), "standing");
   EXPECT_LT(status_.status(), 0);
   EXPECT_EQ(status_.solver() + status_.verdict(), "");
@@ -180,7 +178,7 @@ class PlannerWithLocaliser : public PlannerOverDds {
 
 TEST_F(PlannerWithLocaliser, StandsUntilTheRobotIsLocalised) {
   send_goal({5.0, 0.0, 0.0});
-  ASSERT_TRUE(wait_until_standing("not localized"));
+  ASSERT_TRUE(wait_until_standing(Reason::kNotLocalized));
   EXPECT_EQ(X_, Pose2{});
   const auto tf = node_.create_publisher(topics::tf);
   tf2_msgs::msg::TFMessage msg;
@@ -195,11 +193,11 @@ class IntentionOverDds : public PlannerOverDds {
 };
 
 TEST_F(IntentionOverDds, DoesWhatThePersonAsksAndStandsWhenTheyFallSilent) {
-  ASSERT_TRUE(wait_until_standing("cmd_vel_user is silent"));
+  ASSERT_TRUE(wait_until_standing(Reason::kUserSilent));
   user_ = {0.4, 0.0};
   ASSERT_TRUE(wait_until([&] { return std::abs(command_.v - 0.4) < 0.02; }));
   user_ = {kNaN, 0.0};  // no command at all
-  EXPECT_TRUE(wait_until_standing("cmd_vel_user is silent"));
+  EXPECT_TRUE(wait_until_standing(Reason::kUserSilent));
 }
 
 class LeaderOverDds : public PlannerOverDds {
@@ -208,14 +206,14 @@ class LeaderOverDds : public PlannerOverDds {
 };
 
 TEST_F(LeaderOverDds, FollowsTheLeaderAndStandsWhenItFallsSilent) {
-  ASSERT_TRUE(wait_until_standing("leader_pose is silent"));
+  ASSERT_TRUE(wait_until_standing(Reason::kLeaderSilent));
   const auto leader = node_.create_publisher(topics::leader_pose);
   auto lead = node_.create_wall_timer(kBeat, [&] {
     leader.publish(to_msg(Pose2{X_.x + 1.0, 0.0, 0.0}, header({}, "map")));
   });
   ASSERT_TRUE(wait_until([&] { return command_.v > 0.2; }));
   lead = {};
-  EXPECT_TRUE(wait_until_standing("leader_pose is silent"));
+  EXPECT_TRUE(wait_until_standing(Reason::kLeaderSilent));
 }
 
 TEST_F(LeaderOverDds, ALeaderWithALateStampCountsAsSilent) {
@@ -224,11 +222,11 @@ TEST_F(LeaderOverDds, ALeaderWithALateStampCountsAsSilent) {
   const auto lead = node_.create_wall_timer(kBeat, [&] {
     leader.publish(to_msg(Pose2{X_.x + 1.0, 0.0, 0.0}, header(ago(age), "map")));
   });
-  ASSERT_TRUE(wait_until_standing("leader_pose is silent"));
+  ASSERT_TRUE(wait_until_standing(Reason::kLeaderSilent));
   age = 0.0;
   ASSERT_TRUE(wait_until([&] { return command_.v > 0.2; }));
   age = 0.7;
-  EXPECT_TRUE(wait_until_standing("leader_pose is silent"));
+  EXPECT_TRUE(wait_until_standing(Reason::kLeaderSilent));
 }
 
 }  // namespace

@@ -24,8 +24,10 @@ class ArbitrationOverDds : public OneComponent {
       sound_ = sound_ && from_msg(msg);
       ++commands_;
     });
-    status_ = node_.create_subscription(topics::arbitration_status,
-                                        [this](const auto& msg) { reason_ = msg.reason(); });
+    status_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
+      reason_ = from_msg(msg.reason_code());
+      words_ = msg.reason();
+    });
     diagnostics_ = node_.create_subscription(topics::diagnostics, [this](const auto& msg) {
       for (const auto& status : msg.status()) diagnosis_ = {status.level(), status.message()};
     });
@@ -40,7 +42,8 @@ class ArbitrationOverDds : public OneComponent {
   double push_v_ = 0.5, v_ = 0.0;
   long commands_ = 0;
   bool sound_ = true;  ///< all output was finite
-  std::string reason_;
+  Reason reason_ = Reason::kNone;
+  std::string words_;                      ///< the same as a text
   std::pair<int, std::string> diagnosis_;  ///< level and message
 };
 
@@ -48,7 +51,7 @@ TEST_F(ArbitrationOverDds, PassesThePersonOnAndStopsWhenTheyFallSilent) {
   ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   push_ = {};
   ASSERT_TRUE(wait_until([&] { return v_ == 0.0; }));
-  EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
+  EXPECT_TRUE(wait_until([&] { return reason_ == Reason::kUserSilent; }));
 }
 
 TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsIgnored) {
@@ -62,7 +65,7 @@ TEST_F(ArbitrationOverDds, ACommandThatIsNotANumberIsIgnored) {
 TEST_F(ArbitrationOverDds, ReportsInStatusAndDiagnosticsWhyTheRobotStandsWhateverStoppedIt) {
   using namespace diagnostic_msgs::msg::DiagnosticStatus_Constants;
   const auto says = [&](int level, const std::string& why) {
-    return wait_until([&] { return reason_ == why && diagnosis_ == std::pair{level, why}; });
+    return wait_until([&] { return words_ == why && diagnosis_ == std::pair{level, why}; });
   };
   EXPECT_TRUE(says(OK, "follows the source"));
   const auto filter = node_.create_publisher(topics::filter_status);
@@ -81,15 +84,15 @@ TEST_F(ArbitrationOverDds, ReportsInStatusAndDiagnosticsWhyTheRobotStandsWhateve
 
 TEST_F(ArbitrationOverDds, ReportsWhyThePersonsStickMovesNothing) {
   push_ = {};
-  ASSERT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
+  ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kUserSilent; }));
   const auto teleop = node_.create_publisher(topics::teleop_status);
   std_msgs::msg::String trouble;
-  trouble.data("stick is not at rest");
+  trouble.data(text_of(Reason::kStickMoved));
   rt::Timer beat = node_.create_wall_timer(0.05, [&] { teleop.publish(trouble); });
-  EXPECT_TRUE(wait_until([&] { return reason_ == trouble.data(); }));
+  EXPECT_TRUE(wait_until([&] { return reason_ == Reason::kStickMoved; }));
   EXPECT_TRUE(wait_until([&] { return diagnosis_.second == trouble.data(); }));
   beat = {};
-  EXPECT_TRUE(wait_until([&] { return reason_ == "cmd_vel_user is silent"; }));
+  EXPECT_TRUE(wait_until([&] { return reason_ == Reason::kUserSilent; }));
 }
 
 // Non-finite values in unused fields have no effect. Otherwise the command is dropped and the
@@ -131,7 +134,7 @@ TEST_F(ArbitrationOverDds, EmergencyStopIsReceivedFromEveryKindOfPublisher) {
     pressed.data(true);
     button.publish(pressed);
     ASSERT_TRUE(wait_until([&] { return v_ == 0.0; }));
-    EXPECT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+    EXPECT_TRUE(wait_until([&] { return reason_ == Reason::kEmergencyStop; }));
     pressed.data(false);
     button.publish(pressed);
     bool released = false;
@@ -143,10 +146,10 @@ TEST_F(ArbitrationOverDds, EmergencyStopIsReceivedFromEveryKindOfPublisher) {
       });
       ASSERT_TRUE(wait_until([&] { return answered; }));
     }
-    EXPECT_TRUE(wait_until([&] { return reason_ == "let go of the stick first"; }));
+    EXPECT_TRUE(wait_until([&] { return reason_ == Reason::kLetGoFirst; }));
     EXPECT_EQ(v_, 0.0);
     push_v_ = 0.0;
-    ASSERT_TRUE(wait_until([&] { return reason_ == "steer to drive on"; }));
+    ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kSteerFirst; }));
     push_v_ = 0.5;
     ASSERT_TRUE(wait_until([&] { return v_ == 0.5; }));
   }
@@ -186,7 +189,7 @@ TEST_F(EmergencyStopOverDds, IsNotWithdrawnByAnotherPublisherWhileOneThatIsAlive
   const auto pressed = button(rt::kLatched), other = button(rt::kDefault);
   ASSERT_TRUE(is_known(pressed, 3) && is_known(other, 2));
   say(pressed, true);
-  ASSERT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+  ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kEmergencyStop; }));
   say(other, true);
   for (int i = 0; i < 20; ++i) {
     say(other, false);
@@ -201,7 +204,7 @@ TEST_F(EmergencyStopOverDds, FromAProgramThatLeftStaysUntilAnyPublisherSendsFals
   const auto other = button(rt::kBestEffort(10));
   ASSERT_TRUE(is_known(pressed, 2) && is_known(other, 1));
   say(pressed, true);
-  ASSERT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+  ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kEmergencyStop; }));
   say(other, false);
   EXPECT_FALSE(is_released());
   pressed = {};
@@ -221,13 +224,13 @@ TEST_F(EmergencyStopOverDds, FromAShortLivedPublisherIsWithdrawnByOneFalseEachTi
       const auto pressed = button(qos);
       ASSERT_TRUE(wait_until([&] { return pressed.matched() > 0; }));
       say(pressed, true);
-      ASSERT_TRUE(wait_until([&] { return reason_ == "emergency stop"; }));
+      ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kEmergencyStop; }));
     }
     const auto other = button(qos);
     ASSERT_TRUE(wait_until([&] { return other.matched() > 0; }));
     say(other, false);
     ASSERT_TRUE(is_released_soon()) << i;
-    ASSERT_TRUE(wait_until([&] { return reason_ != "emergency stop"; })) << i;
+    ASSERT_TRUE(wait_until([&] { return reason_ != Reason::kEmergencyStop; })) << i;
   }
 }
 
@@ -255,13 +258,13 @@ TEST_F(OneComponent, ArbitrationPassesNothingWhileSimulatedTimeStandsStill) {
   const auto user = node_.create_publisher(topics::cmd_vel_user);
   double time = 0.0, v = 0.0;
   long commands = 0;
-  std::string reason;
+  Reason reason = Reason::kNone;
   const auto out = node_.create_subscription(topics::cmd_vel_arbitrated, [&](const auto& msg) {
     v = std::max(v, msg.linear().x());
     ++commands;
   });
-  const auto status = node_.create_subscription(topics::arbitration_status,
-                                                [&](const auto& msg) { reason = msg.reason(); });
+  const auto status = node_.create_subscription(
+      topics::arbitration_status, [&](const auto& msg) { reason = from_msg(msg.reason_code()); });
   rt::Timer ticks = node_.create_wall_timer(0.01, [&] {
     rosgraph_msgs::msg::Clock msg;
     msg.clock(rt::to_stamp(std::llround(1e9 * (time += 0.01))));
@@ -272,7 +275,7 @@ TEST_F(OneComponent, ArbitrationPassesNothingWhileSimulatedTimeStandsStill) {
   });
   ASSERT_TRUE(wait_until([&] { return v == 0.5; }));
   ticks = {};
-  ASSERT_TRUE(wait_until([&] { return reason == "/clock is silent"; }));
+  ASSERT_TRUE(wait_until([&] { return reason == Reason::kClockSilent; }));
   v = 0.0;
   const long before = commands;
   ASSERT_TRUE(wait_until([&] { return commands > before + 100; }));
@@ -315,8 +318,8 @@ class FilterOverDds : public OneComponent {
     out_ = node_.create_subscription(topics::cmd_vel,
                                      [this](const auto& msg) { v_ = msg.linear().x(); });
     status_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
-      reason_ = msg.reason();
-      ++words_[reason_];
+      reason_ = from_msg(msg.reason_code());
+      ++reports_[reason_];
       if (from_msg(msg.passed()) != Twist2{}) ++driven_;
     });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
@@ -344,15 +347,15 @@ class FilterOverDds : public OneComponent {
   rt::Timer beat_;
   double push_v_ = 0.3, v_ = -1.0;
   std::optional<Pose2> other_;  ///< another robot's pose, published right after this robot's own
-  std::string reason_;
-  std::map<std::string, int> words_;  ///< how often each reason was reported
-  int driven_ = 0;                    ///< reports with a nonzero command
+  Reason reason_ = Reason::kNone;
+  std::map<Reason, int> reports_;  ///< how often each reason was reported
+  int driven_ = 0;                 ///< reports with a nonzero command
 };
 
 TEST_F(FilterOverDds, StandsWithoutAMapAndDrivesWithOne) {
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "no map yet"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kNoMapYet; }));
   send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
-  EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == Reason::kClear; }));
 }
 
 class FilterAmongPeople : public FilterOverDds {
@@ -375,26 +378,27 @@ class FilterAmongPeople : public FilterOverDds {
 };
 
 TEST_F(FilterAmongPeople, SlowsForAPersonAheadAndStandsWhenPeopleIsSilent) {
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kPeopleSilent; }));
   list_.emplace();
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));  // nobody is there
+  ASSERT_TRUE(
+      wait_until([&] { return v_ == 0.3 && reason_ == Reason::kClear; }));  // nobody is there
   list_ = somebody(0.85);
-  ASSERT_TRUE(wait_until([&] { return v_ < 0.1 && reason_ == "slowed"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ < 0.1 && reason_ == Reason::kSlowed; }));
   list_.emplace();
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   list_.reset();
-  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kPeopleSilent; }));
 }
 
 TEST_F(FilterAmongPeople, AListWithAnInvalidEntryIsIgnored) {
   list_ = somebody(5.0);
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   list_->push_back(somebody(kNaN).front());
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kPeopleSilent; }));
   list_->pop_back();
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   frame_ = "camera";
-  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kPeopleSilent; }));
 }
 
 // Another robot's tracker reports an empty list, and at a higher rate.
@@ -404,14 +408,14 @@ TEST_F(FilterAmongPeople, ListsFromTwoPublishersAreIgnored) {
   const auto other = node_.create_publisher(topics::people);
   auto others_beat = node_.create_wall_timer(
       0.007, [&] { other.publish(to_msg(std::vector<Obstacle>{}, header({}, frame_))); });
-  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
-  words_.clear();
+  ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kPeopleSilent; }));
+  reports_.clear();
   driven_ = 0;
   // On a busy computer it may stand for a late command, too.
-  ASSERT_TRUE(wait_until([&] { return words_["people are silent"] > 100; }));
+  ASSERT_TRUE(wait_until([&] { return reports_[Reason::kPeopleSilent] > 100; }));
   EXPECT_EQ(driven_, 0);
   others_beat = {};
-  EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == "clear"; }));
+  EXPECT_TRUE(wait_until([&] { return v_ == 0.3 && reason_ == Reason::kClear; }));
 }
 
 TEST_F(FilterAmongPeople, IgnoresAListWithAnyNonFiniteNumber) {
@@ -433,7 +437,7 @@ TEST_F(FilterAmongPeople, IgnoresAListWithAnyNonFiniteNumber) {
       list = to_msg(somebody(5.0), header({}, "map"));
       ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
       number(list.obstacles()[0], value);
-      ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == "people are silent"; }));
+      ASSERT_TRUE(wait_until([&] { return v_ == 0.0 && reason_ == Reason::kPeopleSilent; }));
     }
   people_beat_ = {};
 }
@@ -462,10 +466,10 @@ TEST_F(FilterOverDds, StandsWhileTwoPublishersGiveDifferentPoses) {
   send_map(encode_octomap(*load_octomap(source_path("maps/yard.bt"))));
   ASSERT_TRUE(wait_until([&] { return v_ == 0.3; }));
   other_ = Pose2{0.0, 0.5, 0.0};
-  ASSERT_TRUE(wait_until([&] { return reason_ == "pose jumped"; }));
-  words_.clear();
-  ASSERT_TRUE(wait_until([&] { return words_["pose jumped"] > 100; }));
-  EXPECT_EQ(words_.size(), 1U);
+  ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kPoseJumped; }));
+  reports_.clear();
+  ASSERT_TRUE(wait_until([&] { return reports_[Reason::kPoseJumped] > 100; }));
+  EXPECT_EQ(reports_.size(), 1U);
   EXPECT_EQ(v_, 0.0);
   other_.reset();
   EXPECT_TRUE(wait_until([&] { return v_ == 0.3; }));

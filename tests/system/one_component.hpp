@@ -13,6 +13,7 @@
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/io/conversions.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/runtime/component.hpp"
 #include "tandem/runtime/time.hpp"

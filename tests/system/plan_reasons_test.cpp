@@ -22,7 +22,7 @@ class SweepOfPlans : public Sweep {
     push();
     expect_reason("planner: no goal_pose yet", Reason::kNoGoal);
     goal_.publish(to_msg(Pose2{4.0, 0.0, 0.0}, header({}, "map")));
-    ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+    ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   }
   // A wall 8 m wide that comes at the robot faster than it can flee, in every message anew.
   void let_a_wall_come() {

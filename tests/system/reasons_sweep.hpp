@@ -9,6 +9,7 @@
 
 #include "support/captured_log.hpp"
 #include "system/one_component.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/map/octomap_file.hpp"
 #include "tandem/model/reasons.hpp"
 
@@ -52,9 +53,10 @@ class Sweep : public OneComponent {
  protected:
   Sweep() {
     status_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
-      reason_ = msg.reason();
+      words_ = msg.reason();
+      reason_ = from_msg(msg.reason_code());
       remedy_ = msg.remedy();
-      EXPECT_FALSE(reason_.starts_with("arbitration: ")) << reason_;  // itself, by a circle
+      EXPECT_FALSE(words_.starts_with("arbitration: ")) << words_;  // itself, by a circle
     });
     beat_ = node_.create_wall_timer(0.02, [this] { beat(); });
   }
@@ -65,7 +67,7 @@ class Sweep : public OneComponent {
       odom_.publish(msg);
     }
     // A person lets go where the stick must be seen at rest: after a stall of this process.
-    if (pushes_) hold(reason_ == words(Reason::kStickMoved).text ? 0.0F : 0.5F);
+    if (pushes_) hold(reason_ == Reason::kStickMoved ? 0.0F : 0.5F);
     if (joy_on_) joy_.publish(stick_);
     if (local_on_) local_.publish(local_map_);
   }
@@ -100,12 +102,13 @@ class Sweep : public OneComponent {
     pushes_ = true;
   }
 
-  // It is given, with its remedy, and logged once more than before, with that.
+  // It is published with its remedy and number, and logged once more than before, with the remedy.
   void expect_reason(const std::string& begin, Reason row) {
-    EXPECT_TRUE(wait_until([&] { return reason_.starts_with(begin); }))
-        << "expected " << begin << ", not " << reason_;
-    EXPECT_EQ(remedy_, words(row).remedy) << reason_;
-    EXPECT_FALSE(remedy_.empty()) << reason_;
+    EXPECT_TRUE(wait_until([&] { return words_.starts_with(begin); }))
+        << "expected " << begin << ", not " << words_;
+    EXPECT_EQ(reason_, row) << words_;
+    EXPECT_EQ(remedy_, words(row).remedy) << words_;
+    EXPECT_FALSE(remedy_.empty()) << words_;
     EXPECT_TRUE(wait_until([&] { return lines_of_arbitration(begin) > 0; })) << begin;
     EXPECT_EQ(lines_of_arbitration(begin), 1) << begin;
     EXPECT_GT(log_.lines(words(row).remedy), 0) << begin;
@@ -131,7 +134,8 @@ class Sweep : public OneComponent {
   octomap_msgs::msg::Octomap local_map_ = map_with_wall(3.0);
   bool odom_on_ = true, joy_on_ = false, local_on_ = false, pushes_ = false;
   int user_ = 0;  ///< commands of teleop
-  std::string reason_, remedy_;
+  Reason reason_ = Reason::kNone;
+  std::string words_, remedy_;
 };
 
 }  // namespace tandem::test

@@ -27,7 +27,7 @@ TEST_F(Sweep, OfArbitrationItself) {
   run("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}});
   run("teleop");
   push();
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; }));
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; }));
   const auto button = node_.create_publisher(topics::e_stop);
   std_msgs::msg::Bool pressed;
   pressed.data(true);
@@ -55,7 +55,7 @@ TEST_F(Sweep, OfTheFilter) {
   push();
   expect_reason("safety filter: no map yet", Reason::kNoMapYet);
   map_.publish(map_with_wall(3.0));
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; }));
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; }));
   odom_on_ = false;
   expect_reason("safety filter: not localized", Reason::kNotLocalized);
   odom_on_ = true;
@@ -64,7 +64,7 @@ TEST_F(Sweep, OfTheFilter) {
   twist_ = {};
   X_WB_.x += 1.0;
   expect_reason("safety filter: pose jumped", Reason::kPoseJumped);
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; }));
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; }));
   map_.publish(map_with_wall(X_WB_.x + 0.56));
   expect_reason("safety filter: stopped", Reason::kStopped);
   end("safety_filter");
@@ -77,7 +77,7 @@ TEST_F(Sweep, OfOdometryWhoseTwistContradictsItsPoses) {
   run("safety_filter");
   map_.publish(map_with_wall(0.75));
   push();
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   twist_ = {0.8, 0.0};  // of a robot that does not move
   expect_reason("safety filter: stopped: odom's twist contradicts its poses",
                 Reason::kTwistInDoubt);
@@ -99,7 +99,7 @@ TEST_F(Sweep, OfACommandThatIsNotFinite) {
   run("safety_filter");
   map_.publish(map_with_wall(3.0));
   push();
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   speed = kNaN;
   expect_reason("safety filter: command not finite", Reason::kCommandNotFinite);
 }
@@ -137,7 +137,7 @@ TEST_F(Sweep, OfThePlannerAndWhatItWaitsFor) {
   run("obstacle_extractor", {{"map_source", "local"}});
   expect_reason("obstacle_extractor: no map yet", Reason::kNoMapYet);
   local_on_ = true;
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   local_on_ = false;
   expect_reason("obstacle_extractor: octomap_local is silent", Reason::kLocalMapSilent);
   run("octomap_builder");
@@ -199,7 +199,7 @@ TEST_F(Sweep, OfSensors) {
   scan.ranges().assign(360, 0.0F);
   expect_reason("octomap_builder: scan gives no valid range", Reason::kSensorBlind);
   scan.ranges().assign(360, 3.0F);
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   scan.angle_increment(static_cast<float>(kNaN));
   expect_reason("octomap_builder: scan is refused", Reason::kSensorRefused);
   scan.angle_increment(0.0172F);
@@ -230,7 +230,7 @@ TEST_F(Sweep, OfASensorThatRepeatsWhatItSaw) {
     scan.header().stamp(ago(0.0));
     scans.publish(scan);
   });
-  ASSERT_TRUE(wait_until([this] { return reason_ == "follows the source"; })) << reason_;
+  ASSERT_TRUE(wait_until([this] { return reason_ == Reason::kFollowsSource; })) << words_;
   twist_ = {0.3, 0.0};
   const auto drive = node_.create_wall_timer(0.02, [this] { X_WB_.x += 0.006; });
   expect_reason("octomap_builder: scan is frozen", Reason::kSensorFrozen);

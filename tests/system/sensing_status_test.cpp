@@ -12,11 +12,13 @@ TEST_F(BuilderOverDds, ReportsSensorStatusFromTheStartEvenWithoutSensors) {
   ASSERT_TRUE(wait_until([&] { return says("no data on scan or cloud_in"); }));
   ASSERT_TRUE(wait_for_maps(1));
   ASSERT_TRUE(wait_until([&] { return says("scan is silent"); }));
+  EXPECT_EQ(code_, Reason::kSensorSilent);
   const long before = statuses_;
   const double began = node_.steady_now();
   ASSERT_TRUE(wait_until([&] { return statuses_ >= before + 20; }));
   EXPECT_LT(node_.steady_now() - began, 4.0);  // 5 Hz
   EXPECT_TRUE(wait_with_scans([](auto&) {}, [&] { return says(""); }));
+  EXPECT_EQ(code_, Reason::kNone);
 }
 
 TEST_F(BuilderOverDds, ABlindScannerIsNamedBesideACameraThatSees) {

@@ -16,6 +16,7 @@
 #include "support/slow_motion.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/io/conversions.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 
 namespace tandem::test {
@@ -47,7 +48,7 @@ class SystemUnderTest {
     collision_ = node_.create_subscription(topics::collision,
                                            [this](const auto& msg) { collisions = msg.count(); });
     arbitration_ = node_.create_subscription(topics::arbitration_status, [this](const auto& msg) {
-      reason = msg.reason();
+      reason = from_msg(msg.reason_code());
       deadman = msg.deadman();
     });
   }
@@ -92,7 +93,7 @@ class SystemUnderTest {
   Odometry truth;
   double sim_time = 0.0;
   unsigned collisions = 0;
-  std::string reason;
+  Reason reason = Reason::kNone;
   bool deadman = false;
 
  private:

@@ -67,7 +67,7 @@ TEST(TeleopCommand, DrivesWhileAKeyRepeatsAndShowsWhatTheRobotDoes) {
   EXPECT_NE(screen.find("clearance"), std::string::npos);
   EXPECT_NE(screen.find("shared, "), std::string::npos) << screen;
   keyboard.type(" ");
-  EXPECT_TRUE(system.wait_until([&] { return system.reason == "emergency stop"; }, kLong));
+  EXPECT_TRUE(system.wait_until([&] { return system.reason == Reason::kEmergencyStop; }, kLong));
 }
 
 }  // namespace

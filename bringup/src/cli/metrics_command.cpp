@@ -15,6 +15,7 @@
 #include "bringup/drive/summary_table.hpp"
 #include "bringup/scenario/seeded_world.hpp"
 #include "tandem/driver/driver.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/map/map_file.hpp"
 #include "tandem/map/octomap_file.hpp"
@@ -34,6 +35,22 @@ struct MetricsRequest {
 bool is_same(const Grid& a, const Grid& b) {
   return a.resolution == b.resolution && a.origin == b.origin && a.width == b.width &&
          a.cells == b.cells;
+}
+
+// Messages that older recordings hold without their last field, `reason_code`.
+template <class M>
+concept HasReasonCode = requires(M& msg) {
+  msg.reason_code();
+};
+
+template <class M>
+bool decode_recorded(std::vector<std::uint8_t> bytes, M& message) {
+  if (rt::decode(rt::type_ref<M>(), bytes, &message)) return true;
+  if constexpr (HasReasonCode<M>) {
+    bytes.push_back(0);
+    return rt::decode(rt::type_ref<M>(), bytes, &message);
+  }
+  return false;
 }
 
 // Passes the messages of a recording to a DriveObserver, as drive_over_dds does with live messages.
@@ -83,7 +100,7 @@ class Replay {
       if (recorded.name != full(topic.name) || recorded.type != rt::type_ref<M>().name) continue;
       readers_[i] = [fn](const Bytes& bytes) {
         M message;
-        if (rt::decode(rt::type_ref<M>(), bytes, &message)) fn(message);
+        if (decode_recorded(bytes, message)) fn(message);
       };
     }
   }
@@ -111,7 +128,11 @@ class Replay {
        [this](const auto& msg) { drive_.on_user(msg); });
     on(topics::leader_pose, [this](const auto& msg) { drive_.on_leader(msg); });
     on(topics::planner_status, [this](const auto& msg) { drive_.on_plan(msg); });
-    on(topics::filter_status, [this](const auto& msg) { drive_.on_filter(msg); });
+    on(topics::filter_status, [this](auto& msg) {
+      if (from_msg(msg.reason_code()) == Reason::kNone)  // older recordings have the text alone
+        msg.reason_code(to_msg(reason_in(msg.reason())));
+      drive_.on_filter(msg);
+    });
     if (has_truth_) {
       on(topics::ground_truth, [this](const auto& msg) {
         if (const auto truth = truth_from(msg, frames_.map))

@@ -17,6 +17,7 @@
 
 #include "bringup/cli/terminal_keys.hpp"
 #include "tandem/io/conversions.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/model/stamped.hpp"
 #include "tandem/runtime/node.hpp"
@@ -97,7 +98,7 @@ class KeyboardTeleop {
     });
     arbitration_ = node.create_subscription(topics::arbitration_status, [this](const auto& msg) {
       mode_ = {msg.policy() + ", " + msg.reason(), node_.steady_now()};
-      refused_ = msg.reason() == kNotAtRest;
+      refused_ = from_msg(msg.reason_code()) == Reason::kStickMoved;
     });
     beat_ = node.create_wall_timer(kBeat, [this] { beat(); });
     show_ = node.create_wall_timer(kShow, [this] { show(); });

@@ -4,9 +4,9 @@
 #include "bringup/scenario/method.hpp"
 #include "bringup/scenario/shortest_path.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/map/map_file.hpp"
 #include "tandem/runtime/time.hpp"
-#include "tandem/safety_filter/safety_filter.hpp"
 
 namespace tandem {
 namespace {
@@ -80,7 +80,7 @@ void DriveObserver::on_plan(const tandem_msgs::msg::PlannerStatus& msg) {
 // interventions shows them.
 void DriveObserver::on_filter(const tandem_msgs::msg::FilterStatus& msg) {
   const bool changed = interventions_.growth(msg.interventions()) > 0;
-  if (!driving_ || msg.reason() == name(FilterReason::kNoCommand)) return;
+  if (!driving_ || from_msg(msg.reason_code()) == Reason::kNoCommand) return;
   log_.result.counts.on_filtered(rt::to_seconds(msg.header().stamp()), changed);
 }
 

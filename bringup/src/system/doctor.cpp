@@ -16,6 +16,7 @@
 #include "bringup/system/diagnoses.hpp"
 #include "tandem/config/printable.hpp"
 #include "tandem/io/frames_input.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
@@ -188,7 +189,9 @@ class FrameWatch {
   explicit FrameWatch(rt::Node& node)
       : frames_{node, Frames{}, LocalizationParams{}},
         filter_{node.create_subscription(topics::filter_status, [this](const auto& msg) {
-          if (msg.reason() != "no command") reason_ = msg.reason();  // it hides other reasons
+          const Reason reason = from_msg(msg.reason_code());
+          if (reason == Reason::kNoCommand) return;  // it hides other reasons
+          lost_ = reason == Reason::kNotLocalized ? msg.reason() : "";
         })} {}
 
   void print(const Domain& domain) const {
@@ -204,9 +207,9 @@ class FrameWatch {
   void examine(std::vector<Finding>& found) const {
     if (const auto two = frames_.two_parents(); !two.empty())
       found.push_back({two, "let one of the two stop publishing it (publish_tf: false)"});
-    if (reason_.starts_with("not localized"))
+    if (!lost_.empty())
       found.push_back(
-          {"the safety filter stands: " + reason_ + "; the frames are " + frames_.tree().listing(),
+          {"the safety filter stands: " + lost_ + "; the frames are " + frames_.tree().listing(),
            "start a localiser that publishes map → odom, or name the frames with "
            "map_frame, odom_frame and base_frame; map_is_odom: true without one"});
   }
@@ -220,7 +223,7 @@ class FrameWatch {
   }
 
   FramesInput frames_;
-  std::string reason_;
+  std::string lost_;  // why the filter does not know the robot's pose; empty if it does
   rt::Subscription filter_;
 };
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "support/paths.hpp"
+#include "tandem/io/reason_code.hpp"
 #include "tandem/runtime/time.hpp"
 
 namespace tandem {
@@ -36,10 +37,10 @@ class Observed : public testing::Test {
     msg.solve_time(0.01);
     drive_->on_plan(msg);
   }
-  void filtered(double t, std::uint64_t interventions, const std::string& reason = "clear") {
+  void filtered(double t, std::uint64_t interventions, Reason reason = Reason::kClear) {
     tandem_msgs::msg::FilterStatus msg;
     msg.header().stamp(rt::to_stamp(std::llround(t * 1e9)));
-    msg.reason(reason);
+    msg.reason_code(to_msg(reason));
     msg.interventions(interventions);
     drive_->on_filter(msg);
   }
@@ -51,11 +52,11 @@ class Observed : public testing::Test {
 };
 
 TEST_F(Observed, CountsFromTheStartIfItReceivedTheStart) {
-  collided(0), planned(0), filtered(0.0, 0, "no command");
+  collided(0), planned(0), filtered(0.0, 0, Reason::kNoCommand);
   person();
   robot(0.01), filtered(0.06, 0), planned(1, 1, 1), collided(1);
-  robot(0.11), filtered(0.11, 1, "slowed"), planned(2, 1, 2), collided(2);
-  robot(0.16), filtered(0.16, 2, "slowed"), filtered(0.21, 2);
+  robot(0.11), filtered(0.11, 1, Reason::kSlowed), planned(2, 1, 2), collided(2);
+  robot(0.16), filtered(0.16, 2, Reason::kSlowed), filtered(0.21, 2);
   const DriveResult r = result();
   EXPECT_EQ(r.collisions, 2);
   EXPECT_EQ(r.counts.plans, 2);
@@ -76,9 +77,9 @@ TEST_F(Observed, ThePlannersFirstStatusMayReportItsFirstPlan) {
 
 // As from a recording that was started while the nodes had long been running.
 TEST_F(Observed, LeavesOutWhatWasCountedBeforeIt) {
-  collided(7), planned(400, 12, 5), filtered(80.0, 900, "slowed");
+  collided(7), planned(400, 12, 5), filtered(80.0, 900, Reason::kSlowed);
   person();
-  robot(80.01), collided(8), planned(401, 13, 5), filtered(80.06, 901, "slowed");
+  robot(80.01), collided(8), planned(401, 13, 5), filtered(80.06, 901, Reason::kSlowed);
   robot(80.06), planned(402, 13, 6), filtered(80.11, 901);
   const DriveResult r = result();
   EXPECT_EQ(r.collisions, 1);
@@ -91,7 +92,7 @@ TEST_F(Observed, LeavesOutWhatWasCountedBeforeIt) {
 
 TEST_F(Observed, LeavesOutWhatWasCountedBeforeTheDrive) {
   collided(0), planned(0), filtered(0.0, 0);
-  collided(1), planned(1, 1), filtered(0.06, 1, "slowed");
+  collided(1), planned(1, 1), filtered(0.06, 1, Reason::kSlowed);
   person();
   robot(0.1);
   const DriveResult r = result();
@@ -104,9 +105,9 @@ TEST_F(Observed, LeavesOutWhatWasCountedBeforeTheDrive) {
 TEST_F(Observed, KeepsCountingAcrossANodesRestart) {
   person();
   collided(7), planned(400, 12, 5), filtered(80.0, 900);
-  collided(8), planned(401, 13, 6), filtered(80.06, 901, "slowed");
+  collided(8), planned(401, 13, 6), filtered(80.06, 901, Reason::kSlowed);
   collided(0), planned(0), filtered(80.11, 0);
-  collided(2), planned(1, 1, 1), filtered(80.16, 1, "slowed");
+  collided(2), planned(1, 1, 1), filtered(80.16, 1, Reason::kSlowed);
   robot(80.2);
   const DriveResult r = result();
   EXPECT_EQ(r.collisions, 3);
@@ -135,7 +136,7 @@ TEST_P(AtRate, InterventionShareIsAShareOfTimeAtAnyPublishingRate) {
     const double t = 100.0 + n / GetParam();
     const bool changed = std::fmod(t + 1e-6, 0.5) < 0.25;
     if (changed) ++interventions;
-    filtered(t, interventions, changed ? "slowed" : "clear");
+    filtered(t, interventions, changed ? Reason::kSlowed : Reason::kClear);
   }
   const DriveCounts counts = result().counts;
   EXPECT_EQ(counts.filter_commands, 200);
@@ -147,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(Filter, AtRate, testing::Values(20.0, 40.0, 100.0));
 
 TEST_F(Observed, AFilterWithoutACommandCountsNoIntervention) {
   person();
-  filtered(1.0, 0), filtered(1.06, 0, "no command"), filtered(1.11, 0);
+  filtered(1.0, 0), filtered(1.06, 0, Reason::kNoCommand), filtered(1.11, 0);
   EXPECT_EQ(result().counts.filter_commands, 2);
 }
 

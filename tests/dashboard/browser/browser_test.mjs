@@ -14,6 +14,10 @@ import { setTimeout as pause } from "node:timers/promises";
 const [modules, tandem, systems, executablePath, pictures] = process.argv.slice(2);
 const { chromium } = createRequire(`${modules}/`)("playwright-core");
 
+// Constants of tandem_msgs/ReasonCode by name.
+const definition = readFileSync(new URL("../../../idl/tandem_msgs/msg/ReasonCode.msg", import.meta.url), "utf8");
+const ReasonCode = Object.fromEntries([...definition.matchAll(/^uint8 (\w+)=(\d+)$/gm)].map(([, name, value]) => [name, Number(value)]));
+
 const LONG = 60_000; // [ms] for a slow machine
 const STANDS = 0.02; // [m/s]
 
@@ -96,6 +100,8 @@ async function open(port, viewport, query = "") {
 }
 const until = (page, condition, argument) =>
   page.waitForFunction(condition, argument, { timeout: LONG, polling: 50 });
+const gives = (page, code) =>
+  until(page, (c) => window.tandem.robot.get("arbitration/status")?.reason_code.value === c, code);
 const pose = (page) => page.evaluate(() => window.tandem.robot.pose);
 const speed = (page) => page.evaluate(() => Math.abs(window.tandem.robot.speed?.v ?? NaN));
 const moves = (page) => until(page, () => Math.abs(window.tandem.robot.speed?.v ?? 0) > 0.2);
@@ -153,10 +159,10 @@ async function driveToRegion(page, hands) {
   for (const end = Date.now() + 2 * LONG; ; ) {
     const [p, plan, reason] = await page.evaluate(() => {
       const { robot } = window.tandem;
-      return [robot.pose, robot.get("plan")?.at(-1), robot.get("arbitration/status")?.reason];
+      return [robot.pose, robot.get("plan")?.at(-1), robot.get("arbitration/status")?.reason_code.value];
     });
     if (inside(p)) break;
-    if (reason === "stick is not at rest") { // the machine stood for a while: what a person does then
+    if (reason === ReasonCode.STICK_MOVED) { // the machine stood for a while: what a person does then
       await hands.letGo();
       await pause(200);
       await hands.hold();
@@ -331,11 +337,11 @@ async function driveAndDisturb() {
       navigator.getGamepads = () => [window.pad];
     });
     // It may be unused, or may not have reported its stick yet.
-    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "stick is not at rest");
+    await gives(page, ReasonCode.STICK_MOVED);
     await until(page, () => document.getElementById("notice").textContent.startsWith("The stick is not at rest"));
     assert.ok((await speed(page)) < STANDS);
     await page.evaluate(() => (window.pad.axes = [0.02, -0.03]));
-    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason !== "stick is not at rest");
+    await until(page, (c) => window.tandem.robot.get("arbitration/status")?.reason_code.value !== c, ReasonCode.STICK_MOVED);
     await page.evaluate(() => (window.pad.axes = [0, -0.6]));
     await moves(page);
     await page.evaluate(() => (window.pad.buttons[0].pressed = false));
@@ -355,10 +361,10 @@ async function driveAndDisturb() {
     await picture(page, "emergency_stop");
     assert.ok((await speed(page)) < STANDS);
     await page.locator("#release").click(); // with the key still held: that starts nothing
-    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "let go of the stick first");
+    await gives(page, ReasonCode.LET_GO_FIRST);
     assert.ok((await speed(page)) < STANDS);
     await page.keyboard.up("i");
-    await until(page, () => window.tandem.robot.get("arbitration/status")?.reason === "cmd_vel_user is silent");
+    await gives(page, ReasonCode.USER_SILENT);
     await page.keyboard.down("i");
     await moves(page);
     await page.keyboard.up("i");

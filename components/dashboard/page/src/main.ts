@@ -3,6 +3,7 @@ import { Connection, type Message } from "./connection";
 import { belongsToControl, Driver, gamepad, Keyboard, screenStick, showStick, USUAL } from "./driver";
 import { Goal } from "./goal";
 import { choicesOf, nodesWithParameters, setText, showParameters } from "./parameters";
+import { ReasonCode } from "./reason_code";
 import { polygons, rectangle, Robot } from "./robot";
 import { takeToken } from "./token";
 import { UserTest } from "./user_study";
@@ -156,7 +157,7 @@ connection.onState = (connected) => {
 connection.onStatus = say;
 robot.onChange = () => {
   view.change();
-  if (robot.get("arbitration/status")?.reason === NOT_AT_REST) driver.beginAgain();
+  if (reasonCode() === ReasonCode.STICK_MOVED) driver.beginAgain();
 };
 driver.onChange = () => 
   showStick(at("stick"), at("knob"), driver.stick, robot.get("joy/set_feedback", 250));
@@ -201,7 +202,7 @@ function showNumbers(): void {
   at("clearance").classList.toggle("near", clearance < 0.15);
   write("policy", arbitration?.policy ?? "–");
   write("source", SOURCES[arbitration?.source] ?? arbitration?.source ?? "–");
-  write("reason", arbitration ? (REASONS[arbitration.reason] ?? arbitration.reason) : "arbitration is silent");
+  write("reason", arbitration ? (REASONS[arbitration.reason_code.value] ?? arbitration.reason) : "arbitration is silent");
   write("remedy", arbitration?.remedy || "–");
   write("alpha", arbitration ? percent(arbitration.alpha) : "–");
   write("filter", filter ? `${filter.reason}${filter.scale < 0.995 ? ` (${percent(filter.scale)} passes)` : ""}` : "–");
@@ -215,7 +216,7 @@ function showNumbers(): void {
   at("collisions").classList.toggle("near", robot.inContact);
   const stopped = arbitration?.emergency_stop ?? false;
   document.body.classList.toggle("stopped", stopped);
-  showNotice(stopped, arbitration?.reason);
+  showNotice(stopped);
   at("release").hidden = !stopped;
   for (const button of document.querySelectorAll<HTMLInputElement>("input[name=mode]"))
     button.checked = button.value === arbitration?.policy;
@@ -225,23 +226,25 @@ function showNumbers(): void {
   drawPlot(at<HTMLCanvasElement>("plot"), robot);
 }
 // Why the stick in one's hand moves nothing.
-function showNotice(stopped: boolean, reason?: string): void {
+function showNotice(stopped: boolean): void {
   let text = "";
   if (!connection.connected) text = "No connection. The robot stops by itself.";
   else if (stopped) text = "Emergency stop. The robot stands until the stop is released.";
-  else if (driver.stick && reason === NOT_AT_REST) text = "The stick is not at rest. Let go of it, then drive.";
+  else if (driver.stick && reasonCode() === ReasonCode.STICK_MOVED) text = "The stick is not at rest. Let go of it, then drive.";
   write("notice", text);
   at("notice").hidden = text === "";
 }
-const NOT_AT_REST = "stick is not at rest"; // as teleop reports it
 const SOURCES: Record<string, string> = {
   none: "nobody", user: "the person", shared: "the planner, for the person",
   blend: "person and planner", nav: "autonomy",
 };
-const REASONS: Record<string, string> = {
-  "cmd_vel_user is silent": "nobody holds a stick", "cmd_vel_shared is silent": "the planner is silent",
-  "follows the source": "the command is passed on", "no command": "nobody steers",
+const REASONS: Record<number, string> = {
+  [ReasonCode.USER_SILENT]: "nobody holds a stick", [ReasonCode.SHARED_SILENT]: "the planner is silent",
+  [ReasonCode.FOLLOWS_SOURCE]: "the command is passed on", [ReasonCode.NO_COMMAND]: "nobody steers",
 };
+function reasonCode(): ReasonCode | undefined {
+  return robot.get("arbitration/status")?.reason_code.value;
+}
 setInterval(showNumbers, SLOW);
 
 // --- buttons ---------------------------------------------------------------------------------------
