@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the program as a user does: scenarios in lockstep, tuning, and its messages for bad input.
+// Runs the program as a user does: scenarios in lockstep, and its messages for bad input.
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
 #include "support/captured_log.hpp"
 #include "support/instrumented.hpp"
 #include "support/paths.hpp"
@@ -107,23 +111,6 @@ TEST_F(ScenarioProgram, NamesACommandThatDoesNotExist) {
     EXPECT_EQ(program.wait(20.0), 1);
     EXPECT_EQ(log.lines("tandem: no command '" + words.back() + "'"), 1) << log.text();
   }
-}
-
-TEST_F(ScenarioProgram, TunesAndWritesWhatItFound) {
-  const fs::path tuned = folder_ / "tuned.yaml";
-  const std::string scenario = source_path("tests/system/near.yaml");
-  const std::vector<std::string> few{"--seeds",       "1-1", "--check-seeds", "2-2",
-                                     "--evaluations", "2",   "--out",         tuned.string()};
-  std::vector<std::string> words{"tune", scenario, "--vary", "local_planner.weight_heading"};
-  words.insert(words.end(), few.begin(), few.end());
-  ChildProcess good{"../tandem", words};
-  EXPECT_EQ(good.wait(100.0), 0);
-  std::ifstream in{tuned};
-  const std::string text{std::istreambuf_iterator<char>{in}, {}};
-  EXPECT_NE(text.find("local_planner:\n  ros__parameters:\n    weight_heading: "),
-            std::string::npos);
-  ChildProcess bad{"../tandem", {"tune", scenario, "--vary", "local_planner.nonsense"}};
-  EXPECT_EQ(bad.wait(20.0), 1);
 }
 
 class BrokenMap : public ScenarioProgram, public ::testing::WithParamInterface<const char*> {};

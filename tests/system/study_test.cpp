@@ -171,27 +171,12 @@ TEST_F(StudyProgram, AndAllOthersThatDriveRefuseAMisspeltKeyOfARobot) {
   std::ofstream{out("misspelt_study.yaml")} << "study: t\nscenarios: [misspelt.yaml]\nseeds: 1\n";
   expect_complaint({"scenario", scenario, "--lockstep"}, key);
   expect_complaint({"study", out("misspelt_study.yaml"), "--out", out("none")}, key);
-  expect_complaint({"tune", scenario, "--vary", "local_planner.weight_x"}, key);
   expect_complaint({"metrics", out("whole"), "--scenario", scenario}, key);
   EXPECT_FALSE(fs::exists(out("none")));
 }
 
-TEST_F(StudyProgram, AndTuneAndScenarioRefuseSeedsThatContradict) {
-  const std::string scenario = test::source_path("bringup/scenarios/forest_task2.yaml"),
-                    kept = out("kept.yaml");
-  std::ofstream{kept} << "as it was";
-  const std::vector<std::string> tune{"tune", scenario, "--out", kept, "--evaluations", "1"};
-  const auto with = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), tune.begin(), tune.end());
-    return more;
-  };
-  expect_complaint(
-      with({"--vary", "local_planner.weight_x", "--seeds", "1-3", "--check-seeds", "3-9"}),
-      "--seeds 1-3 and --check-seeds 3-9 overlap");
-  expect_complaint(with({"--vary", "local_planner.nonsense"}), "has no number");
-  EXPECT_EQ(fs::file_size(kept), 9u);
-  expect_complaint({"tune", scenario, "--vary", "local_planner.weight_x", "--out", out("no/x")},
-                   "cannot be written; name a file in a folder that exists");
+TEST_F(StudyProgram, AndScenarioRefusesSeedsThatContradict) {
+  const std::string scenario = test::source_path("bringup/scenarios/forest_task2.yaml");
   expect_complaint({"scenario", scenario, "--lockstep", "--seed", "2", "--seeds", "3-4"},
                    "--seed excludes --seeds");
 }

@@ -16,7 +16,6 @@
 #include "bringup/cli/security_command.hpp"
 #include "bringup/cli/study_command.hpp"
 #include "bringup/cli/teleop_command.hpp"
-#include "bringup/cli/tune_command.hpp"
 #include "bringup/system/container.hpp"
 #include "bringup/system/doctor.hpp"
 
@@ -57,7 +56,6 @@ int main(int argc, char** argv) {
   tandem::add_doctor_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);
-  tandem::add_tune_command(app);
   tandem::add_security_command(app);
   for (const char* command : {"run", "container", "teleop", "scenario", "record", "play", "doctor"})
     tandem::add_enclave_option(*app.get_subcommand(command));

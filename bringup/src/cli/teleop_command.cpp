@@ -16,6 +16,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/cli/terminal_keys.hpp"
+#include "bringup/cli/terminal_line.hpp"
 #include "tandem/io/conversions.hpp"
 #include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
@@ -68,13 +69,6 @@ class RawTerminal {
   termios before_{};
 };
 
-// Makes text from topics safe for one terminal line: keeps only printable ASCII and cuts the rest.
-std::string one_line(std::string text, std::size_t width) {
-  for (char& c : text)
-    if (c < ' ' || c > '~') c = '?';
-  return text.substr(0, width - 1);
-}
-
 double no_minus(double value) { return std::abs(value) < 0.005 ? 0.0 : value; }
 
 class KeyboardTeleop {
@@ -92,9 +86,7 @@ class KeyboardTeleop {
       if (const auto odometry = from_msg(msg)) speed_ = {odometry->twist, node_.steady_now()};
     });
     on_filter_ = node.create_subscription(topics::filter_status, [this](const auto& msg) {
-      const std::string near =
-          std::isnan(msg.clearance()) ? "–" : fmt::format("{:.2f} m", msg.clearance());
-      filter_ = {"clearance " + near + ", " + msg.reason(), node_.steady_now()};
+      filter_ = {clearance_text(msg.clearance()) + ", " + msg.reason(), node_.steady_now()};
     });
     arbitration_ = node.create_subscription(topics::arbitration_status, [this](const auto& msg) {
       mode_ = {msg.policy() + ", " + msg.reason(), node_.steady_now()};
