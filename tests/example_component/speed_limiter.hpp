@@ -22,9 +22,10 @@ struct SpeedLimits {
 };
 
 /// `twist` [m/s, rad/s], scaled down until it is within the limits.
-[[nodiscard]] inline tandem::Twist2 limited(const tandem::Twist2& twist, const SpeedLimits& limits) {
-  const double excess = std::max({1.0, std::abs(twist.v) / limits.max_speed,
-                                  std::abs(twist.w) / limits.max_turn_rate});
+[[nodiscard]] inline tandem::Twist2 limited(const tandem::Twist2& twist,
+                                            const SpeedLimits& limits) {
+  const double excess = std::max(
+      {1.0, std::abs(twist.v) / limits.max_speed, std::abs(twist.w) / limits.max_turn_rate});
   return {twist.v / excess, twist.w / excess};
 }
 

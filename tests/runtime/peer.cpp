@@ -15,8 +15,8 @@
 
 namespace {
 
-using geometry_msgs::msg::Twist;
-using std_srvs::srv::Trigger;
+using tandem::geometry_msgs::msg::Twist;
+using tandem::std_srvs::srv::Trigger;
 namespace rt = tandem::rt;
 
 void echo() {

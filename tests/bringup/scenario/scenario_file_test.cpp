@@ -291,7 +291,9 @@ TEST_F(ScenarioFile, RobotWithAMisspeltKeyIsRefusedWithASuggestion) {
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
     const std::string line = error.what();
-    EXPECT_TRUE(line.starts_with((folder_ / "misspelt.yaml").string() + ":3: widht: unknown parameter")) << line;
+    EXPECT_TRUE(
+        line.starts_with((folder_ / "misspelt.yaml").string() + ":3: widht: unknown parameter"))
+        << line;
     EXPECT_NE(line.find("did you mean `width`?"), std::string::npos) << line;
   }
 }
