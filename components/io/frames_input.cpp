@@ -35,6 +35,8 @@ FramesInput::FramesInput(rt::Node& node, const Frames& names, const Localization
                                         [this](const auto& msg) { hear(msg, tf_static_, true); });
 }
 
+rt::Interface FramesInput::interface() { return {.subscribes = {topics::tf, topics::tf_static}}; }
+
 void FramesInput::hear(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from,
                        bool is_static) {
   const double now = node_.now();

@@ -18,6 +18,10 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
   odom_ = node.create_subscription(topics::odom, [this](const auto& msg) { this->on_odom(msg); });
 }
 
+rt::Interface RobotStateInput::interface() {
+  return rt::Interface{.subscribes = {topics::odom}} + FramesInput::interface();
+}
+
 void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
   auto odometry = from_msg(msg);
   if (!odometry) {

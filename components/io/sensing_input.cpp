@@ -13,6 +13,10 @@ SensingInput::SensingInput(rt::Node& node, const MapInputParams& params)
   });
 }
 
+rt::Interface SensingInput::interface() {
+  return {.subscribes = {{topics::sensing_status, "map_source: local or both"}}};
+}
+
 std::string SensingInput::trouble() {
   const double now = node_.now();
   reason_.forget_later_than(now);

@@ -46,9 +46,12 @@ struct SafetyFilterNodeParams {
 /// with enforce = false unless the clock is simulated: a real robot never runs without the filter.
 class SafetyFilterNode {
  public:
+  using Params = SafetyFilterNodeParams;
+
   static constexpr double kClockSilence = 0.5;  // [s] of steady time
 
   explicit SafetyFilterNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void update();

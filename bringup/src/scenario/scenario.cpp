@@ -2,6 +2,7 @@
 #include "bringup/scenario/scenario.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -192,13 +193,13 @@ void check_robot(const Scenario& scenario) {
   for (const auto& unused : rt::unused_wildcard_keys()) {  // "file:line: key"
     if (!unused.starts_with(scenario.robot + ":")) continue;
     const std::string key = unused.substr(unused.find(": ", scenario.robot.size()) + 2);
-    if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
+    if (is_parameter(key)) continue;
     if (const char* instead = instead_of(key))
       throw std::invalid_argument(unused + ": this name meant several things; " + instead);
     const std::string meant = nearest_parameter(key);
     throw std::invalid_argument(
-        unused + " is no parameter of any component; " +
-        (meant.empty() ? "tandem describe COMPONENT lists them" : "is `" + meant + "` meant?") +
+        unused + " is no parameter of any component" +
+        (meant.empty() ? "; tandem describe COMPONENT lists them." : meant) +
         " What is for nodes of others belongs under their names instead of /**");
   }
 }
@@ -259,6 +260,17 @@ System system_of(const Scenario& scenario, const DriveOptions& options) {
   }
   if (!scenario.recording.empty()) hand_over_recording(scenario, system);
   return system;
+}
+
+std::vector<std::string> drive_components() {
+  std::set<std::string> names;
+  Scenario any;
+  any.map_source = "both";
+  for (const auto& method : all_methods()) {
+    any.method = method;
+    for (const auto& [component, values] : derived(any, {})) names.insert(component);
+  }
+  return {names.begin(), names.end()};
 }
 
 std::vector<std::string> failures(const Scenario& scenario, const DriveResult& result) {

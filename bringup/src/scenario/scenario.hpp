@@ -76,8 +76,12 @@ struct DriveOptions {
 /// The driver's name as in the results; `none` without a driver.
 [[nodiscard]] std::string driver_of(const Scenario& scenario);
 
+/// Names of the components that drives with any of the methods use.
+[[nodiscard]] std::vector<std::string> drive_components();
+
 /// Parameters per component, as under `parameters:` of a scenario file. Throws
-/// std::invalid_argument naming the file, the line and the unknown component.
+/// std::invalid_argument naming the file, the line and the unknown component, the unknown parameter
+/// or the value that is out of bounds.
 [[nodiscard]] std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
     const YAML::Node& node, const std::string& path);
 

@@ -12,6 +12,7 @@
 
 #include "bringup/scenario/scenario.hpp"
 #include "tandem/config/yaml_document.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {
@@ -278,10 +279,7 @@ Values read_values(const YAML::Node& node, const std::string& path) {
 }
 
 std::map<std::string, Values> read_parameters(const YAML::Node& node, const std::string& path) {
-  static const std::vector<std::string> components{
-      "map_server",      "driver",      "teleop",        "obstacle_extractor",
-      "local_planner",   "arbitration", "safety_filter", "diff_drive_sim",
-      "octomap_builder", "shared_dwa",  "hindsight"};
+  static const std::vector<std::string> components = drive_components();
   std::map<std::string, Values> all;
   if (!node || node.IsNull()) return all;
   for (const auto& name : keys_of(node, path)) {
@@ -289,6 +287,7 @@ std::map<std::string, Values> read_parameters(const YAML::Node& node, const std:
       fail(path, node[name],
            "parameters for `" + name + "`, which is none of " + joined(components));
     all[name] = read_values(node[name], path);
+    rt::check_parameters(name, {.name = name, .parameters = {.values = all[name]}});
   }
   return all;
 }
