@@ -54,7 +54,7 @@ fs::path program_folder() {
 // Where this library is.
 fs::path runtime_folder() {
   Dl_info info{};
-  if (dladdr(reinterpret_cast<const void*>(&register_component), &info) == 0) return {};
+  if (dladdr(reinterpret_cast<const void*>(&registry), &info) == 0) return {};
   std::error_code ignored;
   return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
 }
@@ -146,7 +146,8 @@ std::vector<std::string> component_folders() {
       if (!folder.empty()) folders.push_back(folder);
   }
   folders.push_back(program_folder());
-  if (const auto folder = runtime_folder(); folder != program_folder()) folders.push_back(folder);
+  if (const auto folder = runtime_folder(); !folder.empty() && folder != program_folder())
+    folders.push_back(folder);
   return folders;
 }
 
