@@ -11,6 +11,15 @@
 namespace tandem {
 namespace {
 
+// Subscriptions of e_stop. A reader receives nothing from a sender that offers a weaker QoS than it
+// requests, and a reader that requests less misses samples sent before discovery; hence three
+// readers. The order matters: a program that presses once sends as soon as one reader is matched,
+// and the first is matched first.
+constexpr std::array<rt::QoS, 3> kStopReaders{
+    {{rt::Reliability::kReliable, rt::Durability::kVolatile, ArbitrationNode::kStopDepth},
+     {rt::Reliability::kReliable, rt::Durability::kTransientLocal, ArbitrationNode::kStopDepth},
+     {rt::Reliability::kBestEffort, rt::Durability::kVolatile, ArbitrationNode::kStopDepth}}};
+
 // Topic of the node whose trouble `why` repeats; null if the reason is arbitration's own.
 const char* topic_behind(const std::string& why) {
   if (why.starts_with("planner: ")) return topics::planner_status.name;
@@ -25,9 +34,21 @@ std::string with_remedy(const std::string& why) { return with_remedy(why, remedy
 
 }  // namespace
 
+rt::Interface ArbitrationNode::interface() {
+  rt::Interface own{
+      .subscribes = {topics::teleop_status, topics::planner_status, topics::filter_status},
+      .publishes = {topics::cmd_vel_arbitrated, topics::arbitration_status},
+      .serves = {services::set_policy, services::release_emergency_stop}};
+  for (const rt::QoS& qos : kStopReaders) own.subscribes.emplace_back(topics::e_stop, qos);
+  return TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
+         TwistInput::interface(topics::cmd_vel_shared) +
+         TwistInput::interface(topics::cmd_vel_nav, topics::kUserInput) + own +
+         Causes::interface() + Diagnostics::interface();
+}
+
 ArbitrationNode::ArbitrationNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<ArbitrationNodeParams>(
+      params_{node.declare_parameters<Params>(
           {}, [](auto& all) -> auto& { return all.arbiter.blend; },
           [this](const auto& wanted) { arbiter_.set_blend(wanted.arbiter.blend); })},
       arbiter_{params_->arbiter},
@@ -72,20 +93,12 @@ void ArbitrationNode::on_command(const Twist2& twist, Source source) {
   decide(source);
 }
 
-// A reader receives nothing from a sender that offers a weaker QoS than it requests, and a reader
-// that requests less misses samples sent before discovery; hence three readers. The order matters:
-// a program that presses once sends as soon as one reader is matched, and the first is matched
-// first.
 void ArbitrationNode::subscribe_emergency_stop() {
-  using enum rt::Reliability;
-  using enum rt::Durability;
-  constexpr std::array<rt::QoS, 3> kReaders{{{kReliable, kVolatile, kStopDepth},
-                                             {kReliable, kTransientLocal, kStopDepth},
-                                             {kBestEffort, kVolatile, kStopDepth}}};
   for (std::size_t i = 0; i < stops_.size(); ++i)
-    stops_[i] = node_.create_subscription(topics::e_stop, kReaders[i], [this, i](const auto& msg) {
-      on_stop(stops_[i].sender(), stops_[i].sequence(), msg.data());
-    });
+    stops_[i] =
+        node_.create_subscription(topics::e_stop, kStopReaders[i], [this, i](const auto& msg) {
+          on_stop(stops_[i].sender(), stops_[i].sequence(), msg.data());
+        });
 }
 
 void ArbitrationNode::on_stop(const rt::PublisherId& sender, std::uint64_t sequence, bool pressed) {

@@ -44,6 +44,8 @@ struct ArbitrationNodeParams {
 /// ~/release_emergency_stop.
 class ArbitrationNode {
  public:
+  using Params = ArbitrationNodeParams;
+
   static constexpr double kWatchdog = 0.0125;  // [s]
   static constexpr double kRepeat = 0.025;     // [s] output gap after which the command is repeated
   static constexpr double kStatusPeriod = 0.05;  // [s]
@@ -54,6 +56,7 @@ class ArbitrationNode {
   static constexpr double kTellPerformance = 0.1;  // [1] smallest change that is logged
 
   explicit ArbitrationNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void on_command(const Twist2& twist, Source source);

@@ -21,4 +21,11 @@ template <class Names>
   return nearest;
 }
 
+/// "; did you mean `name`?" with the nearest of `names`; empty if none is close enough.
+template <class Names>
+[[nodiscard]] std::string did_you_mean(const std::string& word, const Names& names) {
+  const std::string nearest = nearest_name(word, names);
+  return nearest.empty() ? "" : "; did you mean `" + nearest + "`?";
+}
+
 }  // namespace tandem

@@ -75,9 +75,8 @@ void YamlReader::finish() {
   for (const auto& entry : node_) {
     const auto& name = entry.first.Scalar();
     if (std::find(asked_.begin(), asked_.end(), name) != asked_.end()) continue;
-    const std::string meant = nearest_name(name, asked_);
     fail_at(entry.first, "unknown key `" + key_of(name) + "`; valid keys: " + joined(asked_) +
-                             (meant.empty() ? "" : "; did you mean `" + meant + "`?"));
+                             did_you_mean(name, asked_));
   }
 }
 

@@ -47,9 +47,16 @@ foxglove::Request parse(const WebEvent& event) {
 
 }  // namespace
 
+rt::Interface DashboardNode::interface() {
+  return PublishRelay::interface() + rt::Interface{.subscribes = {rt::TopicUse::every()},
+                                                   .calls = {rt::ServiceUse::every()},
+                                                   .other_input = "web clients",
+                                                   .other_output = "web clients"};
+}
+
 DashboardNode::DashboardNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<DashboardParams>()},
+      params_{node.declare_parameters<Params>()},
       web_{params_->web, foxglove::kSubprotocol, page_files(),
            [&node](const std::string& line) { node.log().warn_every(1.0, "{}", printable(line)); }},
       topics_{node,

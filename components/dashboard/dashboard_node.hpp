@@ -45,6 +45,8 @@ struct DashboardParams {
 /// explicitly. Every client may press the emergency stop.
 class DashboardNode {
  public:
+  using Params = DashboardParams;
+
   static constexpr double kTick = 0.005;  // [s] between two ticks, which handle the clients' events
   static constexpr double kUsual = 0.0015;      // [s] of a tick for frames of connected clients
   static constexpr double kLastWords = 0.0005;  // [s] of a tick for frames of clients that left
@@ -55,6 +57,7 @@ class DashboardNode {
   static constexpr double kTrialPeriod = 0.3;   // [s] minimum interval of two trial starts
 
   explicit DashboardNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void tick();

@@ -36,9 +36,19 @@ double source_timeout(const RobotParams& robot) {
 
 }  // namespace
 
+rt::Interface DiffDriveSimNode::interface() {
+  return TwistInput::interface(topics::cmd_vel) +
+         rt::Interface{
+             .subscribes = {topics::initial_pose},
+             .publishes = {topics::clock, topics::odom, topics::ground_truth, topics::tf,
+                           topics::tf_static, topics::scan, topics::collision, topics::people},
+             .serves = {services::reset},
+             .other_input = "a map file"};
+}
+
 DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<DiffDriveSimNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       sim_{simulation(*params_)},
       source_{source_timeout(params_->robot)},
       clock_{node.create_publisher(topics::clock)},

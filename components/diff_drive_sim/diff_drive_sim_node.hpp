@@ -94,7 +94,9 @@ struct DiffDriveSimNodeParams {
 /// late tick the simulated time runs slower and never jumps. Service: ~/reset (back to the start).
 class DiffDriveSimNode {
  public:
+  using Params = DiffDriveSimNodeParams;
   explicit DiffDriveSimNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void subscribe();

@@ -13,9 +13,16 @@ constexpr double kLeaderAge = 0.5;  // [s]
 
 }  // namespace
 
+rt::Interface DriverNode::interface() {
+  return RobotStateInput::interface() + rt::only_if("driver: adversary", MapInput::interface()) +
+         rt::Interface{
+             .subscribes = {{topics::leader_pose, topics::kUserInput}, topics::teleop_status},
+             .publishes = {topics::joy}};
+}
+
 DriverNode::DriverNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<DriverNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       driver_{params_->driver, static_cast<unsigned>(params_->seed)},
       robot_{node, params_->input},
       joy_{node.create_publisher(topics::joy)} {

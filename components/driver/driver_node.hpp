@@ -35,7 +35,9 @@ struct DriverNodeParams {
 /// adversary uses the map.
 class DriverNode {
  public:
+  using Params = DriverNodeParams;
   explicit DriverNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void tick();

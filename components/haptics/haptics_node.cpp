@@ -7,9 +7,14 @@
 
 namespace tandem {
 
+rt::Interface HapticsNode::interface() {
+  return TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
+         rt::Interface{.subscribes = {topics::filter_status}, .publishes = {topics::joy_feedback}};
+}
+
 HapticsNode::HapticsNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<HapticsNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       haptics_{params_->haptics},
       feedback_{node.create_publisher(topics::joy_feedback)},
       on_user_{node, topics::cmd_vel_user, topics::kUserInput, params_->input,

@@ -22,10 +22,13 @@ struct HapticsNodeParams {
 /// cmd_vel_user, safety_filter/status → joy/set_feedback (rumble, 10 Hz while it is not zero).
 class HapticsNode {
  public:
+  using Params = HapticsNodeParams;
+
   static constexpr double kPeriod = 0.1;   // [s]
   static constexpr double kSilence = 0.2;  // [s] an older input is ignored
 
   explicit HapticsNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void feel();

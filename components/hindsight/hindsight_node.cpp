@@ -13,9 +13,15 @@ constexpr unsigned kMarkersEvery = 4;  // commands
 
 }  // namespace
 
+rt::Interface HindsightNode::interface() {
+  return TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
+         MapInput::interface_of_static() + RobotStateInput::interface() +
+         rt::Interface{.publishes = {topics::cmd_vel_assisted, topics::hindsight_markers}};
+}
+
 HindsightNode::HindsightNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<HindsightNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       hindsight_{params_->hindsight, params_->robot},
       robot_{node, params_->input},
       map_{node, params_->map, robot_.frames()},

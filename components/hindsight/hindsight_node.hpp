@@ -36,7 +36,9 @@ struct HindsightNodeParams {
 /// is static, because paths are computed on the finished map only.
 class HindsightNode {
  public:
+  using Params = HindsightNodeParams;
   explicit HindsightNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void on_user(const Twist2& user);

@@ -22,6 +22,8 @@ class Diagnostics {
 
   /// `gives`: topics that the node publishes, by their names in topics.hpp.
   Diagnostics(rt::Node& node, std::initializer_list<const char*> gives);
+  /// The topic that it opens.
+  [[nodiscard]] static rt::Interface interface() { return {.publishes = {topics::diagnostics}}; }
   Diagnostics(const Diagnostics&) = delete;
   Diagnostics& operator=(const Diagnostics&) = delete;
 
@@ -79,6 +81,8 @@ class Causes {
   };
 
   explicit Causes(rt::Node& node);
+  /// The topic that it opens.
+  [[nodiscard]] static rt::Interface interface() { return {.subscribes = {topics::diagnostics}}; }
   Causes(const Causes&) = delete;
   Causes& operator=(const Causes&) = delete;
 

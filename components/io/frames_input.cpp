@@ -36,6 +36,8 @@ FramesInput::FramesInput(rt::Node& node, const Frames& names, const Localization
   time_jump_ = node.on_time_jump([this] { tree_.on_time_jump(); });
 }
 
+rt::Interface FramesInput::interface() { return {.subscribes = {topics::tf, topics::tf_static}}; }
+
 void FramesInput::hear(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from,
                        bool is_static) {
   for (const auto& transform : msg.transforms()) hear(transform, from.sender(), is_static);

@@ -39,6 +39,8 @@ class FramesInput {
   /// `changed` is called after each message of either topic.
   FramesInput(rt::Node& node, const Frames& names, const LocalizationParams& params,
               Changed changed = {});
+  /// The topics that it opens.
+  [[nodiscard]] static rt::Interface interface();
   FramesInput(const FramesInput&) = delete;
   FramesInput& operator=(const FramesInput&) = delete;
 

@@ -72,6 +72,16 @@ MapInput::~MapInput() {
   worker_.join();
 }
 
+rt::Interface MapInput::interface_of_static() {
+  return {.subscribes = {{topics::octomap_binary, "static_map: octomap"},
+                         {topics::map, "static_map: grid"}}};
+}
+
+rt::Interface MapInput::interface() {
+  return rt::only_if("map_source: static or both", interface_of_static()) +
+         rt::Interface{.subscribes = {{topics::octomap_local, "map_source: local or both"}}};
+}
+
 template <class Use>
 void MapInput::with_static_topic(const Use& use) const {
   if (params_.static_map == "grid")

@@ -99,6 +99,10 @@ class MapInput {
   MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,
            UnseenGround unseen = UnseenGround::kIgnored);
   ~MapInput();
+  /// The topics that it opens.
+  [[nodiscard]] static rt::Interface interface();
+  /// The same for a node that accepts `map_source: static` only.
+  [[nodiscard]] static rt::Interface interface_of_static();
   MapInput(const MapInput&) = delete;
   MapInput& operator=(const MapInput&) = delete;
 

@@ -20,6 +20,8 @@ ObstacleTracksInput::ObstacleTracksInput(rt::Node& node, const FramesInput& fram
   people_ = node.create_subscription(kPeople, [this](const auto& msg) { take(msg); });
 }
 
+rt::Interface ObstacleTracksInput::interface() { return {.subscribes = {kPeople}}; }
+
 void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
   if (two_speak())
     return node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,

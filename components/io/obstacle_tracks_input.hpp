@@ -21,6 +21,8 @@ class ObstacleTracksInput {
   static constexpr double kTwoSpeak = 1.0;  // [s]
 
   ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Receive receive);
+  /// The topic that it opens.
+  [[nodiscard]] static rt::Interface interface();
   ObstacleTracksInput(const ObstacleTracksInput&) = delete;
   ObstacleTracksInput& operator=(const ObstacleTracksInput&) = delete;
 

@@ -19,6 +19,10 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
   time_jump_ = node.on_time_jump([this] { localization_.on_time_jump(); });
 }
 
+rt::Interface RobotStateInput::interface() {
+  return rt::Interface{.subscribes = {topics::odom}} + FramesInput::interface();
+}
+
 void RobotStateInput::on_odom(const nav_msgs::msg::Odometry& msg) {
   if (!from_msg(msg)) {
     node_.log().warn_every(1.0, "odom {}: dropped", fault_of(msg.pose().pose().orientation()));

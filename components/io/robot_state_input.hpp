@@ -34,6 +34,8 @@ class RobotStateInput {
  public:
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
                   std::function<void(double)> on_odom = {});
+  /// The topics that it opens.
+  [[nodiscard]] static rt::Interface interface();
   /// From now on, odometry whose timestamp is older than `usual` [s] on arrival is dated back by
   /// the excess, so that a slow network does not make an old pose look new.
   void believe_stamps(double usual) { usual_age_ = usual; }

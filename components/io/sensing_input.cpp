@@ -14,6 +14,10 @@ SensingInput::SensingInput(rt::Node& node, const MapInputParams& params)
   time_jump_ = node.on_time_jump([this] { reason_.reset(); });
 }
 
+rt::Interface SensingInput::interface() {
+  return {.subscribes = {{topics::sensing_status, "map_source: local or both"}}};
+}
+
 std::string SensingInput::trouble() const {
   if (reason_.fresh(node_.now(), timeout_)) return reason_.value;
   if (subscription_.matched() == 0) return {};

@@ -16,6 +16,8 @@ namespace tandem {
 class SensingInput {
  public:
   SensingInput(rt::Node& node, const MapInputParams& params);
+  /// The topic that it opens.
+  [[nodiscard]] static rt::Interface interface();
   SensingInput(const SensingInput&) = delete;
   SensingInput& operator=(const SensingInput&) = delete;
 

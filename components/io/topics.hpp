@@ -5,6 +5,7 @@
 
 #include <msgs.hpp>
 
+#include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/pubsub.hpp"
 #include "tandem/runtime/service.hpp"
 
@@ -73,7 +74,7 @@ inline constexpr Topic<tandem_msgs::msg::ArbitrationStatus> arbitration_status{
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel{"cmd_vel", kCommand};
 inline constexpr Topic<geometry_msgs::msg::TwistStamped> cmd_vel_stamped{"cmd_vel", kCommand};
 inline constexpr Topic<tandem_msgs::msg::FilterStatus> filter_status{"safety_filter/status"};
-inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> diagnostics{"/diagnostics"};
+inline constexpr auto diagnostics = runtime::every_node::diagnostics;
 
 // the robot
 inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
@@ -88,7 +89,7 @@ inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"
 inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
 inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};
 inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
-inline constexpr Topic<rosgraph_msgs::msg::Clock> clock{"/clock", runtime::kClock};
+inline constexpr auto clock = runtime::every_node::clock;
 inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
     "initialpose", kDefault, Hears::kEvery};
 

@@ -4,16 +4,29 @@
 #include "tandem/model/frame_tree.hpp"
 
 namespace tandem {
+namespace {
+
+rt::Topic<geometry_msgs::msg::TwistStamped> stamped(
+    const rt::Topic<geometry_msgs::msg::Twist>& topic) {
+  return {topic.name, topic.qos};
+}
+
+}  // namespace
 
 TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,
                        const rt::QoS& qos, const StampParams& params, Command command)
     : node_{node},
-      stamped_topic_{topic.name, topic.qos},
+      stamped_topic_{stamped(topic)},
       check_{node, topic.name, params},
       command_{std::move(command)},
       plain_{node.create_subscription(topic, qos, [this](const auto& msg) { hear(msg, plain_); })},
       stamped_wanted_{
           node.when_published(stamped_topic_, [this, qos] { subscribe_stamped(qos); })} {}
+
+rt::Interface TwistInput::interface(const rt::Topic<geometry_msgs::msg::Twist>& topic,
+                                    const rt::QoS& qos) {
+  return {.subscribes = {{topic, qos}, {stamped(topic), qos, "a node publishes TwistStamped"}}};
+}
 
 void TwistInput::subscribe_stamped(const rt::QoS& qos) {
   node_.log().info("{} is received as TwistStamped too", stamped_topic_.name);

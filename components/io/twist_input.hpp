@@ -25,6 +25,12 @@ class TwistInput {
   TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,
              const StampParams& params, Command command)
       : TwistInput{node, topic, topic.qos, params, std::move(command)} {}
+  /// The topics that it opens with these arguments.
+  [[nodiscard]] static rt::Interface interface(const rt::Topic<geometry_msgs::msg::Twist>& topic,
+                                               const rt::QoS& qos);
+  [[nodiscard]] static rt::Interface interface(const rt::Topic<geometry_msgs::msg::Twist>& topic) {
+    return interface(topic, topic.qos);
+  }
   /// Compares timestamps with `now` [s] instead of the node's clock, for a node that generates
   /// time.
   void check_stamps_by(std::function<double()> now) { check_.check_by(std::move(now)); }

@@ -76,9 +76,16 @@ class JoystickNode::Device {
   SDL_Joystick* joystick_;
 };
 
+rt::Interface JoystickNode::interface() {
+  return {.subscribes = {topics::joy_feedback},
+          .publishes = {topics::joy},
+          .other_input = "a joystick or gamepad",
+          .other_output = "its rumble"};
+}
+
 JoystickNode::JoystickNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<JoystickNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       joystick_{params_->joystick},
       sdl_{start_sdl()},
       joy_{node.create_publisher(topics::joy)} {

@@ -9,9 +9,21 @@
 
 namespace tandem {
 
+rt::Interface LocalPlannerNode::interface() {
+  return rt::Interface{.subscribes = {topics::obstacles,
+                                      {topics::leader_pose, topics::kUserInput},
+                                      topics::goal_pose,
+                                      topics::filter_status},
+                       .publishes = {topics::cmd_vel_shared, topics::plan, topics::user_path,
+                                     topics::planner_status}} +
+         TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
+         TwistInput::interface(topics::cmd_vel) + RobotStateInput::interface() +
+         Diagnostics::interface();
+}
+
 LocalPlannerNode::LocalPlannerNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<LocalPlannerNodeParams>(
+      params_{node.declare_parameters<Params>(
           {}, [](auto& all) -> auto& { return all.live; },
           [this](const auto& wanted) { change(wanted.live); })},
       method_{method_named(params_->live.method)},

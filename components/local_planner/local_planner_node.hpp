@@ -66,7 +66,9 @@ struct LocalPlannerNodeParams {
 /// four times per control period.
 class LocalPlannerNode {
  public:
+  using Params = LocalPlannerNodeParams;
   explicit LocalPlannerNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void change(const LivePlannerParams& wanted);

@@ -8,8 +8,12 @@
 
 namespace tandem {
 
+rt::Interface MapServerNode::interface() {
+  return {.publishes = {topics::octomap_binary, topics::map}, .other_input = "a map file"};
+}
+
 MapServerNode::MapServerNode(rt::Node& node)
-    : params_{node.declare_parameters<MapServerParams>()},
+    : params_{node.declare_parameters<Params>()},
       octomap_{node.create_publisher(topics::octomap_binary)},
       map_{node.create_publisher(topics::map)} {
   if (params_->map.empty())

@@ -24,9 +24,11 @@ struct MapServerParams {
 /// Publishes a map file once on octomap_binary and map, latched for late subscribers.
 class MapServerNode {
  public:
+  using Params = MapServerParams;
   /// Throws std::runtime_error if the file is not a valid map and std::invalid_argument if none is
   /// given.
   explicit MapServerNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   rt::Parameters<MapServerParams> params_;

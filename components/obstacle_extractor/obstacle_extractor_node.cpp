@@ -9,9 +9,16 @@
 
 namespace tandem {
 
+rt::Interface ObstacleExtractorNode::interface() {
+  return MapInput::interface() + RobotStateInput::interface() +
+         rt::only_if("people: true", ObstacleTracksInput::interface()) +
+         rt::Interface{.publishes = {topics::obstacles, topics::obstacle_markers}} +
+         Diagnostics::interface();
+}
+
 ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<ObstacleExtractorNodeParams>(
+      params_{node.declare_parameters<Params>(
           {}, [](auto& all) -> auto& { return all.extractor; },
           [this](const auto& wanted) { shapes_.set_params(extractor_for_robot(wanted)); })},
       robot_{node, params_->input},

@@ -57,9 +57,12 @@ struct ObstacleExtractorNodeParams {
 /// an empty list would mean "no obstacles". The diagnostics report what is missing.
 class ObstacleExtractorNode {
  public:
+  using Params = ObstacleExtractorNodeParams;
+
   static constexpr int kMarkersEvery = 8;  // lists per marker message, which is for display only
 
   explicit ObstacleExtractorNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void extract();

@@ -25,9 +25,16 @@ bool is_zero(const Stamp& stamp) { return stamp.sec() == 0 && stamp.nanosec() ==
 
 }  // namespace
 
+rt::Interface OctomapBuilderNode::interface() {
+  return rt::Interface{.subscribes = {topics::scan, topics::cloud_in},
+                       .publishes = {topics::octomap_local, topics::sensing_status},
+                       .serves = {services::reset}} +
+         RobotStateInput::interface() + Diagnostics::interface();
+}
+
 OctomapBuilderNode::OctomapBuilderNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<OctomapBuilderNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       outline_{footprint_of(params_->robot)},
       map_{params_->map},
       body_{outline_},

@@ -67,9 +67,12 @@ struct OctomapBuilderNodeParams {
 /// each octomap_local and every kStatusPeriod.
 class OctomapBuilderNode {
  public:
+  using Params = OctomapBuilderNodeParams;
+
   static constexpr double kStatusPeriod = 0.1;  ///< [s] of steady time
 
   explicit OctomapBuilderNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   struct Sensor {

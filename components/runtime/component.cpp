@@ -3,17 +3,21 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
 
 #include "tandem/runtime/detail/graph.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -22,10 +26,12 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kPrefix = "libtandem_";
 constexpr std::string_view kSuffix = ".so";
+// Parameters that the runtime gives every node.
+constexpr const char *kUseSimTime = "use_sim_time", *kQosOverrides = "qos_overrides.";
 
 struct Registry {
   std::mutex mutex;
-  std::map<std::string, MakeComponent> components;
+  std::map<std::string, Component> components;
 };
 
 Registry& registry() {
@@ -33,17 +39,24 @@ Registry& registry() {
   return all;
 }
 
-MakeComponent find_registered(const std::string& name) {
+std::optional<Component> find_registered(const std::string& name) {
   const std::lock_guard lock{registry().mutex};
   const auto found = registry().components.find(name);
-  return found == registry().components.end() ? nullptr : found->second;
+  if (found == registry().components.end()) return std::nullopt;
+  return found->second;
+}
+
+fs::path program_folder() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
 // The folder of libtandem_runtime.so.
-fs::path library_folder() {
+fs::path runtime_folder() {
   Dl_info info{};
-  dladdr(reinterpret_cast<const void*>(&registry), &info);
-  return fs::path{info.dli_fname}.parent_path();
+  if (dladdr(reinterpret_cast<const void*>(&registry), &info) == 0) return {};
+  std::error_code ignored;
+  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
 }
 
 // Component names for which `folder` has a library.
@@ -86,12 +99,25 @@ void open_library(const std::string& component) {
   fail_unknown(component);
 }
 
-MakeComponent find(const std::string& component) {
-  if (const auto known = find_registered(component)) return known;
+Component find(const std::string& component) {
+  if (const auto known = find_registered(component)) return *known;
   open_library(component);
-  if (const auto loaded = find_registered(component)) return loaded;
+  if (const auto loaded = find_registered(component)) return *loaded;
   throw std::invalid_argument(std::string{kPrefix} + component + std::string{kSuffix} +
                               " does not contain TANDEM_COMPONENT(…, \"" + component + "\")");
+}
+
+// Otherwise the checks of parameter names would refuse a parameter that exists.
+void require_described(const Node& node, const ComponentDescription& description) {
+  const auto& fields = description.parameters;
+  for (const auto& parameter : node.core()->parameters.all()) {
+    const auto is_it = [&](const Field& field) { return field.name == parameter.name(); };
+    if (is_parameter_of_every_node(parameter.name()) ||
+        std::any_of(fields.begin(), fields.end(), is_it))
+      continue;
+    throw std::logic_error(node.name() + " declares the parameter `" + parameter.name() +
+                           "`, which the component's `Params` do not have");
+  }
 }
 
 // An exception in a callback ends the process; the timeouts of downstream nodes then stop the
@@ -107,9 +133,9 @@ void spin(Node& node) {
 
 }  // namespace
 
-bool register_component(const char* name, MakeComponent make) {
+bool register_component(const char* name, const Component& component) {
   const std::lock_guard lock{registry().mutex};
-  return registry().components.emplace(name, make).second;
+  return registry().components.emplace(name, component).second;
 }
 
 std::vector<std::string> component_folders() {
@@ -119,8 +145,11 @@ std::vector<std::string> component_folders() {
     for (std::string folder; std::getline(stream, folder, ':');)
       if (!folder.empty()) folders.push_back(folder);
   }
-  folders.push_back(library_folder());
-  folders.push_back(library_folder() / "tandem");
+  folders.push_back(program_folder());
+  if (const auto folder = runtime_folder(); !folder.empty()) {
+    if (folder != program_folder()) folders.push_back(folder);
+    folders.push_back(folder / "tandem");
+  }
   return folders;
 }
 
@@ -128,13 +157,35 @@ std::vector<std::string> list_components() {
   std::set<std::string> names;
   for (const auto& folder : component_folders()) names.merge(names_in(folder));
   const std::lock_guard lock{registry().mutex};
-  for (const auto& [name, make] : registry().components) names.insert(name);
+  for (const auto& [name, component] : registry().components) names.insert(name);
   return {names.begin(), names.end()};
 }
 
+ComponentDescription description_of(const std::string& component) {
+  ComponentDescription description = find(component).describe();
+  description.name = component;
+  return description;
+}
+
+bool is_parameter_of_every_node(const std::string& name) {
+  return name == kUseSimTime || name.starts_with(kQosOverrides);
+}
+
+void check_parameters(const std::string& component, const NodeOptions& options) {
+  const ComponentDescription description = description_of(component);
+  ParameterStore store{make_node_name(options.ns, options.name).full(), options.parameters};
+  for (const Field& field : description.parameters) store.load(field);
+  bool use_sim_time = false;
+  store(kUseSimTime, use_sim_time, "");
+  store.accept_all(kQosOverrides);
+  store.check_unknown();
+}
+
 struct RunningComponent::State {
-  State(MakeComponent make, NodeOptions options) : node{std::move(options)}, component{make(node)} {
+  State(const Component& component, NodeOptions options)
+      : node{std::move(options)}, instance{component.make(node)} {
     node.check_parameters();
+    require_described(node, component.describe());
   }
   ~State() {
     node.stop();
@@ -142,15 +193,15 @@ struct RunningComponent::State {
   }
 
   Node node;
-  std::shared_ptr<void> component;
+  std::shared_ptr<void> instance;
   std::thread thread;
 };
 
 RunningComponent::RunningComponent(const std::string& component, NodeOptions options) {
-  const MakeComponent make = find(component);
+  const Component found = find(component);
   const auto participant = Participant::shared();
   const Graph::Batch all_endpoints{participant->graph()};
-  state_ = std::make_unique<State>(make, std::move(options));
+  state_ = std::make_unique<State>(found, std::move(options));
 }
 
 RunningComponent::~RunningComponent() = default;

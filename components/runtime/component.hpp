@@ -1,40 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
+// The registry of components: how each is made, its parameters, topics and services, and which
+// modules hold them.
 #pragma once
 
+#include <concepts>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "tandem/runtime/interface.hpp"
 #include "tandem/runtime/node.hpp"
+#include "tandem/runtime/parameter_fields.hpp"
 
 namespace tandem::runtime {
 
-using MakeComponent = std::shared_ptr<void> (*)(Node& node);
+/// What a component's module says of it. Parameter checks, permissions and `tandem describe` read
+/// this.
+struct ComponentDescription {
+  std::string name;
+  std::vector<Field> parameters{};  ///< their values are the defaults
+  Interface interface;
+  std::shared_ptr<void> defaults{};  ///< the struct that `parameters` points into
+};
 
-/// Registers a component under its name. Called by TANDEM_COMPONENT.
-bool register_component(const char* name, MakeComponent make);
+/// One entry of the registry.
+struct Component {
+  std::shared_ptr<void> (*make)(Node& node);
+  ComponentDescription (*describe)();
+};
+
+/// Called by TANDEM_COMPONENT.
+bool register_component(const char* name, const Component& component);
+
+template <class C>
+[[nodiscard]] Component component_of() {
+  static_assert(
+      requires {
+        { C::interface() } -> std::convertible_to<Interface>;
+      },
+      "a component needs `static tandem::rt::Interface interface()`: the topics that it opens");
+  return {[](Node& node) -> std::shared_ptr<void> { return std::make_shared<C>(node); },
+          [] {
+            ComponentDescription description;
+            description.interface = C::interface();
+            if constexpr (requires { typename C::Params; }) {
+              const auto params = std::make_shared<typename C::Params>();
+              description.parameters = fields_of(*params);
+              description.defaults = params;
+            }
+            return description;
+          }};
+}
 
 /// Use once, in one .cpp of libtandem_<name>.so:
 /// `TANDEM_COMPONENT(tandem::SafetyFilterNode, "safety_filter")`.
+///
+/// The class has a constructor from `rt::Node&`, a static function `interface()` that returns its
+/// topics and services, and, if it declares parameters, their struct as `Params`.
 #define TANDEM_COMPONENT(Type, component_name)                                                     \
   namespace {                                                                                      \
   [[maybe_unused]] const bool tandem_component_registered = ::tandem::runtime::register_component( \
-      component_name, [](::tandem::runtime::Node& node) -> std::shared_ptr<void> {                 \
-        return std::make_shared<Type>(node);                                                       \
-      });                                                                                          \
+      component_name, ::tandem::runtime::component_of<Type>());                                    \
   }
 
-/// Folders searched for libtandem_<name>.so: those of TANDEM_COMPONENT_PATH, the folder of
-/// libtandem_runtime.so, and tandem/ in that folder.
+/// Folders searched for libtandem_<name>.so, in this order: those of TANDEM_COMPONENT_PATH, the
+/// program's, that of libtandem_runtime.so and tandem/ in the latter.
 [[nodiscard]] std::vector<std::string> component_folders();
 /// Names of the components that can be loaded.
 [[nodiscard]] std::vector<std::string> list_components();
 
+/// Loads the component's module, once per process, and returns what it registered. Throws
+/// std::invalid_argument for an unknown component (listing those found in each folder) and for a
+/// module that cannot be loaded.
+[[nodiscard]] ComponentDescription description_of(const std::string& component);
+
+/// Checks the parameters that a component would get, without running it. Throws
+/// std::invalid_argument with one line (origin, key, bound) for a value that is out of bounds or of
+/// another type and for a key that the component does not have, and as description_of() does.
+void check_parameters(const std::string& component, const NodeOptions& options);
+
+/// Whether the runtime gives every node a parameter of that name (use_sim_time, qos_overrides.…).
+[[nodiscard]] bool is_parameter_of_every_node(const std::string& name);
+
 /// A component, its node and the thread that spins it. Destruction stops it.
 class RunningComponent {
  public:
-  /// Loads and constructs; spins only after start(). Throws std::invalid_argument for an unknown
-  /// component (listing the components found in each folder) and whatever its constructor throws.
+  /// Loads and constructs; spins only after start(). Throws as description_of() does, whatever the
+  /// component's constructor throws, and std::logic_error if it declared a parameter that its
+  /// description lacks.
   RunningComponent(const std::string& component, NodeOptions options);
   ~RunningComponent();
   RunningComponent(RunningComponent&&) noexcept;

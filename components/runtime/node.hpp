@@ -12,6 +12,7 @@
 
 #include <msgs.hpp>
 
+#include "tandem/runtime/interface.hpp"
 #include "tandem/runtime/log.hpp"
 #include "tandem/runtime/parameter_table.hpp"
 #include "tandem/runtime/parameters.hpp"

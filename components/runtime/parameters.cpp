@@ -2,8 +2,10 @@
 #include "tandem/runtime/parameters.hpp"
 
 #include <mutex>
+#include <set>
 #include <stdexcept>
 
+#include "tandem/config/nearest_name.hpp"
 #include "tandem/runtime/parameter_files.hpp"
 
 namespace tandem::runtime {
@@ -58,6 +60,7 @@ struct ParameterStore::State {
 
   std::string node;
   std::map<std::string, Given> given;
+  std::set<std::string> declared;
 };
 
 ParameterStore::ParameterStore(std::string fully_qualified_name, const ParameterSources& sources)
@@ -74,6 +77,7 @@ ParameterStore::ParameterStore(ParameterStore&&) noexcept = default;
 ParameterStore& ParameterStore::operator=(ParameterStore&&) noexcept = default;
 
 void ParameterStore::load(const Field& field) {
+  state_->declared.insert(field.name);
   const auto found = state_->given.find(field.name);
   if (found == state_->given.end()) return check(field);
   State::Given& entry = found->second;
@@ -92,11 +96,18 @@ bool ParameterStore::gives_any(const std::string& prefix) const {
   return first != state_->given.end() && first->first.starts_with(prefix);
 }
 
+void ParameterStore::accept_all(const std::string& prefix) {
+  for (auto entry = state_->given.lower_bound(prefix);
+       entry != state_->given.end() && entry->first.starts_with(prefix); ++entry)
+    entry->second.declared = true;
+}
+
 void ParameterStore::check_unknown() const {
   check_retired();
   for (const auto& [key, entry] : state_->given)
     if (!entry.declared && !entry.value.for_all)
-      state_->fail(entry, key + " = " + entry.value.yaml + " is not a parameter of this node");
+      state_->fail(entry, key + " = " + entry.value.yaml + " is not a parameter of this node" +
+                              did_you_mean(key, state_->declared));
 }
 
 void ParameterStore::check_retired() const {

@@ -55,16 +55,18 @@ class ParameterStore {
   /// Whether any key with that prefix is given.
   [[nodiscard]] bool gives_any(const std::string& prefix) const;
 
-  /// Throws std::invalid_argument for the first key for this node that no struct declared. Keys of
+  /// Counts every key with that prefix as declared.
+  void accept_all(const std::string& prefix);
+
+  /// Throws std::invalid_argument for the first key for this node that no struct declared, with the
+  /// declared name that is nearest to it. Keys of
   /// `/**` sections are exempt, except retired names: ignoring one would silently replace the
   /// file's value by a default.
   void check_unknown() const;
 
-  /// Throws std::invalid_argument for the first key that is a retired name, unless a struct has
-  /// declared it. check_unknown() includes this check.
+ private:
   void check_retired() const;
 
- private:
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -31,6 +31,16 @@ std::string in_seconds(double duration) {
 
 }  // namespace
 
+std::string to_text(const QoS& qos) {
+  const Policies policies = policies_of(qos);
+  std::string text = fmt::format(
+      "{}, {}, depth {}", kReliabilities[static_cast<std::size_t>(policies.reliability)],
+      kDurabilities[static_cast<std::size_t>(policies.durability)], qos.depth);
+  if (qos.lifespan < std::numeric_limits<double>::infinity())
+    text += fmt::format(", lifespan {} s", qos.lifespan);
+  return text;
+}
+
 Policies policies_of(const QoS& qos) {
   return {.reliability = qos.reliability == Reliability::kReliable ? 1 : 0,
           .durability = qos.durability == Durability::kTransientLocal ? 1 : 0};

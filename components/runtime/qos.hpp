@@ -33,6 +33,9 @@ constexpr QoS kBestEffort(int depth) {
   return {Reliability::kBestEffort, Durability::kVolatile, depth};
 }
 
+/// The QoS in one line, as "reliable, transient local, depth 1".
+[[nodiscard]] std::string to_text(const QoS& qos);
+
 /// The policies by which DDS decides whether two endpoints are compatible. Kinds are in DDS's
 /// order: a higher value is a stronger guarantee.
 struct Policies {

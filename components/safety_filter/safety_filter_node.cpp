@@ -21,9 +21,19 @@ const char* topic_missing(FilterReason reason) {
 
 }  // namespace
 
+rt::Interface SafetyFilterNode::interface() {
+  return TwistInput::interface(topics::cmd_vel_arbitrated) + MapInput::interface() +
+         SensingInput::interface() + RobotStateInput::interface() +
+         rt::only_if("people: true", ObstacleTracksInput::interface()) +
+         rt::Interface{.publishes = {{topics::cmd_vel, "stamped: false"},
+                                     {topics::cmd_vel_stamped, "stamped: true"},
+                                     topics::filter_status}} +
+         Diagnostics::interface();
+}
+
 SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<SafetyFilterNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       filter_{params_->filter, params_->robot},
       robot_{node, params_->input},
       map_{node, params_->map, robot_.frames(), UnseenGround::kHeeded},

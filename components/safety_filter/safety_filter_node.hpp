@@ -46,7 +46,10 @@ struct SafetyFilterNodeParams {
 /// with enforce = false unless the clock is simulated: a real robot never runs without the filter.
 class SafetyFilterNode {
  public:
+  using Params = SafetyFilterNodeParams;
+
   explicit SafetyFilterNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void update();

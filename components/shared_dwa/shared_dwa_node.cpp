@@ -9,9 +9,16 @@
 
 namespace tandem {
 
+rt::Interface SharedDwaNode::interface() {
+  return TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) + MapInput::interface() +
+         RobotStateInput::interface() +
+         rt::Interface{.publishes = {topics::cmd_vel_shared, topics::planner_status}} +
+         Diagnostics::interface();
+}
+
 SharedDwaNode::SharedDwaNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<SharedDwaNodeParams>()},
+      params_{node.declare_parameters<Params>()},
       dwa_{params_->dwa, params_->robot},
       robot_{node, params_->input},
       map_{node, params_->map, robot_.frames()},

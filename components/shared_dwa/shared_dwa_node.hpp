@@ -41,7 +41,9 @@ struct SharedDwaNodeParams {
 /// publishes zero and the reason.
 class SharedDwaNode {
  public:
+  using Params = SharedDwaNodeParams;
   explicit SharedDwaNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void choose();

@@ -19,9 +19,18 @@ bool is_empty(const sensor_msgs::msg::Joy& msg) {
 
 }  // namespace
 
+rt::Interface TeleopNode::interface() {
+  return rt::Interface{
+             .subscribes = {{topics::joy, topics::kStickInput}, topics::planner_status},
+             .publishes = {topics::cmd_vel_user, topics::leader_pose, topics::leader_markers,
+                           topics::teleop_status, topics::end_sim}} +
+         TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
+         RobotStateInput::interface() + Diagnostics::interface();
+}
+
 TeleopNode::TeleopNode(rt::Node& node)
     : node_{node},
-      params_{node.declare_parameters<TeleopNodeParams>(
+      params_{node.declare_parameters<Params>(
           {}, [](auto& all) -> auto& { return all.teleop.gains; },
           [this](const auto& wanted) { teleop_.set_gains(wanted.teleop.gains); })},
       teleop_{params_->teleop, params_->robot},

@@ -42,11 +42,14 @@ struct TeleopNodeParams {
 /// node's cmd_vel_user; with several such nodes, the first one until it is silent.
 class TeleopNode {
  public:
+  using Params = TeleopNodeParams;
+
   static constexpr std::size_t kMaxTroubles = 100;  // senders whose trouble is stored
   static constexpr double kPlannerTimeout = 0.5;    // [s] silence after which it does not yield
   static constexpr double kOnce = 1e9;  // [s] reminder period of messages that are logged only once
 
   explicit TeleopNode(rt::Node& node);
+  [[nodiscard]] static rt::Interface interface();
 
  private:
   void on_joy(const sensor_msgs::msg::Joy& msg);

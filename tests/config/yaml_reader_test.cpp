@@ -123,14 +123,5 @@ TEST(YamlReader, PrintsOneLineWhateverTheFileContains) {
   EXPECT_EQ(complaint("\"a\\nb\": 1\n", read).find('\n'), std::string::npos);
 }
 
-TEST(NearestName, IsTheOneWithTheFewestChangedLettersIfItIsClose) {
-  const std::vector<std::string> names{"leader", "path", "blend"};
-  EXPECT_EQ(letters_apart("leadr", "leader"), 1U);
-  EXPECT_EQ(letters_apart("", "abc"), 3U);
-  EXPECT_EQ(nearest_name("leadr", names), "leader");
-  EXPECT_EQ(nearest_name("blind", names), "blend");
-  EXPECT_EQ(nearest_name("xyzzy", names), "");
-}
-
 }  // namespace
 }  // namespace tandem

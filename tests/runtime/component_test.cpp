@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <string>
+#include <variant>
 
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -58,6 +61,91 @@ TEST(Component, WithAnUnknownParameterIsRefused) {
 TEST(Component, IsListed) {
   const auto names = rt::list_components();
   EXPECT_EQ(std::count(names.begin(), names.end(), "test_component"), 1);
+}
+
+TEST(Component, IsDescribedByItsModule) {
+  const auto description = rt::description_of("test_component");
+  EXPECT_EQ(description.name, "test_component");
+  ASSERT_EQ(description.parameters.size(), 1u);
+  const rt::Field& factor = description.parameters.front();
+  EXPECT_EQ(factor.name, "factor");
+  EXPECT_EQ(rt::to_text(value_of(factor)), "2");
+  EXPECT_EQ(std::get<Range>(factor.limits).max, 10.0);
+  ASSERT_EQ(description.interface.subscribes.size(), 1u);
+  ASSERT_EQ(description.interface.publishes.size(), 1u);
+  const rt::TopicUse& out = description.interface.publishes.front();
+  EXPECT_EQ(out.name, "out");
+  EXPECT_EQ(out.type, "std_msgs/msg/Float64");
+  EXPECT_EQ(out.qos, rt::kLatched);
+  EXPECT_EQ(to_text(out.qos), "reliable, transient local, depth 1");
+}
+
+TEST(Component, ThatIsUnknownHasNoDescription) {
+  EXPECT_THROW((void)rt::description_of("nonsense"), std::invalid_argument);
+}
+
+// The error of a check with these values; empty if they are accepted.
+std::string error_of(const std::map<std::string, std::string>& values) {
+  rt::NodeOptions options{.name = "x"};
+  for (const auto& [key, value] : values) options.parameters.values[key] = {value, "here:7"};
+  try {
+    rt::check_parameters("test_component", options);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+TEST(ComponentParameters, AreCheckedWithoutRunningTheComponent) {
+  EXPECT_EQ(error_of({{"factor", "3"}, {"use_sim_time", "true"}}), "");
+  EXPECT_EQ(error_of({{"qos_overrides./in.subscription.reliability", "best_effort"}}), "");
+  EXPECT_EQ(error_of({{"facter", "3"}}),
+            "here:7: node /x: facter = 3 is no parameter of this node; did you mean `factor`?");
+  EXPECT_EQ(error_of({{"speed", "3"}}), "here:7: node /x: speed = 3 is no parameter of this node");
+  EXPECT_NE(error_of({{"factor", "11"}}).find("here:7: node /x: factor = 11 outside [0, 10]"),
+            std::string::npos);
+}
+
+struct HiddenParams {
+  double hidden = 1.0;
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    field("hidden", hidden, Range{0.0, 1.0}, "a parameter of no description");
+  }
+};
+
+// Lacks `using Params = HiddenParams;`.
+class Undescribed {
+ public:
+  explicit Undescribed(rt::Node& node) : params_{node.declare_parameters<HiddenParams>()} {}
+  static rt::Interface interface() { return {}; }
+
+ private:
+  rt::Parameters<HiddenParams> params_;
+};
+
+TEST(Component, ThatDescribesNotAllOfItsParametersIsRefused) {
+  rt::register_component("undescribed", rt::component_of<Undescribed>());
+  try {
+    const auto component = rt::load_component("undescribed", {.name = "x"});
+    FAIL() << "no exception";
+  } catch (const std::logic_error& error) {
+    EXPECT_NE(std::string{error.what()}.find("`hidden`"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Interfaces, AreJoinedAndGetConditions) {
+  constexpr rt::Topic<Float64> a{"a"}, b{"b"}, c{"c"};
+  const rt::Interface rare = only_if("x: 1", rt::Interface{.subscribes = {a, {b, "y: 2"}}});
+  const rt::Interface all = rt::Interface{.publishes = {c}, .other_input = "a file"} + rare +
+                            rt::Interface{.other_input = "a device"};
+  ASSERT_EQ(all.subscribes.size(), 2u);
+  EXPECT_EQ(all.subscribes[0].condition, "x: 1");
+  EXPECT_EQ(all.subscribes[1].condition, "x: 1, y: 2");
+  ASSERT_EQ(all.publishes.size(), 1u);
+  EXPECT_EQ(all.publishes[0].condition, "");
+  EXPECT_EQ(all.other_input, "a file, a device");
 }
 
 }  // namespace

@@ -16,16 +16,21 @@ struct DoublerParams {
   }
 };
 
+constexpr rt::Topic<Float64> kIn{"in"}, kOut{"out", rt::kLatched};
+
 class Doubler {
  public:
+  using Params = DoublerParams;
+
   explicit Doubler(rt::Node& node)
-      : params_{node.declare_parameters<DoublerParams>()},
-        out_{node.create_publisher(rt::Topic<Float64>{"out"})},
-        in_{node.create_subscription(rt::Topic<Float64>{"in"}, [this](const Float64& message) {
+      : params_{node.declare_parameters<Params>()},
+        out_{node.create_publisher(kOut)},
+        in_{node.create_subscription(kIn, [this](const Float64& message) {
           Float64 product;
           product.data(params_->factor * message.data());
           out_.publish(product);
         })} {}
+  static rt::Interface interface() { return {.subscribes = {kIn}, .publishes = {kOut}}; }
 
  private:
   rt::Parameters<DoublerParams> params_;

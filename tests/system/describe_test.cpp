@@ -10,8 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "bringup/system/component_params.hpp"
-#include "bringup/system/component_topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem::test {
 namespace {
@@ -29,37 +28,26 @@ Names words_of(const std::string& command) {
   return {std::istream_iterator<std::string>{words}, {}};
 }
 
-// Collects the names of the parameters that it visits.
-struct NameOf {
-  template <class... Rest>
-  void operator()(const char* name, const Rest&...) const {
-    names->insert(name);
-  }
-  Names* names;
-};
-
-Names topics_and_services_of(const std::string& component) {
+Names described(const std::string& component) {
+  const rt::ComponentDescription description = rt::description_of(component);
+  const rt::Interface& interface = description.interface;
   Names names;
-  const ComponentTopics& topics = topics_of(component);
-  for (const auto* list : {&topics.subscribes, &topics.publishes, &topics.serves, &topics.calls})
-    names.insert(list->begin(), list->end());
+  for (const auto& parameter : description.parameters) names.insert(parameter.name);
+  for (const auto* topics : {&interface.subscribes, &interface.publishes})
+    for (const auto& topic : *topics) names.insert(topic.name);
+  for (const auto* services : {&interface.serves, &interface.calls})
+    for (const auto& service : *services) names.insert(service.name);
   return names;
 }
 
-TEST(Describe, KnowsEachComponentThatListPrints) {
-  Names known;
-  for_each_component([&](const char* name, const auto&) { known.insert(name); });
-  EXPECT_EQ(words_of("../tandem list"), known);
-}
-
-TEST(Describe, PrintsEveryParameterTopicAndServiceOfAComponent) {
-  for_each_component([](const char* component, auto params) {
-    const Names printed = words_of(std::string{"../tandem describe "} + component);
-    Names names = topics_and_services_of(component);
-    params.visit(NameOf{&names});
-    for (const std::string& name : names)
+TEST(Describe, PrintsEveryParameterTopicAndServiceOfEachComponentThatListPrints) {
+  const Names components = words_of("../tandem list");
+  EXPECT_GE(components.size(), 14U);
+  for (const std::string& component : components) {
+    const Names printed = words_of("../tandem describe " + component);
+    for (const std::string& name : described(component))
       EXPECT_TRUE(printed.contains(name)) << component << " " << name;
-  });
+  }
 }
 
 }  // namespace

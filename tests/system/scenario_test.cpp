@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the program as a user does: scenarios in lockstep, and its messages for bad input.
+#include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <memory>
+#include <sstream>
+#include <string>
 
 #include "support/captured_log.hpp"
 #include "support/instrumented.hpp"
@@ -131,6 +133,48 @@ TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
 
 INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::Values("empty", "text", "truncated"),
                          [](const auto& test) { return std::string(test.param); });
+
+// What a command prints.
+std::string output_of(const std::string& command) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> out{popen(command.c_str(), "r"), pclose};
+  std::string text;
+  for (char part[100]; out && std::fgets(part, sizeof part, out.get()) != nullptr;) text += part;
+  return text;
+}
+
+// Everything that `tandem list` finds, `tandem describe` must know.
+TEST(Program, DescribesEachComponentThatItLists) {
+  std::istringstream list{output_of("../tandem list")};
+  int components = 0;
+  for (std::string name; std::getline(list, name); ++components) {
+    const std::string text = output_of("../tandem describe " + name);
+    EXPECT_TRUE(text.starts_with(name + "\n")) << name;
+    EXPECT_NE(text.find("\n  parameter "), std::string::npos) << name;
+  }
+  EXPECT_GE(components, 14);
+}
+
+TEST(Program, DescribesTopicsWithTypeAndQos) {
+  std::string text = output_of("../tandem describe safety_filter");
+  const auto has = [&](const std::string& line) { return text.find(line) != std::string::npos; };
+  text.erase(
+      std::unique(text.begin(), text.end(), [](char a, char b) { return a == ' ' && b == ' '; }),
+      text.end());  // columns
+  EXPECT_TRUE(
+      has("\n cmd_vel geometry_msgs/msg/Twist reliable, volatile, depth 1, lifespan 0.2 s "
+          "if stamped: false\n"))
+      << text;
+  EXPECT_TRUE(has("\n odom nav_msgs/msg/Odometry reliable, volatile, depth 10, or weaker\n"))
+      << text;
+}
+
+TEST(Program, DescribesAComponentOfAThirdParty) {
+  const std::string folder = binary_path("tests");
+  const std::string text =
+      output_of("TANDEM_COMPONENT_PATH=" + folder + " ../tandem describe test_component");
+  for (const char* part : {"std_msgs/msg/Float64", "reliable, transient local, depth 1", "factor"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+}
 
 }  // namespace
 }  // namespace tandem::test

@@ -3,86 +3,101 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
-#include <stdexcept>
+#include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
-#include "bringup/system/component_params.hpp"
-#include "bringup/system/component_topics.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {
 
-// Prints each field of a parameter struct as a row.
-struct Printer {
-  static void row(const char* name, const std::string& value, const std::string& bounds,
-                  const char* meaning) {
-    std::printf("  %-24s %-12s %-22s %s\n", name, value.c_str(), bounds.c_str(), meaning);
-  }
-  static std::string bounds(const Range& range) {
-    return fmt::format("[{}, {}]", range.min, range.max);
-  }
+constexpr std::size_t kColumns = 4;
+using Row = std::array<std::string, kColumns>;
 
-  void operator()(const char* name, double value, const Range& range, const char* meaning) const {
-    row(name, fmt::format("{}", value), bounds(range), meaning);
-  }
-  void operator()(const char* name, int value, const Range& range, const char* meaning) const {
-    row(name, fmt::format("{}", value), bounds(range), meaning);
-  }
-  void operator()(const char* name, const std::string& value, const OneOf& choices,
-                  const char* meaning) const {
-    row(name, value, fmt::format("{}", fmt::join(choices.names, " | ")), meaning);
-  }
-  void operator()(const char* name, const std::vector<double>& values, const Range& range,
-                  const char* meaning) const {
-    row(name, fmt::format("[{}]", fmt::join(values, ", ")), bounds(range), meaning);
-  }
-  void operator()(const char* name, const std::vector<std::string>& values, const OneOf& choices,
-                  const char* meaning) const {
-    row(name, fmt::format("[{}]", fmt::join(values, ", ")),
-        fmt::format("each {}", fmt::join(choices.names, " | ")), meaning);
-  }
-  void operator()(const char* name, bool value, const char* meaning) const {
-    row(name, value ? "true" : "false", "", meaning);
-  }
-  void operator()(const char* name, const std::string& value, const char* meaning) const {
-    row(name, value.empty() ? "\"\"" : value, "", meaning);
-  }
-};
-
-std::string list(std::vector<const char*> names, const char* other) {
-  if (*other != '\0') names.push_back(other);
-  return fmt::format("{}", fmt::join(names, ", "));
+// Prints a table with a head, columns aligned; nothing if there are no rows.
+void print_table(const Row& head, const std::vector<Row>& rows) {
+  if (rows.empty()) return;
+  std::array<std::size_t, kColumns> widths{};
+  const auto widen = [&](const Row& row) {
+    for (std::size_t i = 0; i < kColumns; ++i) widths[i] = std::max(widths[i], row[i].size());
+  };
+  const auto print = [&](const Row& row) {
+    std::string line = " ";
+    for (std::size_t i = 0; i < kColumns; ++i) line += fmt::format(" {:<{}}", row[i], widths[i]);
+    std::printf("%s\n", line.substr(0, line.find_last_not_of(' ') + 1).c_str());
+  };
+  widen(head);
+  std::for_each(rows.begin(), rows.end(), widen);
+  std::printf("\n");
+  print(head);
+  std::for_each(rows.begin(), rows.end(), print);
 }
 
-// Formats inputs and outputs as "a, b -> c; services d".
-std::string summary(const ComponentTopics& topics) {
-  std::string text = list(topics.subscribes, topics.other_input) + " -> " +
-                     list(topics.publishes, topics.other_output);
-  if (!topics.serves.empty()) text += "; services " + list(topics.serves, "");
-  if (!topics.calls.empty()) text += "; calls services " + list(topics.calls, "");
-  return text;
+Row row_of(const rt::TopicUse& use) {
+  if (use.name == rt::TopicUse::every().name) return {"every topic", "", "", ""};
+  return {use.name, use.type, to_text(use.qos), use.condition.empty() ? "" : "if " + use.condition};
 }
 
-void print(const std::string& component) {
-  std::string known;
-  bool found = false;
-  for_each_component([&](const char* name, auto params) {
-    known += std::string{" "} + name;
-    if (component != name) return;
-    found = true;
-    std::printf("%s: %s\n\n", name, summary(topics_of(name)).c_str());
-    std::printf("  %-24s %-12s %-22s %s\n", "parameter", "default", "bounds", "meaning");
-    params.visit(Printer{});
-  });
-  if (!found) throw std::invalid_argument("no component '" + component + "'; there are:" + known);
+Row row_of_subscription(const rt::TopicUse& use) {
+  Row row = row_of(use);
+  if (use.hears == rt::Hears::kEvery && !use.type.empty()) row[2] += ", or weaker";
+  return row;
+}
+
+Row row_of(const rt::ServiceUse& use) {
+  if (use.name == rt::ServiceUse::every().name) return {"every service", "", "", ""};
+  return {use.name, use.type, to_text(use.qos), ""};
+}
+
+std::string bounds_of(const rt::Field& field) {
+  struct {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(const Range& range) const {
+      return fmt::format("[{}, {}]", range.min, range.max);
+    }
+    std::string operator()(const OneOf& choices) const {
+      return fmt::format("{}", fmt::join(choices.names, " | "));
+    }
+  } text;
+  const bool is_list = std::holds_alternative<std::vector<double>*>(field.value) ||
+                       std::holds_alternative<std::vector<std::string>*>(field.value);
+  return (is_list ? "each " : "") + std::visit(text, field.limits);
+}
+
+Row row_of(const rt::Field& field) {
+  return {field.name, rt::to_text(value_of(field)), bounds_of(field), field.meaning};
+}
+
+template <class T>
+std::vector<Row> rows_of(const std::vector<T>& entries, Row (*to_row)(const T&) = row_of) {
+  std::vector<Row> rows;
+  for (const T& entry : entries) rows.push_back(to_row(entry));
+  return rows;
+}
+
+void print(const std::string& name) {
+  const rt::ComponentDescription component = rt::description_of(name);
+  const rt::Interface& all = component.interface;
+  std::printf("%s\n", name.c_str());
+  print_table({"subscribes", "type", "QoS", ""}, rows_of(all.subscribes, row_of_subscription));
+  print_table({"publishes", "type", "QoS", ""}, rows_of(all.publishes));
+  print_table({"serves", "type", "QoS", ""}, rows_of(all.serves));
+  print_table({"calls", "type", "QoS", ""}, rows_of(all.calls));
+  if (!all.other_input.empty()) std::printf("\n  reads %s\n", all.other_input.c_str());
+  if (!all.other_output.empty()) std::printf("\n  writes %s\n", all.other_output.c_str());
+  print_table({"parameter", "default", "bounds", "meaning"}, rows_of(component.parameters));
 }
 
 }  // namespace
 
 void add_describe_command(CLI::App& app) {
-  auto* command = app.add_subcommand("describe", "Topics and parameters of a component");
+  auto* command = app.add_subcommand(
+      "describe", "Topics and services of a component with type and QoS, and its parameters");
   auto component = std::make_shared<std::string>();
   command->add_option("component", *component, "its name; see `tandem list`")->required();
   command->callback([component] { print(*component); });

@@ -20,6 +20,7 @@
 #include "tandem/map/map_file.hpp"
 #include "tandem/map/octomap_file.hpp"
 #include "tandem/map_server/map_server_node.hpp"
+#include "tandem/model/frame_tree.hpp"
 #include "tandem/runtime/decode.hpp"
 #include "tandem/runtime/log.hpp"
 #include "tandem/runtime/time.hpp"

@@ -30,7 +30,8 @@ void add_run_command(CLI::App& app, int& status) {
                         run->remaining());
   });
 
-  auto* list = app.add_subcommand("list", "List the components that can be run");
+  auto* list = app.add_subcommand(
+      "list", "List the components that can be run; TANDEM_COMPONENT_PATH adds folders");
   list->callback([] {
     for (const auto& name : rt::list_components()) std::printf("%s\n", name.c_str());
   });

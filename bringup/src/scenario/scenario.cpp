@@ -2,6 +2,7 @@
 #include "bringup/scenario/scenario.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -181,13 +182,13 @@ void check_robot(const Scenario& scenario) {
   for (const auto& unused : rt::unused_wildcard_keys()) {  // "file:line: key"
     if (!unused.starts_with(scenario.robot + ":")) continue;
     const std::string key = unused.substr(unused.find(": ", scenario.robot.size()) + 2);
-    if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
+    if (is_parameter(key)) continue;
     if (const char* instead = instead_of(key))
       throw std::invalid_argument(unused + ": this name was ambiguous; " + instead);
     const std::string meant = nearest_parameter(key);
     throw std::invalid_argument(
-        unused + ": unknown parameter; " +
-        (meant.empty() ? "see tandem describe COMPONENT." : "did you mean `" + meant + "`?") +
+        unused + ": unknown parameter" +
+        (meant.empty() ? "; see tandem describe COMPONENT." : meant) +
         " Put parameters of other programs' nodes under the nodes' names instead of /**");
   }
 }

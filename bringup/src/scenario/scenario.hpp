@@ -72,7 +72,8 @@ struct DriveOptions {
 [[nodiscard]] std::string driver_of(const Scenario& scenario);
 
 /// Parameters per component, as under `parameters:` of a scenario file. Throws
-/// std::invalid_argument naming the file, the line and the unknown component.
+/// std::invalid_argument naming the file, the line and the unknown component, the unknown parameter
+/// or the value that is out of bounds.
 [[nodiscard]] std::map<std::string, std::map<std::string, rt::ParameterValue>> component_parameters(
     YamlReader map);
 

@@ -10,6 +10,7 @@
 #include "bringup/scenario/scenario.hpp"
 #include "tandem/config/nearest_name.hpp"
 #include "tandem/config/yaml_reader.hpp"
+#include "tandem/runtime/component.hpp"
 
 namespace tandem {
 namespace {
@@ -220,12 +221,11 @@ std::map<std::string, Values> component_parameters(YamlReader map) {
   static const std::set<std::string> components = components_of_all_methods();
   std::map<std::string, Values> all;
   for (const auto& [name, values] : map.rest()) {
-    const std::string meant = nearest_name(name, components);
     if (!components.contains(name))
       values.fail(fmt::format("parameters for `{}`, which is not one of {}{}", name,
-                              fmt::join(components, ", "),
-                              meant.empty() ? "" : "; did you mean `" + meant + "`?"));
+                              fmt::join(components, ", "), did_you_mean(name, components)));
     all[name] = read_values(values);
+    rt::check_parameters(name, {.name = name, .parameters = {.values = all[name]}});
   }
   return all;
 }

@@ -1,37 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists all parameter names and suggests the closest one for a misspelled name.
+// Looks a parameter's name up in all components, for values that are given to every node.
 #pragma once
 
-#include <set>
 #include <string>
-
-#include "bringup/system/component_params.hpp"
-#include "tandem/config/nearest_name.hpp"
 
 namespace tandem {
 
-/// The names of all parameters of all components.
-inline const std::set<std::string>& parameter_names() {
-  static const auto names = [] {
-    std::set<std::string> all{"use_sim_time"};  // declared by the runtime
-    const auto add = [&](const char* name, const auto&...) { all.insert(name); };
-    for_each_component([&](const char*, auto params) { params.visit(add); });
-    return all;
-  }();
-  return names;
-}
+/// Whether any component that can be loaded, or every node, has a parameter of that name. Loads
+/// modules until one has it. Thread-safe.
+[[nodiscard]] bool is_parameter(const std::string& name);
 
-/// Whether a component is one of ours. Other components may use a retired parameter name.
-inline bool is_our_component(const std::string& component) {
-  bool is_ours = false;
-  for_each_component(
-      [&](const char* name, const auto&) { is_ours = is_ours || component == name; });
-  return is_ours;
-}
-
-/// The parameter name closest to a word; empty if none is close enough.
-inline std::string nearest_parameter(const std::string& word) {
-  return nearest_name(word, parameter_names());
-}
+/// "; did you mean `name`?" with the parameter of any component whose name is nearest to `word`;
+/// empty if none is close enough. Loads all modules. Thread-safe.
+[[nodiscard]] std::string nearest_parameter(const std::string& word);
 
 }  // namespace tandem

@@ -4,7 +4,8 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
-#include "bringup/system/component_topics.hpp"
+#include "tandem/runtime/component.hpp"
+#include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 
 namespace tandem {
@@ -20,16 +21,16 @@ constexpr const char* kHead =
 // "/a" for "a", "*" and "/*".
 std::string absolute(const std::string& name) { return name.starts_with('/') ? name : '/' + name; }
 
-std::string resolved(const rt::NodeOptions& options, const char* name) {
-  if (std::string_view{name} == "*") return name;
+std::string resolved(const rt::NodeOptions& options, const std::string& name) {
+  if (name == "*") return name;
   return rt::resolve_name(name, rt::make_node_name(options.ns, options.name), options.remappings);
 }
 
-void add(Permissions& permissions, const rt::NodeOptions& options, const ComponentTopics& topics) {
-  for (const char* name : topics.publishes) allow_publish(permissions, resolved(options, name));
-  for (const char* name : topics.subscribes) allow_subscribe(permissions, resolved(options, name));
-  for (const char* name : topics.serves) allow_serve(permissions, resolved(options, name));
-  for (const char* name : topics.calls) allow_call(permissions, resolved(options, name));
+void add(Permissions& permissions, const rt::NodeOptions& options, const rt::Interface& all) {
+  for (const auto& use : all.publishes) allow_publish(permissions, resolved(options, use.name));
+  for (const auto& use : all.subscribes) allow_subscribe(permissions, resolved(options, use.name));
+  for (const auto& use : all.serves) allow_serve(permissions, resolved(options, use.name));
+  for (const auto& use : all.calls) allow_call(permissions, resolved(options, use.name));
 }
 
 // "2026-11-26T20:00:00", in UTC.
@@ -83,13 +84,13 @@ Permissions all_permissions() {
 
 Permissions permissions_of_any(const std::vector<rt::NodeOptions>& nodes) {
   Permissions permissions{{kGraph}, {kGraph}};
-  for (const auto& node : nodes) add(permissions, node, topics_of_any_node());
+  for (const auto& node : nodes) add(permissions, node, rt::every_node::interface());
   return permissions;
 }
 
 Permissions permissions_of(const SystemNode& node) {
   Permissions permissions = permissions_of_any({node.options});
-  add(permissions, node.options, topics_of(node.component));
+  add(permissions, node.options, rt::description_of(node.component).interface);
   return permissions;
 }
 

@@ -31,7 +31,7 @@ void allow_call(Permissions& permissions, const std::string& service);
 /// parameters.
 [[nodiscard]] Permissions permissions_of_any(const std::vector<rt::NodeOptions>& nodes);
 /// The names a system's node uses, after renaming and remapping. Throws std::invalid_argument if
-/// the component is not ours, because its topics are unknown.
+/// its component cannot be loaded.
 [[nodiscard]] Permissions permissions_of(const SystemNode& node);
 
 /// Validity period of a certificate or document [s since 1970].

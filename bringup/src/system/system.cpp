@@ -72,15 +72,14 @@ int run_here(const System& system, const std::vector<std::string>& only) {
 }
 
 // A `-p` without a node name applies to every node that has the parameter. Separate processes do
-// not know each other's parameters, and a user's component may have unknown ones, so only warn.
+// not know each other's parameters, so look in all components; a node may still declare others.
 void warn_of_unknown(const rt::RosArguments& arguments) {
   const auto all = arguments.parameters.find("");
   if (all == arguments.parameters.end()) return;
   for (const auto& [key, value] : all->second) {
-    if (parameter_names().contains(key) || key.starts_with("qos_overrides.")) continue;
-    const std::string meant = nearest_parameter(key);
+    if (is_parameter(key)) continue;
     rt::Logger{"tandem"}.warn("-p {}:={}: unknown parameter `{}`{}", key, value, key,
-                              meant.empty() ? "" : "; did you mean `" + meant + "`?");
+                              nearest_parameter(key));
   }
 }
 
@@ -103,26 +102,31 @@ void warn_of_strangers(const System& system, const rt::RosArguments& arguments) 
                               system.path, name);
 }
 
-// Checked once here, before every process reports the same error.
-void refuse_retired_names(const System& system, const std::vector<std::string>& only,
-                          const rt::RosArguments& arguments) {
-  for (const auto& node : system.nodes) {
-    if (!wanted(node, only) || !is_our_component(node.component)) continue;
-    const auto options = rt::with_arguments(node.options, arguments);
-    const auto name = rt::make_node_name(options.ns, options.name).full();
-    rt::ParameterStore{name, options.parameters}.check_retired();
-  }
-}
-
-// Constructs a component; its errors name the system file and the component.
-rt::RunningComponent construct(const System& system, const SystemNode& node) {
+// Calls `use(component, options)` for a node; errors name the system file and the node.
+template <class Use>
+auto use_component(const System& system, const SystemNode& node, const Use& use) {
   try {
-    return rt::RunningComponent{node.component, node.options};
+    return use(node.component, node.options);
   } catch (const std::exception& error) {
     const std::string what = error.what();
     if (what.find(": node /") != std::string::npos) throw;  // already names the node
     throw std::invalid_argument(system.path + ": " + node.options.name + ": " + what);
   }
+}
+
+rt::RunningComponent construct(const System& system, const SystemNode& node) {
+  return use_component(system, node, [](const auto& component, const auto& options) {
+    return rt::RunningComponent{component, options};
+  });
+}
+
+// Checked once here, before every process reports the same error.
+void check_parameters(const System& system, const std::vector<std::string>& only,
+                      const rt::RosArguments& arguments) {
+  for (const auto& node : system.nodes)
+    if (wanted(node, only))
+      use_component(system, {node.component, rt::with_arguments(node.options, arguments)},
+                    rt::check_parameters);
 }
 
 // A restarted arbitration does not know whether the emergency stop was pressed, so it must assume
@@ -204,7 +208,7 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
   rt::install_signal_handlers();
   if (separate_processes) {
     warn_of_unknown(arguments);
-    refuse_retired_names(system, only, arguments);
+    check_parameters(system, only, arguments);
     Processes processes;
     for (const auto& node : system.nodes)
       if (wanted(node, only))

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tandem/dashboard/complaints.hpp"
+#include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 
 namespace tandem {
@@ -14,8 +15,6 @@ namespace {
 using foxglove::json;
 using rcl_interfaces::msg::ParameterValue;
 
-constexpr rt::Topic<rcl_interfaces::msg::ParameterEvent> kEvents{"/parameter_events",
-                                                                 {.depth = 1000}};
 constexpr const char* kListService = "/list_parameters";
 
 // rcl_interfaces/msg/ParameterType
@@ -139,9 +138,10 @@ class ParameterRelay::Answer {
 };
 
 ParameterRelay::ParameterRelay(rt::Node& node, WebServer& web)
-    : node_{node}, web_{web}, events_{node.create_subscription(kEvents, [this](const auto& msg) {
-        on_event(msg);
-      })} {}
+    : node_{node},
+      web_{web},
+      events_{node.create_subscription(rt::every_node::parameter_events,
+                                       [this](const auto& msg) { on_event(msg); })} {}
 
 // Only for nodes that exist: a service client for a missing node would never be removed.
 ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {

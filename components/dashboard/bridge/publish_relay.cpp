@@ -54,6 +54,16 @@ PublishRelay::PublishRelay(rt::Node& node, double max_age)
       [this](ClientId, const auto& bytes) { return publish_stop(bytes); }, "cdr", true};
 }
 
+rt::Interface PublishRelay::interface() {
+  const char* once = "a web client publishes it";
+  return {.publishes = {topics::joy,
+                        {topics::cmd_vel_user, once},
+                        {topics::goal_pose, once},
+                        {topics::initial_pose, once},
+                        {topics::end_sim, once},
+                        {topics::e_stop, once}}};
+}
+
 template <class M>
 void PublishRelay::open(const rt::Topic<M>& topic, bool drives) {
   // Created on first use, so that the graph shows no publisher that never publishes.

@@ -26,6 +26,8 @@ class PublishRelay {
 
   /// A stick sample with a stamp older than `max_age` [s] is not published; 0: any age.
   PublishRelay(rt::Node& node, double max_age);
+  /// The topics that it opens.
+  [[nodiscard]] static rt::Interface interface();
 
   /// Returns an error message for the client, at most one per frame; empty on success.
   [[nodiscard]] std::string advertise(ClientId client, const foxglove::Advertise& request);

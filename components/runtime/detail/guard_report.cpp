@@ -5,6 +5,8 @@
 
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/every_node.hpp"
+#include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -87,7 +89,8 @@ void GuardReport::publish() {
   if (!writer_) {
     codec_ = std::make_shared<Codec>(type_ref<DiagnosticArray>());
     try {
-      writer_ = node_.open_writer({"rt/diagnostics", codec_->dds_name(), kDefault});
+      writer_ = node_.open_writer({dds_topic_name(every_node::diagnostics.name), codec_->dds_name(),
+                                   every_node::diagnostics.qos});
     } catch (const std::runtime_error& error) {  // a datagram must not terminate the process
       node_.log.warn("dropped datagrams are reported in this log only, not on /diagnostics: {}",
                      error.what());

@@ -9,6 +9,7 @@
 #include "tandem/runtime/detail/guard_report.hpp"
 #include "tandem/runtime/detail/node_services.hpp"
 #include "tandem/runtime/detail/running_nodes.hpp"
+#include "tandem/runtime/every_node.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -112,13 +113,14 @@ void NodeCore::declare_use_sim_time() {
 void NodeCore::follow_clock() {
   using rosgraph_msgs::msg::Clock;
   auto codec = std::make_shared<Codec>(type_ref<Clock>());
-  clock_reader_ = open_reader({dds_topic_name(resolve("/clock")), codec->dds_name(), kClock},
-                              [this, codec](const Bytes& bytes, const auto&) {
-                                Clock message;
-                                if (!codec->decode(bytes, &message)) return false;
-                                set_clock(message.clock());
-                                return true;
-                              });
+  clock_reader_ = open_reader(
+      {dds_topic_name(resolve(every_node::clock.name)), codec->dds_name(), every_node::clock.qos},
+      [this, codec](const Bytes& bytes, const auto&) {
+        Clock message;
+        if (!codec->decode(bytes, &message)) return false;
+        set_clock(message.clock());
+        return true;
+      });
 }
 
 void NodeCore::set_clock(const builtin_interfaces::msg::Time& time) {

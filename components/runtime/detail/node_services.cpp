@@ -4,14 +4,15 @@
 #include <span>
 
 #include "tandem/runtime/detail/type_descriptions.hpp"
+#include "tandem/runtime/every_node.hpp"
+#include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
 namespace {
 
-namespace srv = rcl_interfaces::srv;
+using every_node::kParameters;
 using rcl_interfaces::msg::ParameterEvent;
 
-constexpr QoS kParameters{.depth = 1000};
 constexpr std::size_t kMaxNames = 1000;  // per request; limits the response's size
 
 rcl_interfaces::msg::SetLoggerLevelsResult set_level(
@@ -40,13 +41,13 @@ rcl_interfaces::msg::SetLoggerLevelsResult set_level(
 NodeServices::NodeServices(NodeCore& node)
     : node_{node},
       event_codec_{type_ref<ParameterEvent>()},
-      events_{node.open_writer({"rt/parameter_events", event_codec_.dds_name(), kParameters})} {
+      events_{node.open_writer({dds_topic_name(every_node::parameter_events.name),
+                                event_codec_.dds_name(), every_node::parameter_events.qos})} {
   if (node.options.logs_to_rosout) rosout_.emplace(node);
   serve_parameters();
   serve_logger_levels();
-  serve<type_description_interfaces::srv::GetTypeDescription>(
-      "get_type_description", kServices,
-      [](const auto& asked, auto& answer) { answer = describe_type(asked); });
+  serve(every_node::get_type_description, kServices,
+        [](const auto& asked, auto& answer) { answer = describe_type(asked); });
   node.parameters.on_event = [this](const auto& declared, const auto& changed) {
     announce(declared, changed);
   };
@@ -60,42 +61,37 @@ NodeServices::~NodeServices() {
 }
 
 template <class S, class Fn>
-void NodeServices::serve(const std::string& name, const QoS& qos, Fn fn) {
-  servers_.push_back(std::make_unique<Server>(node_, node_.resolve(("~/" + name).c_str()),
+void NodeServices::serve(const ServiceName<S>& service, const QoS& qos, Fn fn) {
+  servers_.push_back(std::make_unique<Server>(node_, node_.resolve(service.name),
                                               make_responder<S>(std::move(fn)), qos));
 }
 
 void NodeServices::serve_parameters() {
   ParameterTable& table = node_.parameters;
-  serve<srv::DescribeParameters>("describe_parameters", kParameters,
-                                 [&](const auto& asked, auto& answer) {
-                                   if (asked.names().size() <= kMaxNames)
-                                     answer.descriptors(table.describe(asked.names()));
-                                 });
-  serve<srv::GetParameterTypes>("get_parameter_types", kParameters,
-                                [&](const auto& asked, auto& answer) {
-                                  if (asked.names().size() <= kMaxNames)
-                                    answer.types(table.types(asked.names()));
-                                });
-  serve<srv::GetParameters>("get_parameters", kParameters, [&](const auto& asked, auto& answer) {
+  serve(every_node::describe_parameters, kParameters, [&](const auto& asked, auto& answer) {
+    if (asked.names().size() <= kMaxNames) answer.descriptors(table.describe(asked.names()));
+  });
+  serve(every_node::get_parameter_types, kParameters, [&](const auto& asked, auto& answer) {
+    if (asked.names().size() <= kMaxNames) answer.types(table.types(asked.names()));
+  });
+  serve(every_node::get_parameters, kParameters, [&](const auto& asked, auto& answer) {
     if (asked.names().size() <= kMaxNames) answer.values(table.get(asked.names()));
   });
-  serve<srv::ListParameters>("list_parameters", kParameters, [&](const auto& asked, auto& answer) {
+  serve(every_node::list_parameters, kParameters, [&](const auto& asked, auto& answer) {
     answer.result(table.list(asked.prefixes(), asked.depth()));
   });
-  serve<srv::SetParameters>("set_parameters", kParameters, [&](const auto& asked, auto& answer) {
+  serve(every_node::set_parameters, kParameters, [&](const auto& asked, auto& answer) {
     if (asked.parameters().size() > kMaxNames) return;
     for (const auto& parameter : asked.parameters())
       answer.results().push_back(table.set({&parameter, 1}));
   });
-  serve<srv::SetParametersAtomically>(
-      "set_parameters_atomically", kParameters,
-      [&](const auto& asked, auto& answer) { answer.result(table.set(asked.parameters())); });
+  serve(every_node::set_parameters_atomically, kParameters,
+        [&](const auto& asked, auto& answer) { answer.result(table.set(asked.parameters())); });
 }
 
 void NodeServices::serve_logger_levels() {
   Logger& log = node_.log;
-  serve<srv::GetLoggerLevels>("get_logger_levels", kServices, [&](const auto& asked, auto& answer) {
+  serve(every_node::get_logger_levels, kServices, [&](const auto& asked, auto& answer) {
     if (asked.names().size() > kMaxNames) return;
     for (const auto& name : asked.names()) {
       auto& level = answer.levels().emplace_back();
@@ -103,7 +99,7 @@ void NodeServices::serve_logger_levels() {
       if (name == log.name()) level.level(severity(log.level()));
     }
   });
-  serve<srv::SetLoggerLevels>("set_logger_levels", kServices, [&](const auto& asked, auto& answer) {
+  serve(every_node::set_logger_levels, kServices, [&](const auto& asked, auto& answer) {
     if (asked.levels().size() > kMaxNames) return;
     for (const auto& level : asked.levels()) answer.results().push_back(set_level(log, level));
   });

@@ -25,7 +25,7 @@ class NodeServices {
 
  private:
   template <class S, class Fn>
-  void serve(const std::string& name, const QoS& qos, Fn fn);
+  void serve(const ServiceName<S>& service, const QoS& qos, Fn fn);
   void serve_parameters();
   void serve_logger_levels();
   void announce(const ParameterTable::Values& declared, const ParameterTable::Values& changed);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/rosout.hpp"
 
+#include "tandem/runtime/every_node.hpp"
+#include "tandem/runtime/names.hpp"
+
 namespace tandem::runtime {
 namespace {
 
 using rcl_interfaces::msg::Log;
-
-// As rcl_qos_profile_rosout_default: the lifespan limits late consoles to recent lines.
-constexpr QoS kRosOut{Reliability::kReliable, Durability::kTransientLocal, 1000, 10.0};
 
 Log to_log(const LogLine& line, const std::string& logger) {
   Log log;
@@ -42,7 +42,8 @@ std::uint8_t severity(LogLevel level) {
 
 RosOut::RosOut(NodeCore& node) : node_{node} {
   const auto codec = std::make_shared<const Codec>(type_ref<Log>());
-  writer_ = node.open_writer({"rt/rosout", codec->dds_name(), kRosOut});
+  writer_ = node.open_writer(
+      {dds_topic_name(every_node::rosout.name), codec->dds_name(), every_node::rosout.qos});
   node.log.set_sink([codec, writer = writer_, name = node.log.name()](const LogLine& line) {
     const Log log = to_log(line, name);
     thread_local Bytes bytes;

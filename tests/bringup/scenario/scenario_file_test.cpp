@@ -218,7 +218,12 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"expect_nan", "true}", "true, max_final_position_error: .nan}", "= .nan is not"},
         Mistake{"route_odd", "[4.0, 2.5]", "[4.0]", "route: expected points x1, y1, x2, y2"},
         Mistake{"route_nan", "[4.0, 2.5]", "[4.0, .nan]", ":8: node /driver: route = nan outside"},
-        Mistake{"unknown_parameter", "{route", "{rout", "rout = [4.0, 2.5] is not a parameter of"},
+        Mistake{"unknown_parameter", "{route", "{rout",
+                ":8: node /driver: rout = [4.0, 2.5] is not a parameter of this node; did you mean "
+                "`route`?"},
+        Mistake{"unknown_parameter_of_another_method", "{driver: {route", "{hindsight: {goal",
+                ":8: node /hindsight: goal = [4.0, 2.5] is not a parameter of this node; did you "
+                "mean `goals`?"},
         Mistake{"unknown_component", "{driver", "{diver", ":8: parameters for `diver`, which is"},
         Mistake{"parameters_scalar", "{driver: {route: [4.0, 2.5]}}", "5",
                 ":8: `parameters`: expected `key"},

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests properties of the parameters of all components together.
-#include "bringup/system/component_params.hpp"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -12,12 +10,16 @@
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
+#include <variant>
 
 #include "bringup/scenario/scenario.hpp"
+#include "bringup/system/parameter_names.hpp"
 #include "bringup/system/system.hpp"
 #include "support/paths.hpp"
-#include "tandem/runtime/parameter_fields.hpp"
+#include "tandem/local_planner/local_planner_node.hpp"
+#include "tandem/obstacle_extractor/obstacle_extractor_node.hpp"
+#include "tandem/runtime/component.hpp"
+#include "tandem/safety_filter/safety_filter_node.hpp"
 
 namespace tandem {
 namespace {
@@ -28,14 +30,24 @@ class RobotFile : public ::testing::Test {
  protected:
   ~RobotFile() override { fs::remove(path_); }
 
-  // The parameters that a component reads from a file with these lines for `node`.
-  template <class P>
-  [[nodiscard]] P read(const std::string& lines, P params = {}, const std::string& node = "/**") {
+  void write(const std::string& lines, const std::string& node = "/**") const {
     std::ofstream{path_} << node + ":\n  ros__parameters:\n" + lines;
+  }
+
+  // Throws if the component refuses the file.
+  void check(const std::string& component) const {
+    rt::check_parameters(component, {.name = "component", .parameters = {.files = {path_}}});
+  }
+
+  // The parameters that a component reads from a file with these lines.
+  template <class P>
+  [[nodiscard]] P read(const std::string& lines) const {
+    write(lines);
+    P params;
     rt::ParameterStore store{"/component", {.files = {path_}}};
     params.visit(store);
     store.check_unknown();
-    check(params);
+    tandem::check(params);
     return params;
   }
 
@@ -43,18 +55,28 @@ class RobotFile : public ::testing::Test {
 };
 
 TEST(Components, HaveNoTwoParametersOfOneName) {
-  for_each_component([](const char* component, auto params) {
+  for (const auto& component : rt::list_components()) {
     std::set<std::string> names{"use_sim_time"};
-    for (const auto& field : rt::fields_of(params))
+    for (const auto& field : rt::description_of(component).parameters)
       EXPECT_TRUE(names.insert(field.name).second) << component << ": " << field.name;
-  });
+  }
+}
+
+// libtandem_test_component.so lies beside this program, where modules are looked for.
+TEST(Components, OfThirdPartiesHaveTheirParameterNamesKnown) {
+  EXPECT_TRUE(is_parameter("factor"));
+  EXPECT_TRUE(is_parameter("weight_heading"));
+  EXPECT_FALSE(is_parameter("factr"));
+  EXPECT_EQ(nearest_parameter("factr"), "; did you mean `factor`?");
+  EXPECT_EQ(nearest_parameter("nothing_like_any_of_them"), "");
 }
 
 TEST_F(RobotFile, WithTheOldTimeoutIsRefusedByEveryComponent) {
-  for_each_component([&](const char* component, auto params) {
+  for (const auto& component : rt::list_components()) {
     for (const std::string node : {"component", "/**"}) {
+      write("    command_timeout: 0.6\n", node);
       try {
-        (void)read("    command_timeout: 0.6\n", params, node);
+        check(component);
         ADD_FAILURE() << component << " takes it from " << node;
       } catch (const std::invalid_argument& error) {
         const std::string line = error.what();
@@ -62,13 +84,12 @@ TEST_F(RobotFile, WithTheOldTimeoutIsRefusedByEveryComponent) {
           EXPECT_NE(line.find(name), std::string::npos) << component << ": " << line;
       }
     }
-  });
+  }
 }
 
 TEST_F(RobotFile, MayDescribeABaseThatNeverStopsByItself) {
-  for_each_component([&](const char*, auto params) {
-    EXPECT_NO_THROW((void)read("    base_timeout: 0\n", params));
-  });
+  write("    base_timeout: 0\n");
+  for (const auto& component : rt::list_components()) EXPECT_NO_THROW(check(component));
   const auto filter =
       read<SafetyFilterNodeParams>("    base_timeout: 0\n    survive_silence: false\n");
   EXPECT_EQ(filter.robot.base_timeout, 0.0);
@@ -102,16 +123,14 @@ TEST_F(RobotFile, GivesTheExtractorTheWidthOfItsOutline) {
 // The parameter's value in each component of a system that has it.
 std::map<std::string, double> values_of(const std::string& parameter, const System& system) {
   std::map<std::string, double> values;
-  for_each_component([&](const char* component, auto params) {
-    params = parameters_of<decltype(params)>(system, component);
-    params.visit([&](const char* name, const auto& value, const auto&...) {
-      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
-        if (name == parameter) values[component] = value;
-    });
-  });
-  for (const auto& [component, value] : std::map{values}) {
-    const auto runs = [&, &name = component](const SystemNode& n) { return n.component == name; };
-    if (std::none_of(system.nodes.begin(), system.nodes.end(), runs)) values.erase(component);
+  for (const SystemNode& node : system.nodes) {
+    const auto component = rt::description_of(node.component);
+    rt::ParameterStore store{"/" + node.options.name, node.options.parameters};
+    for (const rt::Field& field : component.parameters) {
+      store.load(field);
+      if (const auto* value = std::get_if<double*>(&field.value); value && field.name == parameter)
+        values[node.component] = **value;
+    }
   }
   return values;
 }

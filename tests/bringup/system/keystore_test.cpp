@@ -163,6 +163,13 @@ TEST(PermissionNames, FollowTheNodesNamespaceAndRemappings) {
   EXPECT_TRUE(permissions.publish.contains("rt/rosout"));
 }
 
+TEST(PermissionNames, OfAThirdPartysComponentAreThoseThatItDescribes) {
+  const auto permissions = permissions_of({"test_component", {.name = "x"}});
+  EXPECT_TRUE(permissions.publish.contains("rt/out"));
+  EXPECT_TRUE(permissions.subscribe.contains("rt/in"));
+  EXPECT_FALSE(permissions.publish.contains("rt/in"));
+}
+
 // What the whole is for.
 TEST(PermissionNames, OfOurSystemsOnlyTheFilterMayPublishCmdVel) {
   for (const char* file : {"forest", "teleop", "shared_dwa", "hindsight", "live_sensing"}) {

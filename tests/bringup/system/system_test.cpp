@@ -44,6 +44,19 @@ class SystemFile : public testing::Test {
     }
   }
 
+  // The error with which a system of separate processes is refused before any of them starts.
+  std::string refusal_of(const std::string& yaml) {
+    std::string text;
+    try {
+      (void)run_system(write(yaml), {}, true, {});
+      ADD_FAILURE() << "started";
+    } catch (const std::invalid_argument& error) {
+      text = error.what();
+    }
+    EXPECT_TRUE(children_of(getpid()).empty());
+    return text;
+  }
+
   // Publishes 1 into the chain until the result arrives at its end.
   bool chain_answers() {
     double result = 0.0;
@@ -133,17 +146,19 @@ TEST_F(SystemFile, RunsAsSeparateProcessesAndEndsThemAll) {
 TEST_F(SystemFile, WithARetiredNameIsRefusedOnceBeforeAnyProcessStarts) {
   const std::string parameters = path_ + ".parameters";
   std::ofstream{parameters} << "/**:\n  ros__parameters:\n    command_timeout: 0.6\n";
-  const std::string file = write("parameter_files: [" + parameters +
-                                 "]\ncomponents:\n  - {component: safety_filter}\n"
-                                 "  - {component: local_planner}\n");
-  try {
-    (void)run_system(file, {}, true, {});
-    ADD_FAILURE() << "started";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string{error.what()}.find(parameters + ":3"), std::string::npos) << error.what();
-    EXPECT_NE(std::string{error.what()}.find("base_timeout"), std::string::npos) << error.what();
-  }
-  EXPECT_TRUE(children_of(getpid()).empty());
+  const std::string error = refusal_of("parameter_files: [" + parameters +
+                                       "]\ncomponents:\n  - {component: safety_filter}\n"
+                                       "  - {component: local_planner}\n");
+  EXPECT_NE(error.find(parameters + ":3"), std::string::npos) << error;
+  EXPECT_NE(error.find("base_timeout"), std::string::npos) << error;
+}
+
+TEST_F(SystemFile, WithAnUnknownParameterIsRefusedOnceAlsoForAComponentOfAThirdParty) {
+  const std::string error =
+      refusal_of("components:\n  - {component: test_component, parameters: {factr: 3.0}}\n");
+  EXPECT_EQ(error, path_ +
+                       ":2: node /test_component: factr = 3.0 is no parameter of this node; "
+                       "did you mean `factor`?");
 }
 
 TEST_F(SystemFile, SurvivesTheDeathOfOneProcess) {
@@ -178,8 +193,8 @@ TEST_F(SystemFile, RestartsComponentsMarkedRespawn) {
 TEST_F(SystemFile, DoesNotStartAgainWhatAWrongParameterEnded) {
   ChildProcess program{"run_system",
                        {"run",
-                        write("components:\n  - {component: test_component, name: first, respawn: "
-                              "true, parameters: {factor: wrong}}\n"),
+                        write("components:\n  - {component: map_server, name: first, respawn: "
+                              "true, parameters: {map: nowhere.bt}}\n"),
                         "--separate"}};
   EXPECT_EQ(program.wait(10.0), 1);
 }

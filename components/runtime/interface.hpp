@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Describes which topics and services a component opens, for `tandem describe`, permissions and
+// tests.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tandem/runtime/pubsub.hpp"
+#include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/service.hpp"
+
+namespace tandem::runtime {
+
+/// A topic that a component subscribes to or publishes. Converts from the Topic that is passed to
+/// create_subscription or create_publisher, so that nothing is written twice.
+struct TopicUse {
+  /// `when` says when the component opens it ("static_map: grid"); empty: always.
+  template <class M>
+  TopicUse(const Topic<M>& topic, std::string when = {})
+      : TopicUse{topic.name, type_ref<M>().name, topic.qos, topic.hears, std::move(when)} {}
+  /// With another QoS than the topic's.
+  template <class M>
+  TopicUse(const Topic<M>& topic, const QoS& other_qos, std::string when = {})
+      : TopicUse{topic.name, type_ref<M>().name, other_qos, Hears::kFitting, std::move(when)} {}
+  /// Every topic of the domain.
+  [[nodiscard]] static TopicUse every() { return {"*", "", kDefault, Hears::kEvery, ""}; }
+
+  std::string name;  ///< relative, absolute or private, as in the Topic; "*" for every topic
+  std::string type;  ///< "geometry_msgs/msg/Twist"
+  QoS qos;           ///< unless parameters (`qos_overrides`) change it
+  Hears hears;       ///< kEvery: also opens weaker subscriptions for publishers that offer less
+  std::string condition;  ///< when it is opened; empty: always
+
+ private:
+  TopicUse(const char* its_name, const char* its_type, const QoS& its_qos, Hears its_hears,
+           std::string its_condition)
+      : name{its_name},
+        type{its_type},
+        qos{its_qos},
+        hears{its_hears},
+        condition{std::move(its_condition)} {}
+};
+
+/// A service that a component serves or calls. Converts from the ServiceName that is passed to
+/// create_service or create_client.
+struct ServiceUse {
+  template <class S>
+  ServiceUse(const ServiceName<S>& service, const QoS& other_qos = kServices)
+      : ServiceUse{service.name, type_ref<typename S::Request>().name, other_qos} {}
+  /// Every service of the domain.
+  [[nodiscard]] static ServiceUse every() { return {"*", "", kServices}; }
+
+  std::string name;  ///< as in the ServiceName; "*" for every service
+  std::string type;  ///< "std_srvs/srv/Trigger"
+  QoS qos;
+
+ private:
+  ServiceUse(const char* its_name, std::string_view request_type, const QoS& its_qos)
+      : name{its_name},
+        type{request_type.substr(0, request_type.rfind("_Request"))},
+        qos{its_qos} {}
+};
+
+/// Everything that a component exchanges with others.
+struct Interface {
+  std::vector<TopicUse> subscribes{}, publishes{};
+  std::vector<ServiceUse> serves{}, calls{};
+  /// Inputs and outputs that are no topics ("a map file"), as text for the user.
+  std::string other_input{}, other_output{};
+};
+
+/// Both together, for a component that uses an input class with an interface of its own.
+[[nodiscard]] Interface operator+(Interface first, const Interface& second);
+
+/// The same with a further condition on each of its topics.
+[[nodiscard]] Interface only_if(const std::string& condition, Interface interface);
+
+}  // namespace tandem::runtime
