@@ -100,8 +100,9 @@ TEST(ComponentParameters, AreCheckedWithoutRunningTheComponent) {
   EXPECT_EQ(error_of({{"factor", "3"}, {"use_sim_time", "true"}}), "");
   EXPECT_EQ(error_of({{"qos_overrides./in.subscription.reliability", "best_effort"}}), "");
   EXPECT_EQ(error_of({{"facter", "3"}}),
-            "here:7: node /x: facter = 3 is no parameter of this node; did you mean `factor`?");
-  EXPECT_EQ(error_of({{"speed", "3"}}), "here:7: node /x: speed = 3 is no parameter of this node");
+            "here:7: node /x: facter = 3 is not a parameter of this node; did you mean `factor`?");
+  EXPECT_EQ(error_of({{"speed", "3"}}),
+            "here:7: node /x: speed = 3 is not a parameter of this node");
   EXPECT_NE(error_of({{"factor", "11"}}).find("here:7: node /x: factor = 11 outside [0, 10]"),
             std::string::npos);
 }

@@ -157,7 +157,7 @@ TEST_F(SystemFile, WithAnUnknownParameterIsRefusedOnceAlsoForAComponentOfAThirdP
   const std::string error =
       refusal_of("components:\n  - {component: test_component, parameters: {factr: 3.0}}\n");
   EXPECT_EQ(error, path_ +
-                       ":2: node /test_component: factr = 3.0 is no parameter of this node; "
+                       ":2: node /test_component: factr = 3.0 is not a parameter of this node; "
                        "did you mean `factor`?");
 }
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """rclpy beside a robot of ours: it must find nothing that rclcpp's nodes do not have. Needs no `ros2`
-command and, except where a test says so, not our messages. Run through with_rclpy or beside_ros2."""
+command and, except where a test names them, not our messages. Run through with_rclpy or beside_ros2."""
 import importlib
 import subprocess
 import unittest
