@@ -33,20 +33,22 @@ void listen() {
   rt::Node node{"listener"};
   const auto pong = node.create_publisher(rt::Topic<Twist>{"pong", rt::kLatched});
   const auto answer = [&](const auto&) { pong.publish({}); };
-  const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"odom"}, answer);
-  const auto joy = node.create_subscription(rt::Topic<sensor_msgs::msg::Joy>{"joy"}, answer);
+  const auto odom =
+      node.create_subscription(rt::Topic<tandem::nav_msgs::msg::Odometry>{"odom"}, answer);
+  const auto joy =
+      node.create_subscription(rt::Topic<tandem::sensor_msgs::msg::Joy>{"joy"}, answer);
   const auto points =
-      node.create_subscription(rt::Topic<sensor_msgs::msg::PointCloud2>{"points"}, answer);
+      node.create_subscription(rt::Topic<tandem::sensor_msgs::msg::PointCloud2>{"points"}, answer);
   node.spin();
 }
 
 void join() {
   rt::Node node{"newcomer"};
   int heard = 0;
-  const auto odom =
-      node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"odom"}, [&](const auto&) {
-        if (++heard == 3) node.stop();
-      });
+  const auto odom = node.create_subscription(rt::Topic<tandem::nav_msgs::msg::Odometry>{"odom"},
+                                             [&](const auto&) {
+                                               if (++heard == 3) node.stop();
+                                             });
   node.spin();
 }
 
@@ -56,14 +58,15 @@ int probe() {
   bool matched = false;
   const auto count = [&](const auto&) { ++heard; };
   const auto cmd_vel = node.create_subscription(rt::Topic<Twist>{"cmd_vel"}, count);
-  const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"odom"}, count);
-  const auto joy = node.create_publisher(rt::Topic<sensor_msgs::msg::Joy>{"joy"});
+  const auto odom =
+      node.create_subscription(rt::Topic<tandem::nav_msgs::msg::Odometry>{"odom"}, count);
+  const auto joy = node.create_publisher(rt::Topic<tandem::sensor_msgs::msg::Joy>{"joy"});
   const auto drive = node.create_publisher(rt::Topic<Twist>{"cmd_vel"});
   const auto beat = node.create_wall_timer(0.02, [&] {
     Twist backwards;
     backwards.linear().x(-0.77);
     drive.publish(backwards);
-    sensor_msgs::msg::Joy stick;
+    tandem::sensor_msgs::msg::Joy stick;
     stick.axes({0.0F, -1.0F});
     stick.buttons({1, 0});
     joy.publish(stick);
