@@ -54,7 +54,7 @@ void add(const YamlReader& where, const Solid& solid, MapDescription& map) {
   const Eigen::Vector3d high{solid.p_MC.x() + half.x(), solid.p_MC.y() + half.y(), solid.z_high};
   if ((low.array() < map.low.array() - 1e-9).any() ||
       (high.array() > map.high.array() + 1e-9).any())
-    where.fail("reaches outside of the bounds");
+    where.fail("extends beyond the bounds");
   if (solid.size.minCoeff() < map.resolution - 1e-9)
     where.fail("thinner than a voxel: it would have holes");
   if (solid.z_high - solid.z_low < map.resolution - 1e-9)
@@ -70,7 +70,7 @@ void add_wall(YamlReader& wall, MapDescription& map) {
   read_heights(wall, solid);
   wall.finish();
   const auto points = list.elements();
-  if (points.size() < 2) list.fail("expected two points or more");
+  if (points.size() < 2) list.fail("expected two or more points");
   const std::size_t count = points.size(), pieces = closed ? count : count - 1;
   for (std::size_t i = 0; i < pieces; ++i) {
     const Eigen::Vector2d from = points[i].vector<2>();

@@ -84,7 +84,7 @@ std::vector<Vector2d> read_points(const YamlReader& list, std::size_t least) {
   const auto values = list.is_list() ? list.elements() : std::vector<YamlReader>{};
   if (values.size() < least)
     list.fail("expected " + std::string{least == 2 ? "two" : "three"} +
-              " points or more, [[x, y], …]");
+              " or more points, [[x, y], …]");
   std::vector<Vector2d> points;
   for (const YamlReader& point : values) points.push_back(point.vector<2>());
   return points;

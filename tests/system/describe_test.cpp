@@ -46,7 +46,8 @@ TEST(Describe, PrintsEveryParameterTopicAndServiceOfEachComponentThatListPrints)
   for (const std::string& component : components) {
     const Names printed = words_of("../tandem describe " + component);
     for (const std::string& name : described(component))
-      EXPECT_TRUE(printed.contains(name)) << component << " " << name;
+      if (name != "*")  // all names
+        EXPECT_TRUE(printed.contains(name)) << component << " " << name;
   }
 }
 

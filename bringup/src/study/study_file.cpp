@@ -66,7 +66,7 @@ std::string name(const YamlReader& value) {
 // The elements of a list that must have some.
 std::vector<YamlReader> elements(const YamlReader& list, const std::string& what) {
   if (!list.is_list() || list.elements().empty())
-    list.fail(list.key() + " needs a list of " + what);
+    list.fail(list.key() + " must be a list of " + what);
   return list.elements();
 }
 
@@ -195,7 +195,7 @@ class StudyReader {
   std::vector<Scenario> read_scenarios(YamlReader& part) {
     const std::string what = "scenario files, relative to this file";
     const auto list = value_of(part, "scenarios");
-    if (!list) part.fail("`scenarios` needs a list of " + what);
+    if (!list) part.fail("`scenarios` must be a list of " + what);
     Parameters overrides;
     if (const auto given = value_of(part, "overrides")) overrides = component_parameters(*given);
     std::vector<Scenario> scenarios;

@@ -194,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"name_of_a_path", "study: t", "study: a/t", ":1: `study` = a/t: a name may not"},
         Mistake{"method_name", "leader", "{name: a/b, method: leader}",
                 ":3: `methods[1].name` = a/b: a name may not hold a `/`"},
-        Mistake{"no_methods", "[manual, leader]", "[]", ":3: `methods` needs a list of methods"},
+        Mistake{"no_methods", "[manual, leader]", "[]", ":3: `methods` must be a list of methods"},
         Mistake{"no_seeds", "seeds: 1-3\n", "", "`seeds` is missing"},
         Mistake{"seeds_0", "1-3", "0", "`seeds` = 0: expected 20, 1-20 or [3, 5, 8]"},
         Mistake{"seeds_word", "1-3", "many", "`seeds` = many: expected"},
@@ -217,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"recording_of_another", "seeds: 1-3",
                 "seeds: 1\ndrivers: [{name: x, driver: pointer, recording: y}]",
                 ":5: a `recording` needs `driver: replay`"},
-        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` needs a list"},
+        Mistake{"part", "seeds: 1-3", "seeds: 1\nparts: []", "`parts` must be a list"},
         Mistake{"part_key", "seeds: 1-3", "seeds: 1\nparts: [{sede: 1}]",
                 "unknown key `parts[0].sede`"}),
     [](const auto& test) { return std::string(test.param.name); });
