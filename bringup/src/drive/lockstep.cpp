@@ -227,6 +227,8 @@ class Loop {
     if (dwa_) return known_ ? choose(*robot) : void();
     inform_planner();
     const Method method = method_named(planner_params_.live.method);
+    const bool follows_leader = method == Method::kLeader || method == Method::kPath;
+    if (follows_leader && !leader_) return;  // teleop gave no leader with its last command
     if (plan_inputs_.missing(method, t_)) return;
     count(nmpc_->solve(plan_inputs_.request(method, *robot, t_)));
   }
