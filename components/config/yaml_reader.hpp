@@ -68,8 +68,8 @@ class YamlReader {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  YamlReader(YAML::Node node, std::string file, std::string key)
-      : node_{std::move(node)}, file_{std::move(file)}, key_{std::move(key)} {}
+  YamlReader(const YAML::Node& node, std::string file, std::string key)
+      : node_{node}, file_{std::move(file)}, key_{std::move(key)} {}
 
   void require_map();
   [[nodiscard]] std::string key_of(const std::string& name) const;
