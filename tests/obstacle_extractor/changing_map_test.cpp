@@ -119,8 +119,8 @@ TEST(ChangingMap, ShapesStayWhereTheyAreWhileTheWindowMovesWithTheRobot) {
     expect_stable(name, world, world.origin + 0.2 * size, world.origin + 0.8 * size);
   }
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_stable("geb079", load_world(building_map())->grid(), {-1.0, 0.0},
-                {kInstrumented ? 1.0 : 12.0, 0.5});
+  if (kInstrumented) GTEST_SKIP() << "the building takes minutes";
+  expect_stable("geb079", load_world(building_map())->grid(), {-1.0, 0.0}, {12.0, 0.5});
 }
 
 // A removed object that stood alone disappears from the list immediately.

@@ -30,6 +30,8 @@ void expect_covered(const std::shared_ptr<const StaticMap>& map, unsigned poses)
   }
 }
 
+constexpr const char* kNoStatistic = "instrumented code is too slow for a statistic";
+
 // Along drives, at most 5 % of the poses that the outline can reach without contact are lost, and
 // nowhere are there more than 32 shapes within 3 m.
 void expect_tight(const LossWorlds& group) {
@@ -39,7 +41,6 @@ void expect_tight(const LossWorlds& group) {
       group.name, 100.0 * loss.share(), loss.mean_shapes(), loss.shapes_at(0.5),
       loss.shapes_at(0.9), loss.shapes_at(1.0));
   EXPECT_GT(loss.poses, 0);
-  if (kInstrumented) return;  // too few drives for a statistic
   EXPECT_GT(loss.poses, 1e5);
   EXPECT_LE(loss.share(), 0.05);
   EXPECT_LE(loss.shapes_at(1.0), 32);
@@ -137,23 +138,25 @@ TEST(Extractor, CoversEveryCellOfBarnWorlds) {
 }
 
 TEST(Extractor, LosesFewPosesInBarnWorlds) {
+  if (kInstrumented) GTEST_SKIP() << kNoStatistic;
   if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
-  expect_tight(barn_loss_worlds(static_cast<int>(samples(30, 150, 1))));
+  expect_tight(barn_loss_worlds(static_cast<int>(samples(30, 30, 1))));
 }
 
 TEST(Extractor, LosesFewPosesInARealBuilding) {
+  if (kInstrumented) GTEST_SKIP() << kNoStatistic;
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_tight(building_loss_worlds("geb079, Jackal", kJackal, kJackalWidth,
-                                    static_cast<int>(samples(12, 1))));
+  expect_tight(building_loss_worlds("geb079, Jackal", kJackal, kJackalWidth, 12));
 }
 
 TEST(Extractor, LosesFewPosesOfALongerRobotInARealBuilding) {
+  if (kInstrumented) GTEST_SKIP() << kNoStatistic;
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_tight(
-      building_loss_worlds("geb079, MiR", kMir, kMirWidth, static_cast<int>(samples(12, 1))));
+  expect_tight(building_loss_worlds("geb079, MiR", kMir, kMirWidth, 12));
 }
 
 TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
+  if (kInstrumented) GTEST_SKIP() << "whole maps take minutes";
   const auto map = load_world(project_map("ward"));
   const auto shapes_of = [&](int most) {
     const ExtractorParams params{.range = 50.0, .shapes_per_tile = most};
@@ -194,6 +197,7 @@ StaticMap map_of(const std::vector<Obstacle>& shapes, const Grid& like) {
 // In world 115 it would shrink to 0.55 m without the protection of passages.
 TEST(Extractor, KeepsThePassageThroughTheMostCrowdedWorldsOpen) {
   if (!std::filesystem::exists(barn_file())) GTEST_SKIP() << barn_file() << " is not here";
+  if (kInstrumented) GTEST_SKIP() << "the worlds of the other tests run the same code";
   for (const auto& [number, wide] : {std::pair{115, 0.58}, {181, 0.50}, {206, 0.50}}) {
     SCOPED_TRACE(number);
     const auto map = barn_world(number);
@@ -207,15 +211,15 @@ TEST(Extractor, KeepsThePassageThroughTheMostCrowdedWorldsOpen) {
 TEST(Extractor, ReachesNowhereDeepIntoFreeSpace) {
   for (unsigned seed = 0; seed < samples(10, 2, 40); ++seed)
     expect_no_deep_shape(random_world(seed));
+  if (kInstrumented) return;  // whole maps take minutes
   for (const char* name : {"forest", "corridor", "slalom"})
     expect_no_deep_shape(load_world(project_map(name)));
 }
 
 TEST(Extractor, ReachesNowhereDeepIntoFreeSpaceOfARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  std::vector<double> excesses{0.25};
-  if (!kInstrumented) excesses.push_back(0.03);  // many small shapes
-  expect_no_deep_shape(load_world(building_map()), excesses);
+  if (kInstrumented) GTEST_SKIP() << "whole maps take minutes";
+  expect_no_deep_shape(load_world(building_map()));
 }
 
 TEST(Extractor, MakesOneRoundShapeOfAPoleAndFewEllipsesOfAWall) {

@@ -11,7 +11,7 @@
 namespace tandem::test {
 namespace {
 
-const long kSteps = samples(40'000, 3'000, 150'000);
+const long kSteps = samples(40'000, 1'500, 150'000);
 const unsigned kPeopleScenes = samples(200, 10, 400);
 
 TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {

@@ -14,7 +14,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr unsigned kWorlds = samples(100, 10), kDrives = samples(15, 2);
+constexpr unsigned kWorlds = samples(100, 4), kDrives = samples(15, 2);
 
 const RobotParams kMir{};
 constexpr double kBumper = 0.038 + 0.445;  // [m] ahead of base_link
