@@ -9,15 +9,15 @@
 namespace tandem {
 namespace {
 
-constexpr double kTurnGain = 2.0;        // [1/rad] stick per bearing error
-constexpr double kShortest = 0.5;        // [s] minimum duration of one bearing
-constexpr double kLongest = 3.0;         // [s]
-constexpr double kSight = 3.0;           // [m] range within which an adversary sees obstacles
-constexpr double kPushing = 3.0;         // [s] blocked for this long before the next run-up
-constexpr double kRunUp = 3.0;           // [s]
-constexpr double kMovedDistance = 0.05;  // [m]
-constexpr double kMovedAngle = 0.2;      // [rad]
-constexpr double kRestOfReplay = 0.1;    // [s] duration of the last sample
+constexpr double kTurnGain = 2.0;            // [1/rad] stick per bearing error
+constexpr double kShortestBearing = 0.5;     // [s] minimum duration of one bearing
+constexpr double kLongestBearing = 3.0;      // [s]
+constexpr double kSight = 3.0;               // [m] range within which an adversary sees obstacles
+constexpr double kPushing = 3.0;             // [s] blocked for this long before the next run-up
+constexpr double kRunUp = 3.0;               // [s]
+constexpr double kUnblockedDistance = 0.05;  // [m]
+constexpr double kUnblockedAngle = 0.2;      // [rad]
+constexpr double kRestOfReplay = 0.1;        // [s] duration of the last sample
 
 // Full speed toward a bearing in M; reverses if it lies behind.
 Hand rush(const Pose2& X_MS, double bearing) {
@@ -61,14 +61,14 @@ Hand Reckless::steer(const Pose2& X_MS, double t) {
   if (arrived_) return {0.0, 0.0, false};
   if (t >= until_) {
     bearing_ = any_bearing(random_);
-    until_ = t + std::uniform_real_distribution<double>(kShortest, kLongest)(random_);
+    until_ = t + std::uniform_real_distribution<double>(kShortestBearing, kLongestBearing)(random_);
   }
   return rush(X_MS, bearing_);
 }
 
 Hand Adversary::steer(const Pose2& X_MB, const Pose2& X_MS, const StaticMap* map, double t) {
-  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kMovedDistance ||
-                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kMovedAngle;
+  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kUnblockedDistance ||
+                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kUnblockedAngle;
   if (moved || moved_time_ < 0.0) {
     moved_pose_ = X_MB;
     moved_time_ = t;

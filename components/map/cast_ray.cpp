@@ -9,7 +9,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // One axis of the cell-by-cell traversal (Amanatides and Woo 1987); lengths in cells.
 struct Axis {
@@ -19,7 +19,7 @@ struct Axis {
   // Interval [t0, t1] of the ray within [0, size]; empty if t0 > t1.
   [[nodiscard]] std::pair<double, double> within(double size) const {
     if (direction == 0.0)
-      return start >= 0.0 && start <= size ? std::pair{0.0, kInfinity} : std::pair{1.0, 0.0};
+      return start >= 0.0 && start <= size ? std::pair{0.0, kNever} : std::pair{1.0, 0.0};
     const double a = -start / direction, b = (size - start) / direction;
     return {std::min(a, b), std::max(a, b)};
   }
@@ -27,7 +27,7 @@ struct Axis {
     cell = static_cast<int>(std::clamp(std::floor(start + t * direction), 0.0, size - 1.0));
   }
   [[nodiscard]] double leaves_at() const {
-    if (direction == 0.0) return kInfinity;
+    if (direction == 0.0) return kNever;
     return (cell + (direction > 0.0 ? 1 : 0) - start) / direction;
   }
   void step() { cell += direction > 0.0 ? 1 : -1; }

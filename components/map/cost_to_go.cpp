@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnreachable = std::numeric_limits<double>::infinity();
 constexpr double kSlopeReach = 0.2;  // [m] to either side, for measuring a slope
 
 // Cells leave the heap in order of cost and are then final.
@@ -22,7 +22,7 @@ class FastMarching {
         grid_{map.grid()},
         radius_{radius},
         narrow_cost_{narrow_cost},
-        cost_(grid_.cells.size(), kInfinity),
+        cost_(grid_.cells.size(), kUnreachable),
         final_(grid_.cells.size(), false) {}
 
   std::vector<float> run(const Eigen::Vector2d& p_MZ) {
@@ -60,7 +60,7 @@ class FastMarching {
 
   [[nodiscard]] double known(int ix, int iy) const {
     return grid_.contains(ix, iy) && final_[grid_.index(ix, iy)] ? cost_[grid_.index(ix, iy)]
-                                                                 : kInfinity;
+                                                                 : kUnreachable;
   }
 
   // Upwind difference: (V − a)² + (V − b)² = (resolution · cost of a metre)².
@@ -97,7 +97,7 @@ CostToGo::CostToGo(const StaticMap& map, const Eigen::Vector2d& p_MZ, double rad
       cost_{FastMarching{map, radius, narrow_cost}.run(p_MZ)} {}
 
 double CostToGo::cost(int ix, int iy) const {
-  if (ix < 0 || iy < 0 || ix >= width_ || iy >= height_) return kInfinity;
+  if (ix < 0 || iy < 0 || ix >= width_ || iy >= height_) return kUnreachable;
   return cost_[static_cast<std::size_t>(iy) * static_cast<std::size_t>(width_) +
                static_cast<std::size_t>(ix)];
 }
@@ -105,7 +105,7 @@ double CostToGo::cost(int ix, int iy) const {
 // Next to cells without a path, only the corners with a path are used.
 double CostToGo::at(const Eigen::Vector2d& p_MQ) const {
   const Eigen::Vector2d q = (p_MQ - origin_) / resolution_ - Eigen::Vector2d{0.5, 0.5};
-  if (!(q.array().abs() < 1e9).all()) return kInfinity;
+  if (!(q.array().abs() < 1e9).all()) return kUnreachable;
   const int x = static_cast<int>(std::floor(q.x())), y = static_cast<int>(std::floor(q.y()));
   const double sx = q.x() - x, sy = q.y() - y;
   double sum = 0.0, weights = 0.0;
@@ -116,7 +116,7 @@ double CostToGo::at(const Eigen::Vector2d& p_MQ) const {
     sum += weight * corner;
     weights += weight;
   }
-  return weights > 1e-9 ? sum / weights : kInfinity;
+  return weights > 1e-9 ? sum / weights : kUnreachable;
 }
 
 double CostToGo::downhill(const Eigen::Vector2d& p_MQ) const {

@@ -11,14 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "tandem/map/detail/octree_keys.hpp"
 #include "tandem/map/overlay.hpp"
 
 namespace tandem {
 namespace {
 
-constexpr int kKeyBits = 16;
-constexpr int kMiddleKey = 1 << (kKeyBits - 1);  // key of the voxel that starts at 0
-constexpr double kAligned = 1e-3;                // of a cell; smaller offsets count as aligned
+constexpr double kAligned = 1e-3;  // of a cell; smaller offsets count as aligned
 
 // Contents of a square of voxels.
 enum class Square : std::uint8_t { kFree, kOccupied, kUnknown, kMixed };
@@ -71,11 +70,11 @@ class TreeWriter {
  public:
   TreeWriter(Level voxels, int layers) : layers_{layers} {
     levels_.push_back(std::move(voxels));
-    while (levels_.size() <= kKeyBits) levels_.push_back(coarser(levels_.back()));
+    while (levels_.size() <= kTreeDepth) levels_.push_back(coarser(levels_.back()));
   }
 
   [[nodiscard]] std::string bytes() {
-    write(kKeyBits, {0, 0, 0});
+    write(kTreeDepth, {0, 0, 0});
     return std::move(out_);
   }
 

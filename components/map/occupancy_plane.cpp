@@ -6,13 +6,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tandem/map/detail/touching.hpp"
+
 namespace tandem {
 namespace {
 
 constexpr int kOccupiedFrom = 50, kMax = 100;                // [%]
 constexpr double kSmallestCell = 1e-3, kLargestCell = 10.0;  // resolution [m], as in an OctoMap
-constexpr double kFarthest = 1e6;                            // [m]
-constexpr double kTouching = 1e-6;  // of a cell; a common edge is not an overlap
+constexpr double kFarthestOrigin = 1e6;                      // [m]
 constexpr double kStraight = 0.01;  // of a cell; smaller rotations count as none
 
 Cell cell_of(std::int8_t percent) {
@@ -89,7 +90,7 @@ Grid turned(const OccupancyPlane& plane) {
 std::string error_of(const OccupancyPlane& plane) {
   if (!(plane.resolution >= kSmallestCell && plane.resolution <= kLargestCell))
     return "resolution " + std::to_string(plane.resolution) + " m outside [0.001, 10] m";
-  if (!is_finite(plane.X_MO) || plane.X_MO.position().cwiseAbs().maxCoeff() > kFarthest)
+  if (!is_finite(plane.X_MO) || plane.X_MO.position().cwiseAbs().maxCoeff() > kFarthestOrigin)
     return "its origin is not finite, has a zero quaternion or is farther than 1000 km";
   if (plane.width <= 0 || plane.height <= 0 || plane.width > kMaxCells / plane.height)
     return std::to_string(plane.width) + " × " + std::to_string(plane.height) +

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "tandem/map/detail/octree_keys.hpp"
+
 namespace tandem {
 namespace {
 
-constexpr int kTreeDepth = 16;
 constexpr std::size_t kLogOdds = sizeof(float);
 
 // Traverses the records of a tree depth first, as OctoMap writes them.

@@ -6,21 +6,22 @@
 #include <stdexcept>
 #include <string>
 
+#include "tandem/map/detail/touching.hpp"
+
 namespace tandem {
 namespace {
 
-constexpr double kStep = 1.0;       // [m] step by which the square moves
-constexpr double kTouching = 1e-6;  // of a cell; a common edge is not an overlap
+constexpr double kStep = 1.0;  // [m] step by which the square moves
 
-struct Span {
+struct CellSpan {
   int begin = 0, end = 0;
 };
 
 // For each of `count` cells of side `r`, starting at `low`: the cells of the other axis that it
 // overlaps.
-std::vector<Span> overlaps(double low, double r, int count, double other_low, double other_r,
-                           int other_count) {
-  std::vector<Span> spans(static_cast<std::size_t>(count));
+std::vector<CellSpan> overlaps(double low, double r, int count, double other_low, double other_r,
+                               int other_count) {
+  std::vector<CellSpan> spans(static_cast<std::size_t>(count));
   const auto clip = [&](double cell) {
     return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(other_count)));
   };
@@ -45,8 +46,8 @@ void lay_over(Grid& out, const Grid& in) {
   const auto rows =
       overlaps(out.origin.y(), out.resolution, out.height, in.origin.y(), in.resolution, in.height);
   std::size_t at = 0;
-  for (const Span& row : rows)
-    for (const Span& column : columns) {
+  for (const CellSpan& row : rows)
+    for (const CellSpan& column : columns) {
       Cell& cell = out.cells[at++];
       for (int iy = row.begin; iy < row.end; ++iy)
         for (int ix = column.begin; ix < column.end; ++ix) cell = stronger(cell, in.at(ix, iy));

@@ -8,13 +8,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "tandem/map/detail/octree_keys.hpp"
+#include "tandem/map/detail/touching.hpp"
+
 namespace tandem {
 namespace {
-
-constexpr int kTreeDepth = 16;
-constexpr int kMiddleKey = 1 << (kTreeDepth - 1);  // key of the voxel that starts at 0
-constexpr int kLastKey = (1 << kTreeDepth) - 1;
-constexpr double kTouching = 1e-6;  // of a voxel; a common face is not an overlap
 
 // Voxels [begin, end) along x and y, as OctoMap keys.
 struct KeyBox {

@@ -14,12 +14,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-struct Box {
+struct RegionBox {
   Vector2d low, high;
 };
 
-Box box_of(const ForbiddenRegion& region) {
-  Box box{region.p_MV.front(), region.p_MV.front()};
+RegionBox box_of(const ForbiddenRegion& region) {
+  RegionBox box{region.p_MV.front(), region.p_MV.front()};
   for (const Vector2d& p : region.p_MV) {
     box.low = box.low.cwiseMin(p);
     box.high = box.high.cwiseMax(p);
@@ -48,7 +48,7 @@ bool reaches(const ForbiddenRegion& region, const Vector2d& p, double slack) {
 }
 
 // The grid extended to contain the box.
-Grid grown(const Grid& grid, const Box& box) {
+Grid grown(const Grid& grid, const RegionBox& box) {
   const double r = grid.resolution;
   const Vector2d below = ((grid.origin - box.low) / r).array().ceil().max(0.0);
   const Vector2d size{grid.width, grid.height};
@@ -70,7 +70,7 @@ Grid grown(const Grid& grid, const Box& box) {
 
 void occupy(Grid& grid, const ForbiddenRegion& region) {
   const double r = grid.resolution, slack = std::sqrt(0.5) * r;
-  const Box box = box_of(region);
+  const RegionBox box = box_of(region);
   const Vector2d low = (box.low - grid.origin) / r, high = (box.high - grid.origin) / r;
   const int x1 = std::min(grid.width - 1, static_cast<int>(high.x()) + 1);
   const int y1 = std::min(grid.height - 1, static_cast<int>(high.y()) + 1);
