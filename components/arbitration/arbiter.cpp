@@ -33,20 +33,14 @@ bool is_silent(const Stamped<T>& input, double now, double timeout) {
 
 }  // namespace
 
+const std::vector<std::string>& policies() {
+  static const std::vector<std::string> names{"manual", "shared", "blend", "adaptive",
+                                              "autonomous"};
+  return names;
+}
+
 const char* name(Policy policy) {
-  switch (policy) {
-    case Policy::kManual:
-      return "manual";
-    case Policy::kShared:
-      return "shared";
-    case Policy::kBlend:
-      return "blend";
-    case Policy::kAdaptive:
-      return "adaptive";
-    case Policy::kAutonomous:
-      return "autonomous";
-  }
-  return "?";
+  return policies().at(static_cast<std::size_t>(policy)).c_str();
 }
 
 const char* name(Source source) {
@@ -92,11 +86,12 @@ const char* name(ArbitrationReason reason) {
 }
 
 Policy policy_from(const std::string& text) {
-  for (const Policy policy :
-       {Policy::kManual, Policy::kShared, Policy::kBlend, Policy::kAdaptive, Policy::kAutonomous})
-    if (text == name(policy)) return policy;
-  throw std::invalid_argument("policy '" + text +
-                              "' is not one of {manual, shared, blend, adaptive, autonomous}");
+  const auto& names = policies();
+  const auto found = std::find(names.begin(), names.end(), text);
+  if (found != names.end()) return static_cast<Policy>(found - names.begin());
+  std::string all;
+  for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+  throw std::invalid_argument("policy '" + text + "' is not one of {" + all + "}");
 }
 
 Arbiter::Arbiter(const ArbiterParams& params)

@@ -39,6 +39,9 @@ enum class ArbitrationReason {
   kClockSilent,  ///< /clock is silent, so the age of a command is unknown
 };
 
+/// The names of the policies, in the order of the enumeration.
+[[nodiscard]] const std::vector<std::string>& policies();
+
 [[nodiscard]] const char* name(Policy policy);
 [[nodiscard]] const char* name(Source source);
 [[nodiscard]] const char* name(ArbitrationReason reason);
@@ -76,7 +79,7 @@ struct ArbiterParams {
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("policy", policy, OneOf{{"manual", "shared", "blend", "adaptive", "autonomous"}},
+    field("policy", policy, OneOf{policies()},
           "policy at start; the service ~/set_policy changes it");
     field("user_timeout", user_timeout, Range{0.02, 5.0},
           "[s] the person's command ends after this long without a message");

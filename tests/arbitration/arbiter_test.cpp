@@ -312,7 +312,7 @@ class WithAndWithoutRamp {
     if (random_() % 9 == 0) clearance_ = any_(random_);
     for (Arbiter* it : {&ramped_, &plain_}) it->on_clearance(clearance_, t_);
     if (random_() % 20 == 0) {
-      const auto policy = static_cast<Policy>(random_() % 5);
+      const auto policy = static_cast<Policy>(random_() % policies().size());
       ASSERT_EQ(ramped_.set_policy(policy), plain_.set_policy(policy));
     }
     out = ramped_.decide(t_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of reasons: complete, and the same in the README.
+// The table of reasons: complete, and the same in bringup/ROS2.md.
 #include "tandem/model/reasons.hpp"
 
 #include <gtest/gtest.h>

@@ -180,7 +180,7 @@ void add_scenario_command(CLI::App& app, int& status) {
       "one of those below, or all: those that the scenario lists. Default: the scenario's");
   command->add_option(
       "--driver", request->driver,
-      "who sits at the stick: navigator, pointer, reckless, adversary, replay, each "
+      "who sits at the stick: navigator, pointer, script, reckless, adversary, replay, each "
       "with modifiers after +, as navigator+tremor: one_sided, over_correction, tremor, "
       "quantised, pulses, dropouts. Default: the scenario's");
   command->add_option("--recording", request->recording, "what driver replay plays")
