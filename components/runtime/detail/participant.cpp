@@ -75,9 +75,9 @@ void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) 
       break;
     case DiscoveryRange::kOff:
       qos.wire_protocol().builtin.discovery_config.ignoreParticipantFlags =
-          static_cast<rtps::ParticipantFilteringFlags_t>(
-              rtps::ParticipantFilteringFlags_t::FILTER_DIFFERENT_HOST |
-              rtps::ParticipantFilteringFlags_t::FILTER_DIFFERENT_PROCESS);
+          static_cast<rtps::ParticipantFilteringFlags>(
+              rtps::ParticipantFilteringFlags::FILTER_DIFFERENT_HOST |
+              rtps::ParticipantFilteringFlags::FILTER_DIFFERENT_PROCESS);
       break;
   }
 }

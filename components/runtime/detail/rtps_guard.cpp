@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "tandem/runtime/detail/rtps_message.hpp"
+#include "tandem/runtime/detail/rtps_payload.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -12,204 +13,17 @@ namespace {
 using namespace rtps_message;
 
 constexpr std::uint8_t kVersion = 2;
-constexpr std::size_t kMaxBits = 256;         // maximum bits of a number set
-constexpr std::size_t kLeastFragment = 8;     // [bytes]; room for Fast DDS's list links
-constexpr std::size_t kStatisticsSize = 56;   // [bytes], as Fast DDS writes it
-constexpr std::size_t kLivelinessSize = 24;   // [bytes]: encapsulation, GUID prefix, kind, length
-constexpr std::size_t kMaxMinorParts = 1024;  // maximum strings of a partition, and properties
-
-enum Parameter : std::uint16_t {
-  kSentinel = 0x01,
-  kLeaseDuration = 0x02,
-  kTopicName = 0x05,
-  kTypeName = 0x07,
-  kProtocolVersion = 0x15,
-  kVendor = 0x16,
-  kReliability = 0x1a,
-  kDurability = 0x1d,
-  kPartition = 0x29,
-  kUserData = 0x2c,
-  kGroupData = 0x2d,
-  kTopicData = 0x2e,
-  kUnicastLocator = 0x2f,
-  kMulticastLocator = 0x30,
-  kDefaultUnicastLocator = 0x31,
-  kMetatrafficUnicastLocator = 0x32,
-  kMetatrafficMulticastLocator = 0x33,
-  kDefaultMulticastLocator = 0x48,
-  kParticipantGuid = 0x50,
-  kBuiltinEndpoints = 0x58,
-  kProperties = 0x59,
-  kEndpointGuid = 0x5a,
-  kEntityName = 0x62,
-  kKeyHash = 0x70,
-  kStatusInfo = 0x71,
-  kDataRepresentation = 0x73,
-  kIdentityToken = 0x1001,
-  kPermissionsToken = 0x1002,
-  kIdentityStatusToken = 0x1006,
-};
-
-// --- parameter lists ---
-
-// Skips a length and that many bytes with padding; false if they extend past the value.
-bool skip_string(Span value, bool little, std::size_t& at) {
-  if (value.size() - at < 4) return false;
-  const std::size_t size = u32(value.data() + at, little);
-  if (size > value.size() - at - 4) return false;
-  at = std::min(value.size(), at + 4 + ((size + 3) & ~std::size_t{3}));
-  return true;
-}
-
-// Skips a count and, for each element, `parts` strings or octet sequences.
-bool skip_list(Span value, bool little, std::size_t parts, std::size_t& at) {
-  if (value.size() - at < 4) return false;
-  const std::size_t count = u32(value.data() + at, little);
-  if (count > kMaxMinorParts) return false;
-  at += 4;
-  for (std::size_t i = 0; i < count * parts; ++i)
-    if (!skip_string(value, little, at)) return false;
-  return true;
-}
-
-bool is_list_of_strings(Span value, bool little, std::size_t parts) {
-  std::size_t at = 0;
-  return skip_list(value, little, parts, at);
-}
-
-// Skips a DDS Security token: class id, string properties, binary properties.
-bool skip_data_holder(Span value, bool little, std::size_t& at) {
-  return skip_string(value, little, at) && skip_list(value, little, 2, at) &&
-         skip_list(value, little, 2, at);
-}
-
-bool is_data_holder(Span value, bool little) {
-  std::size_t at = 0;
-  return skip_data_holder(value, little, at);
-}
-
-bool is_one_string(Span value, bool little) {
-  std::size_t at = 0;
-  return skip_string(value, little, at);
-}
-
-bool is_list_of_shorts(Span value, bool little) {
-  return value.size() >= 4 && u32(value.data(), little) <= (value.size() - 4) / 2;
-}
-
-// Whether a parameter that Fast DDS reads from an announcement has a valid length.
-bool is_parameter(std::uint16_t id, Span value, bool little) {
-  switch (id) {
-    case kTopicName:
-    case kTypeName:
-    case kEntityName:
-    case kUserData:
-    case kGroupData:
-    case kTopicData:
-      return is_one_string(value, little);
-    case kPartition:
-      return is_list_of_strings(value, little, 1);
-    case kProperties:
-      return is_list_of_strings(value, little, 2);
-    case kIdentityToken:
-    case kPermissionsToken:
-    case kIdentityStatusToken:
-      return is_data_holder(value, little);
-    case kDataRepresentation:
-      return is_list_of_shorts(value, little);
-    case kUnicastLocator:
-    case kMulticastLocator:
-    case kDefaultUnicastLocator:
-    case kMetatrafficUnicastLocator:
-    case kMetatrafficMulticastLocator:
-    case kDefaultMulticastLocator:
-      return value.size() >= 24;
-    case kParticipantGuid:
-    case kEndpointGuid:
-    case kKeyHash:
-      return value.size() >= 16;
-    case kReliability:
-      return value.size() >= 12;
-    case kLeaseDuration:
-      return value.size() >= 8;
-    case kBuiltinEndpoints:
-    case kDurability:
-      return value.size() >= 4;
-    case kProtocolVersion:
-    case kVendor:
-      return value.size() >= 2;
-    default:
-      return true;
-  }
-}
-
-bool any_parameter(std::uint16_t, Span, bool) { return true; }
-
-// Size of a parameter list including its sentinel [bytes]; 0 if it extends past `bytes` or a value
-// is invalid.
-template <class IsParameter>
-std::size_t list_size(Span bytes, bool little, IsParameter is_parameter_of_it) {
-  for (std::size_t at = 0; bytes.size() - at >= 4;) {
-    const std::uint16_t id = u16(bytes.data() + at, little);
-    const std::size_t size = u16(bytes.data() + at + 2, little);
-    at += 4;
-    if (id == kSentinel) return at;
-    const std::size_t padded = (size + 3) & ~std::size_t{3};
-    if (padded > bytes.size() - at) return 0;
-    if (!is_parameter_of_it(id, bytes.subspan(at, size), little)) return 0;
-    at += padded;
-  }
-  return 0;
-}
+constexpr std::size_t kMaxBits = 256;        // maximum bits of a number set
+constexpr std::size_t kLeastFragment = 8;    // [bytes]; room for Fast DDS's list links
+constexpr std::size_t kStatisticsSize = 56;  // [bytes], as Fast DDS writes it
+constexpr std::size_t kLivelinessSize = 24;  // [bytes]: encapsulation, GUID prefix, kind, length
 
 // --- data ---
 
-// Secure discovery uses the same ids prefixed with 0xff and has other contents, so it is excluded.
-bool announces(std::uint32_t writer, std::uint32_t reader) {
-  return writer == kSpdpWriter || writer == kSedpPublicationsWriter ||
-         writer == kSedpSubscriptionsWriter || reader == kSpdpReader ||
-         reader == kSedpPublicationsReader || reader == kSedpSubscriptionsReader;
-}
-
-Drop check_announcement(Span payload) {
-  const bool is_list =
-      payload.size() >= 4 && payload[0] == 0 && (payload[1] == 2 || payload[1] == 3);
-  if (!is_list) return Drop::kDiscovery;
-  const bool whole = list_size(payload.subspan(4), payload[1] == 3, is_parameter) > 0;
-  return whole ? Drop::kNone : Drop::kDiscovery;
-}
-
-bool authenticates(std::uint32_t writer, std::uint32_t reader) {
-  return writer == kStatelessWriter || reader == kStatelessReader;
-}
-
-// Authentication or key exchange. Fast DDS also reads unprotected messages of the latter.
-bool is_of_security(std::uint32_t writer, std::uint32_t reader) {
-  return authenticates(writer, reader) || writer == kVolatileSecureWriter ||
-         reader == kVolatileSecureReader;
-}
-
-// Checks a ParticipantGenericMessage: two identities, three GUIDs, class id, tokens. Fast DDS 2.9.1
-// allocates as many tokens as the message claims (CVE-2025-62603).
-Drop check_security_message(Span payload) {
-  constexpr std::size_t kEncapsulation = 4, kFixed = 96, kLeastHolder = 12;
-  if (payload.size() < kEncapsulation + kFixed || payload[0] != 0 || payload[1] > 1)
-    return Drop::kSecurity;
-  const bool little = payload[1] == 1;
-  const Span message = payload.subspan(kEncapsulation);
-  std::size_t at = kFixed;
-  if (!skip_string(message, little, at) || message.size() - at < 4) return Drop::kSecurity;
-  const std::size_t count = u32(message.data() + at, little);
-  at += 4;
-  if (count > (message.size() - at) / kLeastHolder) return Drop::kSecurity;
-  for (std::size_t i = 0; i < count; ++i)
-    if (!skip_data_holder(message, little, at)) return Drop::kSecurity;
-  return Drop::kNone;
-}
-
 Drop check_payload(std::uint32_t writer, std::uint32_t reader, Span payload) {
-  if (announces(writer, reader)) return check_announcement(payload);
-  if (is_of_security(writer, reader)) return check_security_message(payload);
+  if (announces(writer, reader)) return is_announcement(payload) ? Drop::kNone : Drop::kDiscovery;
+  if (is_of_security(writer, reader))
+    return is_security_message(payload) ? Drop::kNone : Drop::kSecurity;
   const bool of_liveliness = writer == kLivelinessWriter || reader == kLivelinessReader;
   if (of_liveliness && payload.size() < kLivelinessSize) return Drop::kDiscovery;
   return Drop::kNone;
@@ -223,7 +37,8 @@ std::size_t payload_at(const Submessage& data, std::size_t fixed) {
   const std::size_t begin = std::size_t{4} + data.u16(2);
   if (begin < fixed || begin > data.body.size()) return 0;
   if ((data.flags & kInlineQos) == 0) return begin;
-  const std::size_t size = list_size(data.body.subspan(begin), data.little(), any_parameter);
+  const std::size_t size =
+      list_size(data.body.subspan(begin), data.little(), [](auto...) { return true; });
   return size == 0 ? 0 : begin + size;
 }
 
@@ -353,6 +168,7 @@ bool may_be_unprotected(const Submessage& submessage) {
 // status.
 bool says_goodbye(const Submessage& submessage) {
   constexpr std::uint8_t kInlineQos = 2, kHasData = 4, kGone = 3;  // disposed, unregistered
+  constexpr std::uint16_t kStatusInfo = 0x71;
   if (submessage.id != kData || submessage.entity(8) != kSpdpWriter) return false;
   if ((submessage.flags & kHasData) == 0) return true;
   if ((submessage.flags & kInlineQos) == 0) return false;
