@@ -39,8 +39,11 @@ enum class ArbitrationReason {
   kClockSilent,  ///< /clock is silent, so the age of a command is unknown
 };
 
+/// The policy as parameters and messages write it.
 [[nodiscard]] const char* name(Policy policy);
+/// The source as messages write it.
 [[nodiscard]] const char* name(Source source);
+/// The reason in short, for logs and tables.
 [[nodiscard]] const char* name(ArbitrationReason reason);
 
 /// Throws std::invalid_argument, listing the policies, if `text` is not one of them.
@@ -64,6 +67,7 @@ struct BlendParams {
   }
 };
 
+/// Policy, time-outs and hand-over of the arbiter.
 struct ArbiterParams {
   std::string policy = "shared";
   double user_timeout = 0.11;
@@ -93,8 +97,9 @@ struct ArbiterParams {
   }
 };
 
+/// The command to pass on, whose it is and why.
 struct Decision {
-  Twist2 command;
+  Twist2 command;  ///< zero if nobody may drive
   Source source = Source::kNone;
   ArbitrationReason reason = ArbitrationReason::kAllSilent;
   double alpha = 0.0;        ///< the planner's share of the command, 0 … 1
@@ -112,8 +117,11 @@ class Arbiter {
   /// Throws std::invalid_argument, having changed nothing, on parameters out of range.
   void set_blend(const BlendParams& blend);
 
+  /// Takes the person's command, which arrived at time t [s].
   void on_user(const Twist2& twist, double t);
+  /// Takes the planner's command, which arrived at time t [s].
   void on_shared(const Twist2& twist, double t);
+  /// Takes the command of another autonomy, such as Nav2's, which arrived at time t [s].
   void on_nav(const Twist2& twist, double t);
   /// Distance from the robot to the nearest obstacle [m]; policy blend uses it.
   void on_clearance(double clearance, double t);
@@ -132,17 +140,21 @@ class Arbiter {
   void on_emergency_stop(bool pressed);
   /// Releases the stop if the last signal was `false`. Returns whether it is released now.
   [[nodiscard]] bool release_emergency_stop() { return stop_.release(); }
+  /// Whether the emergency stop is latched.
   [[nodiscard]] bool emergency_stopped() const { return stop_.latched(); }
 
   /// Returns false, changing nothing, for kAutonomous while the emergency stop is latched: the
   /// release would start the robot.
   [[nodiscard]] bool set_policy(Policy policy);
+  /// The policy in force.
   [[nodiscard]] Policy policy() const { return policy_; }
 
   /// Call after the clock jumped back to `now`: discards all inputs. Policy and emergency stop
   /// stay.
   void on_time_jump(double now);
 
+  /// The decision for `now` [s], not before the times of the inputs. Call it at every control
+  /// period: each call advances the hand-over.
   [[nodiscard]] Decision decide(double now);
   /// Why the robot moves or stands after `decision`: the first that applies of
   ///

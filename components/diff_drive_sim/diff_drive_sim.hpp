@@ -17,6 +17,7 @@
 
 namespace tandem {
 
+/// The drive, the sensors' errors and the delays of the simulated robot.
 struct DiffDriveSimParams {
   DriveParams drive;
   double max_step = 0.005;
@@ -102,12 +103,17 @@ class DiffDriveSim {
   /// Simulates up to time t [s] in steps of at most max_step.
   void advance_to(double t);
 
+  /// The true state.
   [[nodiscard]] const SimState& state() const { return state_; }
+  /// What odometry reports now, with its noise and delay.
   [[nodiscard]] OdometryReport odometry() const;
+  /// Contacts since the last reset.
   [[nodiscard]] const ContactReport& contacts() const { return contacts_; }
   /// Smallest gap of the outline to any obstacle since the last reset [m], at most 1.
   [[nodiscard]] double min_clearance() const { return min_clearance_; }
+  /// The robot's outline in B.
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
+  /// The simulated people.
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
   /// Range of ray `i` of `beams` (see beam_angle) from the origin of B at X_MB to a wall or a

@@ -33,6 +33,7 @@ struct PushPhase {
   double linear = 0.0, angular = 0.0;  ///< [1]
 };
 
+/// One phase of a script: what the person does, and until when.
 struct ScriptPhase {
   std::variant<PushPhase, PathPhase, TurnPhase> action;
   double time = 30.0;  ///< [s] a push ends after this time, a path or turn is abandoned

@@ -75,11 +75,13 @@ class Causes {
   /// A node whose last status is older than this [s] counts as gone.
   static constexpr double kGone = 3.0 * Diagnostics::kPeriod;
 
+  /// A fault of another node.
   struct Cause {
     std::string reason;  ///< "node: message"
     std::string remedy;
   };
 
+  /// Subscribes at once; `node` must outlive this.
   explicit Causes(rt::Node& node);
   /// The topic that it opens.
   [[nodiscard]] static rt::Interface interface() { return {.subscribes = {topics::diagnostics}}; }

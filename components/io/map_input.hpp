@@ -21,6 +21,7 @@
 
 namespace tandem {
 
+/// Which map a node uses, and how it reads it.
 struct MapInputParams {
   SliceParams slice;
   bool unknown_is_obstacle = false;
@@ -106,6 +107,7 @@ class MapInput {
   MapInput(const MapInput&) = delete;
   MapInput& operator=(const MapInput&) = delete;
 
+  /// The virtual fixtures of the parameters, in M.
   [[nodiscard]] const VirtualFixtures& fixtures() const { return fixtures_; }
 
   /// The newest map; null before the first one, while octomap_local is required but silent, and

@@ -13,6 +13,7 @@
 
 namespace tandem {
 
+/// Names of the frames, and ages beyond which the state counts as unknown.
 struct RobotStateParams {
   LocalizationParams localization;
   Frames frames;
@@ -32,6 +33,7 @@ struct RobotStateParams {
 /// frame.
 class RobotStateInput {
  public:
+  /// `node` must outlive this. All callbacks run on the node's thread.
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
                   std::function<void(double)> on_odom = {});
   /// The topics that it opens.

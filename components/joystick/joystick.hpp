@@ -11,6 +11,7 @@
 
 namespace tandem {
 
+/// Dead zone and repetition of a gamepad.
 struct JoystickParams {
   double deadzone = 0.05;
   double autorepeat_rate = 20.0;
@@ -32,6 +33,7 @@ struct JoystickParams {
 /// Device state as the operating system reports it: axes in [−32768, 32767], right and down
 /// positive.
 struct RawJoystick {
+  /// A directional pad.
   struct Hat {
     bool left = false, right = false, up = false, down = false;
   };

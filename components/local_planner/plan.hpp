@@ -57,8 +57,11 @@ enum class PlanSource {
   kStanding,  ///< zero: the robot is at rest already, or an input is missing
 };
 
+/// The method as parameters and messages write it.
 [[nodiscard]] const char* name(Method method);
+/// The status in short, for logs and tables.
 [[nodiscard]] const char* name(PlanStatus status);
+/// The source in short, for logs and tables.
 [[nodiscard]] const char* name(PlanSource source);
 
 /// Whether the twists replace a solution that was not found: kPrevious, kBraking or kStanding.

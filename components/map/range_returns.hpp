@@ -15,7 +15,7 @@ namespace tandem {
 struct RangeReturns {
   std::vector<Eigen::Vector3d> p_SQ;     ///< occupied points [m]
   std::vector<Eigen::Vector3d> p_SFree;  ///< ends of rays on which nothing was hit [m]
-  std::string error;
+  std::string error;                     ///< what is wrong with the message; empty if nothing is
 };
 
 /// A planar scan, as in sensor_msgs/LaserScan: beam i at angle_min + i · angle_increment, taken i ·
@@ -32,8 +32,8 @@ struct RangeScan {
 struct NoReturn {
   bool inf = true;         ///< +inf, as in REP 117
   bool range_max = false;  ///< range_max, or a finite value beyond it
-  bool zero = false;
-  bool nan = false;
+  bool zero = false;       ///< a range of 0 means that nothing was in range
+  bool nan = false;        ///< NaN means that nothing was in range
 };
 
 /// Names allowed in `no_return`.

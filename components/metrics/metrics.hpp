@@ -25,7 +25,7 @@ struct RegionGoal {
 /// Reached when position and heading have been within the tolerances and the robot has stood still
 /// there for `stand`; the time to goal is when it came to rest.
 struct PoseGoal {
-  Pose2 X_MG;
+  Pose2 X_MG;                      ///< in M
   double tolerance = 0.2;          ///< [m]
   double heading_tolerance = 4.0;  ///< [rad] above π: any heading
   double stand = 0.0;              ///< [s] 0: passing through suffices
@@ -35,6 +35,7 @@ struct RoamGoal {
   double time = 120.0;     ///< [s]
   double distance = 30.0;  ///< [m]
 };
+/// When a drive counts as finished.
 using Goal = std::variant<RegionGoal, PoseGoal, RoamGoal>;
 
 /// The goal's centre; nullopt if the goal is not a place.
@@ -104,6 +105,7 @@ struct PartTimes {
   double measures = 0.0;  ///< mostly the clearance
 };
 
+/// Of a set of values, in their unit.
 struct Quantiles {
   double p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
 };
@@ -111,9 +113,13 @@ struct Quantiles {
 /// Nearest-rank quantiles; zeros if there is no value.
 [[nodiscard]] Quantiles quantiles(std::vector<double> values);
 
+/// Writes each part under its name [s].
 void to_json(nlohmann::json& json, const PartTimes& times);
+/// Reads what to_json wrote; throws nlohmann::json::exception otherwise.
 void from_json(const nlohmann::json& json, PartTimes& times);
+/// Writes p50, p95, p99 and max.
 void to_json(nlohmann::json& json, const Quantiles& quantiles);
+/// Reads what to_json wrote; throws nlohmann::json::exception otherwise.
 void from_json(const nlohmann::json& json, Quantiles& quantiles);
 
 /// The measures of one drive; names and units as in the JSON. An empty optional is not defined for
@@ -123,16 +129,16 @@ struct DriveResult {
   std::string scenario, map, method, driver;
   unsigned seed = 0;
   bool lockstep = false;
-  bool reached = false;          ///< success: the goal was reached within the time
-  double time_to_goal_s = -1.0;  ///< −1: not reached
-  double simulated_s = 0.0, wall_s = 0.0;
-  double cpu_s = 0.0;              ///< of the process, user and system; lockstep only
-  PartTimes part_s;                ///< by the steady clock; lockstep only
-  int collisions = 0;              ///< contact episodes, see ContactReport
-  std::optional<int> walked_into;  ///< times that a person walked into it; lockstep only
-  double min_clearance_m = 0.0;    ///< outline to the nearest static obstacle
-  double mean_clearance_m = 0.0;   ///< mean over time, each sample at most `kFarClearance`
-  double path_length_m = 0.0;      ///< length of base_link's path, reversing included
+  bool reached = false;                    ///< success: the goal was reached within the time
+  double time_to_goal_s = -1.0;            ///< −1: not reached
+  double simulated_s = 0.0, wall_s = 0.0;  ///< simulated time, and how long that took [s]
+  double cpu_s = 0.0;                      ///< of the process, user and system; lockstep only
+  PartTimes part_s;                        ///< by the steady clock; lockstep only
+  int collisions = 0;                      ///< contact episodes, see ContactReport
+  std::optional<int> walked_into;          ///< times that a person walked into it; lockstep only
+  double min_clearance_m = 0.0;            ///< outline to the nearest static obstacle
+  double mean_clearance_m = 0.0;           ///< mean over time, each sample at most `kFarClearance`
+  double path_length_m = 0.0;              ///< length of base_link's path, reversing included
   /// Time of the same person driving manually without obstacles. That is another drive, which only
   /// `tandem study` makes; empty over DDS, from a recording and for `tandem scenario`.
   std::optional<double> free_time_s;
@@ -158,12 +164,13 @@ struct DriveResult {
   double final_position_error_m = 0.0;
   std::optional<double> final_heading_error_rad;  ///< at least 0; only if the goal is a pose
   double final_clearance_m = 0.0;                 ///< `kFarClearance` at most
-  DriveCounts counts;
-  Quantiles plan_ms;
-  long missed_deadlines = 0;          ///< plans slower than the control period
-  std::vector<std::string> failures;  ///< expectations that were not met
+  DriveCounts counts;                             ///< of plans, collisions and the like
+  Quantiles plan_ms;                              ///< time of a planning cycle [ms]
+  long missed_deadlines = 0;                      ///< plans slower than the control period
+  std::vector<std::string> failures;              ///< expectations that were not met
 };
 
+/// Writes every field under its name; an optional one without a value as null.
 void to_json(nlohmann::json& json, const DriveResult& result);
 /// Reads what to_json wrote; the individual solve times are not included.
 void from_json(const nlohmann::json& json, DriveResult& result);
@@ -192,6 +199,7 @@ class Metrics {
   static constexpr double kMoves = 0.05;  ///< of the limits
   static constexpr double kFree = 0.5;    ///< [m]: nothing is near
 
+  /// Begins a drive.
   explicit Metrics(const MetricsSetting& setting) : setting_{setting} {}
 
   /// Samples must be in time order; one older than the last is ignored.

@@ -32,6 +32,7 @@ struct Component {
 /// Called by TANDEM_COMPONENT.
 bool register_component(const char* name, const Component& component);
 
+/// The component of class C, as TANDEM_COMPONENT registers it.
 template <class C>
 [[nodiscard]] Component component_of() {
   static_assert(
@@ -93,9 +94,11 @@ class RunningComponent {
   RunningComponent(RunningComponent&&) noexcept;
   RunningComponent& operator=(RunningComponent&&) noexcept;
 
+  /// Begins to spin the node on a thread of its own.
   void start();
   void stop();  ///< returns at once
   void join();  ///< waits until it has stopped
+  /// The component's node. While it runs, call only what Node allows to other threads.
   [[nodiscard]] Node& node() const;
 
  private:

@@ -26,6 +26,7 @@ struct Security {
   /// See protects_every_datagram().
   bool protects_all = false;
 
+  /// Whether DDS Security is switched on.
   [[nodiscard]] bool on() const { return !properties.empty(); }
 };
 
@@ -45,6 +46,7 @@ struct Security {
 /// The enclave of this process, "/" unless it is set before the first node. Throws
 /// std::invalid_argument for a name that is neither "/" nor of the form "/a/b".
 void set_enclave(const std::string& name);
+/// The enclave in force.
 [[nodiscard]] std::string enclave();
 
 }  // namespace tandem::runtime

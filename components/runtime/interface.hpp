@@ -47,6 +47,7 @@ struct TopicUse {
 /// A service that a component serves or calls. Converts from the ServiceName that is passed to
 /// create_service or create_client.
 struct ServiceUse {
+  /// A service with the QoS of services, or another one.
   template <class S>
   ServiceUse(const ServiceName<S>& service, const QoS& other_qos = kServices)
       : ServiceUse{service.name, type_ref<typename S::Request>().name, other_qos} {}

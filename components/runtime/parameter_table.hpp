@@ -30,7 +30,9 @@ struct ParameterGroup {
 /// A node's declared parameters. Use on the node's thread only.
 class ParameterTable {
  public:
+  /// Names of parameters.
   using Names = std::vector<std::string>;
+  /// Parameters with their values, as messages.
   using Values = std::vector<rcl_interfaces::msg::Parameter>;
 
   /// Called after a declaration or a change, with the values now in force.
@@ -42,7 +44,9 @@ class ParameterTable {
 
   /// Like rclpy, returns PARAMETER_NOT_SET for an undeclared name.
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterValue> get(const Names& names) const;
+  /// rcl_interfaces/ParameterType of each name; PARAMETER_NOT_SET for an undeclared one.
   [[nodiscard]] std::vector<std::uint8_t> types(const Names& names) const;
+  /// Meaning, type and limits of each name; only the name of an undeclared one.
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterDescriptor> describe(
       const Names& names) const;
   /// Like rclcpp: the names under any of the prefixes (all names if there are none), at most

@@ -81,8 +81,11 @@ class Parameters {
   Parameters() : values_{std::make_shared<P>()} {}
   explicit Parameters(std::shared_ptr<const P> values) : values_{std::move(values)} {}
 
+  /// The values in force. Do not keep the reference beyond the callback.
   const P& operator*() const { return *values_; }
+  /// A value in force.
   const P* operator->() const { return values_.get(); }
+  /// The values in force, never null.
   [[nodiscard]] const P* get() const { return values_.get(); }
 
  private:

@@ -7,7 +7,9 @@
 
 namespace tandem::runtime {
 
+/// Whether lost messages are sent again.
 enum class Reliability { kBestEffort, kReliable };
+/// Whether late subscriptions get earlier messages.
 enum class Durability { kVolatile, kTransientLocal };
 
 /// QoS of a publisher or subscription. The default is ROS 2's default profile.
@@ -45,6 +47,7 @@ struct Policies {
   int liveliness = 0;  ///< 0 automatic, 1 manual by participant, 2 manual by topic
 };
 
+/// The policies that an endpoint with this QoS announces.
 [[nodiscard]] Policies policies_of(const QoS& qos);
 
 /// A policy whose offered value is weaker than the requested one, as text.
@@ -52,7 +55,7 @@ struct Misfit {
   std::string policy, offered, requested;
 };
 
-/// The parameter below `qos_overrides.<topic>.` that resolves the mismatch, for example
+/// The parameter below qos_overrides and the topic's name that resolves the mismatch, for example
 /// "reliability: best_effort", set either at the subscription (`at_subscription`) or at the
 /// publisher. Empty if no parameter does.
 [[nodiscard]] std::string override_for(const Misfit& misfit, bool at_subscription);

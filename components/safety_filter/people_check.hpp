@@ -62,6 +62,7 @@ using PeopleSeen = Stamped<std::vector<Obstacle>>;
 /// position does not drop below the margin or, if smaller, its initial value.
 class PeopleCheck {
  public:
+  /// The parameters are not checked; SafetyFilter does.
   PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body);
 
   /// Whether everybody is so far away that no such motion needs a detailed check. `way` bounds the

@@ -115,8 +115,10 @@ enum class FilterReason {
   kClockSilent,  ///< set by the node: /clock is silent, so ages are unknown
 };
 
+/// The reason in short, for logs and tables.
 [[nodiscard]] const char* name(FilterReason reason);
 
+/// The command that may be sent, and what was changed.
 struct Filtered {
   Twist2 twist;      ///< to send now
   Twist2 requested;  ///< the command received
@@ -149,6 +151,7 @@ class SafetyFilter {
   /// that never stops by itself (base_timeout 0).
   SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot);
 
+  /// Sets the command to be checked, which arrived at time t [s].
   void on_command(const Twist2& twist, double t);
   /// Sets the map and, as obstacles, the ground that no beam has covered; null: all ground is seen.
   void on_map(std::shared_ptr<const StaticMap> map,
@@ -180,6 +183,7 @@ class SafetyFilter {
 
   /// Clearance below which only motion that does not reduce it passes, (1) [m].
   [[nodiscard]] double hard_margin() const { return hard_margin_; }
+  /// The parameters in force.
   [[nodiscard]] const SafetyFilterParams& params() const { return params_; }
 
  private:

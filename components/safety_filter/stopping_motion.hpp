@@ -34,7 +34,9 @@ struct MotionStart {
   double end = 0.0;     ///< [s]
   Twist2 below, above;  ///< how far the true twist may lie below and above the measured one, ≥ 0
 
+  /// The lowest true speed and turn rate that the measurement allows.
   [[nodiscard]] Twist2 lowest() const { return {measured.v - below.v, measured.w - below.w}; }
+  /// The highest ones.
   [[nodiscard]] Twist2 highest() const { return {measured.v + above.v, measured.w + above.w}; }
 };
 
@@ -97,14 +99,16 @@ struct ShareCell {
 struct Farthest {
   double path = 0.0, turn = 0.0, speed = 0.0, turn_rate = 0.0;
 };
+/// The bounds on all braked motions from `start`.
 [[nodiscard]] Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds);
 
 /// Bounds over all motions of an envelope.
 struct Reach {
-  double path = 0.0, turn = 0.0;                // longest, absolute [m], [rad]
-  double path_spread = 0.0, turn_spread = 0.0;  // between the low and high ends [m], [rad]
-  double time = 0.0;                            // until the robot stands [s]
+  double path = 0.0, turn = 0.0;                ///< longest, absolute [m], [rad]
+  double path_spread = 0.0, turn_spread = 0.0;  ///< between the low and high ends [m], [rad]
+  double time = 0.0;                            ///< until the robot stands [s]
 };
+/// The bounds on the motions of an envelope.
 [[nodiscard]] Reach reach(std::span<const TwistRange> envelope);
 
 }  // namespace tandem

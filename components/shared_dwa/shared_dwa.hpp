@@ -8,6 +8,7 @@
 
 namespace tandem {
 
+/// Sampling, weights and margins of the Shared Dynamic Window Approach.
 struct SharedDwaParams {
   double control_period = 0.05;
   double window = 0.25;

@@ -89,6 +89,7 @@ struct JoyCheck {
 [[nodiscard]] JoyCheck check_joy(std::span<const float> axes, std::span<const int> buttons,
                                  const TeleopParams& params);
 
+/// Axes and buttons of a sensor_msgs/Joy.
 struct JoyValues {
   std::vector<float> axes;
   std::vector<int> buttons;

@@ -22,8 +22,11 @@ struct SolveLimits {
   int iterations = 60;
 };
 
+/// How a solve ended: converged, within the looser tolerance, out of time or iterations, or
+/// neither.
 enum class SolveStatus { kConverged, kAcceptable, kTimeout, kFailed };
 
+/// The last iterate of a solve, and how it ended.
 struct Solution {
   SolveStatus status = SolveStatus::kFailed;
   Iterate point = {};
@@ -31,6 +34,7 @@ struct Solution {
   double iteration_time = 0.0;  ///< mean of this solve [s]; 0 without iterations
 };
 
+/// Which solver solves the optimal control problem.
 enum class SolverKind {
   kIpopt,       ///< the reference
   kStructured,  ///< Riccati interior point, about a hundred times as fast
@@ -44,7 +48,9 @@ enum class Verdict {
   kDisagreement  ///< they did not, or the structured solver did not converge
 };
 
+/// The solver as the parameter `solver` writes it.
 [[nodiscard]] const char* name(SolverKind kind);
+/// The verdict in short, for logs and tables.
 [[nodiscard]] const char* name(Verdict verdict);
 
 /// Throws std::invalid_argument unless `text` is the name of a solver.

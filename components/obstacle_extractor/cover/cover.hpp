@@ -23,6 +23,7 @@ struct CoverShape {
   return (shape.low - p).cwiseMax(p - shape.high).cwiseMax(0.0).norm();
 }
 
+/// How closely the shapes must fit.
 struct CoverParams {
   Excess excess;           ///< maximum reach of a shape into free space
   double space_per_shape;  ///< free space that saving one shape may cost [m²]
