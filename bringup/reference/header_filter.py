@@ -11,11 +11,11 @@ import pathlib
 import re
 import sys
 
-FIELD = re.compile(r'field\("\w+",\s*(\w+)\s*,(.*?)\);', re.S)
+FIELD = re.compile(r'field\(\s*"\w+",\s*(\w+)\s*,(.*?)\);$', re.M | re.S)
 VISIT = re.compile(r'^  template <class Visitor>\n  void visit\(Visitor&& field\) \{\n.*?^  \}\n', re.M | re.S)
 DECLARATOR = r'\w+(?: = [^,;{]+|\{[^}]*\})?'
-SEVERAL = re.compile(rf'^( +(?:static constexpr )?[\w:]+(?:<[^;=]*>)?) ({DECLARATOR}(?:, {DECLARATOR})+);  ///< (.*)$',
-                     re.M)
+SHARED = re.compile(rf'^( *(?:static constexpr |inline constexpr )?[\w:]+(?:<[^;=]*>)?) ({DECLARATOR}(?:, {DECLARATOR})+);(?! *///<)', re.M)
+SEVERAL = re.compile(SHARED.pattern.replace('(?! *///<)', ' +///< (.*)$'), re.M)
 LEFT_OUT = (r'^ *[^\n;{}/]*= (?:default|delete);.*$',
             r'^  (?:explicit )?(?:\w+& operator=|\w+)\(\w+&&(?: other)?\) noexcept.*$')
 
@@ -35,20 +35,16 @@ def with_parameters(text):
     for visit in reversed(list(VISIT.finditer(text))):
         head, tail = text[:visit.start()], text[visit.end():]
         begin = max(head.rfind('\nstruct '), head.rfind('\nclass '))
-        fields = head[begin:]
+        fields = SHARED.sub(one_by_one, head[begin:])
         for member, meaning in meanings(visit[0]):
-            # A member of a shared declaration is taken out of it.
-            shared = rf'^(  [\w:<>]+ )([^;()\n]*?)\b({member}(?: = [^,;]+)?)(, )?([^;()\n]*);(?! *///<).*$'
-            fields = re.sub(shared, lambda line, meaning=meaning: separate(line, meaning), fields, count=1, flags=re.M)
+            fields = re.sub(rf'( [\w:<>]+ {member}\b[^;]*;)(?! */(?:\*\*|//)<)',
+                            lambda line, meaning=meaning: f'{line[1]} /**< {meaning} */', fields, count=1)
         text = head[:begin] + fields + blank(visit) + tail
     return text
 
 
-def separate(line, meaning):
-    kind, before, member, _, after = line.groups()
-    rest = ', '.join(part for part in (before.rstrip(', '), after) if part)
-    rest = f' {kind.strip()} {rest};' if rest else ''
-    return f'{kind}{member}; /**< {meaning} */{rest}'
+def one_by_one(match):
+    return ' '.join(f'{match[1]} {name};' for name in re.findall(DECLARATOR, match[2]))
 
 
 def each_documented(match):

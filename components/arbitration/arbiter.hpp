@@ -75,8 +75,8 @@ struct ArbiterParams {
   double nav_timeout = 0.5;
   double handover_time = 0.3;
   double takeover_threshold = 0.05;
-  BlendParams blend{};
-  AdaptiveParams adaptive{};
+  BlendParams blend{};        ///< of policy blend
+  AdaptiveParams adaptive{};  ///< of policy adaptive
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -99,9 +99,9 @@ struct ArbiterParams {
 
 /// The command to pass on, whose it is and why.
 struct Decision {
-  Twist2 command;  ///< zero if nobody may drive
-  Source source = Source::kNone;
-  ArbitrationReason reason = ArbitrationReason::kAllSilent;
+  Twist2 command;                                            ///< zero if nobody may drive
+  Source source = Source::kNone;                             ///< kNone: nobody may drive
+  ArbitrationReason reason = ArbitrationReason::kAllSilent;  ///< why this source
   double alpha = 0.0;        ///< the planner's share of the command, 0 … 1
   double performance = 1.0;  ///< of the person, 0 … 1, as measured by policy adaptive
 };

@@ -20,7 +20,7 @@ struct Range {
 
 /// The values a text parameter may take.
 struct OneOf {
-  std::vector<std::string> names;
+  std::vector<std::string> names;  ///< all of them
 };
 
 /// A parameter name that had several meanings in one node, and the names that replace it.

@@ -19,11 +19,11 @@ namespace tandem {
 /// Which simulated person drives, with which skill.
 struct DriverParams {
   std::string driver = "navigator";
-  NavigatorParams navigator{};
-  HandParams hand{};
+  NavigatorParams navigator{};  ///< of navigator and pointer
+  HandParams hand{};            ///< of the modifiers
   double reckless_time = 120.0;
   std::string script;
-  RobotParams robot{};
+  RobotParams robot{};  ///< the robot that is steered
   std::vector<double> replay_t, replay_linear, replay_angular;
 
   template <class Visitor>

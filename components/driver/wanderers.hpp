@@ -68,8 +68,8 @@ class Adversary {
 
 /// A recorded stick; each sample holds until the next.
 struct Recording {
-  std::vector<double> t;  ///< [s], not decreasing
-  std::vector<double> linear, angular;
+  std::vector<double> t;                ///< [s], not decreasing
+  std::vector<double> linear, angular;  ///< [1], one for each time
 };
 
 /// Plays a recording, starting at the first call; releases the dead-man at its end.

@@ -35,8 +35,8 @@ struct Frames {
 
 /// Odometry or ground truth: pose of the child frame in the header's frame, body twist.
 struct Odometry {
-  Pose2 X;
-  Twist2 twist;
+  Pose2 X;       ///< of B
+  Twist2 twist;  ///< of B
 };
 
 /// A header with this timestamp and frame.
@@ -96,8 +96,8 @@ struct Odometry {
 
 /// Obstacles that are finite with a ≥ b > 0; others are counted in `refused`.
 struct Obstacles {
-  std::vector<Obstacle> all;
-  int refused = 0;
+  std::vector<Obstacle> all;  ///< the valid ones
+  int refused = 0;            ///< number of those left out
 };
 /// The ellipses of the message, in its frame; those that are not valid are counted and left out.
 [[nodiscard]] Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg);

@@ -18,9 +18,9 @@ namespace tandem {
 
 /// The result of a transform lookup: the transform, or why there is none.
 struct Placing {
-  std::optional<Eigen::Isometry3d> X_AB = {};
-  bool is_static = true;     ///< X_AB does not change
-  std::string refusal = {};  ///< why there is no X_AB; empty if there is
+  std::optional<Eigen::Isometry3d> X_AB = {};  ///< nullopt: refused
+  bool is_static = true;                       ///< X_AB does not change
+  std::string refusal = {};                    ///< why there is no X_AB; empty if there is
 };
 
 /// The frame tree shared by all inputs of a node, so that they accept the same frames and reject

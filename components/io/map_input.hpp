@@ -23,7 +23,7 @@ namespace tandem {
 
 /// Which map a node uses, and how it reads it.
 struct MapInputParams {
-  SliceParams slice;
+  SliceParams slice;  ///< the heights that count
   bool unknown_is_obstacle = false;
   std::string fixtures;
   std::string map_source = "static";

@@ -15,8 +15,8 @@ namespace tandem {
 
 /// Names of the frames, and ages beyond which the state counts as unknown.
 struct RobotStateParams {
-  LocalizationParams localization;
-  Frames frames;
+  LocalizationParams localization;  ///< time-outs
+  Frames frames;                    ///< names of the frames
 
   template <class Visitor>
   void visit(Visitor&& field) {

@@ -17,7 +17,7 @@ struct Solid {
   /// Its outline seen from above.
   enum class Shape { kRectangle, kDisc };
 
-  Shape shape = Shape::kRectangle;
+  Shape shape = Shape::kRectangle;   ///< rectangle or disc
   Eigen::Vector2d p_MC{0.0, 0.0};    ///< centre [m]
   Eigen::Vector2d size{0.0, 0.0};    ///< length and width; for a disc its diameter in both [m]
   double angle = 0.0;                ///< heading of the length [rad]

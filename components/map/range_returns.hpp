@@ -67,16 +67,16 @@ enum class Beam {
 
 /// A field of a point, as in sensor_msgs/PointField.
 struct CloudField {
-  std::string name;
+  std::string name;           ///< x, y and z are read
   std::uint32_t offset = 0;   ///< [bytes] from the start of the point
   std::uint8_t datatype = 0;  ///< 7 is FLOAT32, 8 is FLOAT64
 };
 
 /// Memory layout of the points in a sensor_msgs/PointCloud2.
 struct CloudLayout {
-  std::uint32_t height = 0, width = 0;
-  std::vector<CloudField> fields;
-  bool is_bigendian = false;
+  std::uint32_t height = 0, width = 0;         ///< rows, and points in a row
+  std::vector<CloudField> fields;              ///< of each point
+  bool is_bigendian = false;                   ///< byte order of all numbers
   std::uint32_t point_step = 0, row_step = 0;  ///< [bytes]
 };
 

@@ -21,8 +21,8 @@ struct ForbiddenRegion {
 
 /// Virtual fixtures (Rosenberg 1993; Devalla 2020, 2.1.1).
 struct VirtualFixtures {
-  std::vector<ForbiddenRegion> forbidden;
-  std::vector<GuidanceLine> guidance;
+  std::vector<ForbiddenRegion> forbidden;  ///< regions that must not be entered
+  std::vector<GuidanceLine> guidance;      ///< lines that attract
 };
 
 /// Reads

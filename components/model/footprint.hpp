@@ -41,8 +41,7 @@ struct Disc {
 
 /// Distances from B's origin to the footprint's extremes along B's axes [m].
 struct Extent {
-  /// [m], negative if the footprint lies beyond the origin
-  double front = 0.0, rear = 0.0, left = 0.0, right = 0.0;
+  double front = 0.0, rear = 0.0, left = 0.0, right = 0.0;  ///< [m], below 0 beyond the origin
 };
 /// The footprint's extremes along B's axes [m].
 [[nodiscard]] Extent extent(const Footprint& footprint);

@@ -40,9 +40,9 @@ using FrameSender = std::array<std::uint8_t, 16>;
 /// One transform of a message: `child` lies at X_PC in `parent`.
 struct FrameLink {
   std::string_view parent, child;  ///< names, with or without a leading slash
-  Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();
-  FrameSender sender = {};
-  double heard = 0.0;           ///< arrival time [s]
+  Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  ///< rotation and translation [m]
+  FrameSender sender = {};                                 ///< zeros if unknown
+  double heard = 0.0;                                      ///< arrival time [s]
   std::optional<double> stamp;  ///< timestamp of its header [s]; nullopt if it has none
 };
 

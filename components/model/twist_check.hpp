@@ -20,7 +20,7 @@ struct TwistCheckBounds {
 
 /// How far the true twist may lie below and above the measured one, each ≥ 0 [m/s, rad/s].
 struct TwistDoubt {
-  Twist2 below, above;
+  Twist2 below, above;  ///< [m/s], [rad/s]
 
   bool operator==(const TwistDoubt&) const = default;
 };

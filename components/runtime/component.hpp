@@ -17,16 +17,16 @@ namespace tandem::runtime {
 /// What a component's module says of it. Parameter checks, permissions and `tandem describe` read
 /// this.
 struct ComponentDescription {
-  std::string name;
-  std::vector<Field> parameters{};  ///< their values are the defaults
-  Interface interface;
+  std::string name;                  ///< as registered
+  std::vector<Field> parameters{};   ///< their values are the defaults
+  Interface interface;               ///< its topics and services
   std::shared_ptr<void> defaults{};  ///< the struct that `parameters` points into
 };
 
 /// One entry of the registry.
 struct Component {
-  std::shared_ptr<void> (*make)(Node& node);
-  ComponentDescription (*describe)();
+  std::shared_ptr<void> (*make)(Node& node);  ///< constructs it
+  ComponentDescription (*describe)();         ///< its description, without running it
 };
 
 /// Called by TANDEM_COMPONENT.

@@ -19,8 +19,8 @@ struct SecurityRequest {
 
 /// Security properties for DDS. Without properties the process is unsecured.
 struct Security {
-  std::vector<std::pair<std::string, std::string>> properties;
-  std::string folder;     ///< of the enclave
+  std::vector<std::pair<std::string, std::string>> properties;  ///< name → value
+  std::string folder;                                           ///< of the enclave
   std::string complaint;  ///< why there are no properties although security is enabled
 
   /// See protects_every_datagram().

@@ -28,15 +28,15 @@ struct DomainEndpoint {
   std::string node;         ///< "/ns/name"; empty if no node announced it
   std::string topic, type;  ///< ROS 2's names; services by their DDS names ("rq/…Request")
   bool writes = false;      ///< a writer; false: a reader
-  Policies policies;
-  std::string type_hash;  ///< empty if not announced
-  std::string id = {};    ///< GUID, hexadecimal
+  Policies policies;        ///< offered by a writer, requested by a reader
+  std::string type_hash;    ///< empty if not announced
+  std::string id = {};      ///< GUID, hexadecimal
 };
 
 /// What exists on the domain.
 struct Domain {
-  std::vector<DomainParticipantInfo> participants;
-  std::vector<DomainEndpoint> endpoints;
+  std::vector<DomainParticipantInfo> participants;  ///< programs, roughly
+  std::vector<DomainEndpoint> endpoints;            ///< readers and writers
   int malformed = 0;  ///< samples of ros_discovery_info that failed to decode
 };
 

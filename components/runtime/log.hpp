@@ -18,9 +18,9 @@ enum class LogLevel { kDebug, kInfo, kWarn, kError, kOff };
 
 /// Source location of a log call. (clang 14 has no std::source_location.)
 struct Place {
-  const char* file;
-  const char* function;
-  unsigned line;
+  const char* file;      ///< path as the compiler was given it
+  const char* function;  ///< its name
+  unsigned line;         ///< from 1
 
   /// The place of the call in whose default argument this stands.
   static constexpr Place here(const char* file = __builtin_FILE(),
@@ -38,8 +38,8 @@ struct LogFormat {
   FMT_CONSTEVAL LogFormat(const Text& format, Place at = Place::here())  // implicit, as fmt's own
       : text{format}, place{at} {}
 
-  fmt::format_string<Args...> text;
-  Place place;
+  fmt::format_string<Args...> text;  ///< checked at compile time
+  Place place;                       ///< where it is written
 };
 
 /// A log event as passed to a Logger::Sink.

@@ -22,15 +22,15 @@ struct Field {
   /// What it may be; monostate: anything.
   using Limits = std::variant<std::monostate, Range, OneOf>;
 
-  std::string name;
-  Pointer value;
-  Limits limits;
-  std::string meaning;
+  std::string name;     ///< as in YAML
+  Pointer value;        ///< into the struct
+  Limits limits;        ///< bounds or choices
+  std::string meaning;  ///< unit and meaning
 };
 
 /// Visitor that collects a struct's fields.
 struct FieldCollector {
-  std::vector<Field>& fields;
+  std::vector<Field>& fields;  ///< where they are put
 
   /// Takes a field with limits.
   template <class T, class Limits>

@@ -17,7 +17,7 @@ namespace tandem::runtime {
 
 /// Type-erased pair of params structs: the one in force, and one in which a change is prepared.
 struct ParameterGroup {
-  std::vector<Field> in_force;
+  std::vector<Field> in_force;   ///< fields of the struct in force
   std::vector<Field> wanted;     ///< the same fields of the second struct
   std::set<std::string> live{};  ///< fields that may change while the node runs
   std::function<void()> begin;   ///< wanted = in force

@@ -20,7 +20,7 @@ namespace tandem::runtime {
 struct TopicInfo {
   std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
   std::string type_hash;   ///< "RIHS01_…"; empty if no publisher tells it
-  std::vector<Policies> publishers, subscriptions;
+  std::vector<Policies> publishers, subscriptions;  ///< one for each endpoint
 };
 
 class Codec;
@@ -37,15 +37,15 @@ enum class Hears {
 /// A topic: its name (ROS 2 form), its type, its QoS.
 template <class M>
 struct Topic {
-  const char* name;
-  QoS qos = kDefault;
-  Hears hears = Hears::kFitting;
+  const char* name;    ///< relative to the node's namespace, unless it begins with / or ~
+  QoS qos = kDefault;  ///< of both sides
+  Hears hears = Hears::kFitting;  ///< of its subscriptions
 };
 
 /// What the untyped side of the runtime knows about a message type.
 struct TypeRef {
   const char* name;  ///< "geometry_msgs/msg/Twist"
-  std::unique_ptr<eprosima::fastdds::dds::TopicDataType> (*create)();
+  std::unique_ptr<eprosima::fastdds::dds::TopicDataType> (*create)();  ///< makes DDS's type support
 };
 
 /// The type of message M.
@@ -150,7 +150,7 @@ class Subscription {
 
 /// A reused message and its callback: the type-erased part that a Subscription needs of M.
 struct Receiver {
-  TypeRef type;
+  TypeRef type;                    ///< of the messages that it takes
   std::function<void*()> message;  ///< where to decode to
   std::function<void()> reset;     ///< clears it after a failed decode
   std::function<void()> deliver;   ///< calls the function with it

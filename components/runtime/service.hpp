@@ -15,7 +15,7 @@ namespace tandem::runtime {
 /// A service: its name (ROS 2 form) and its type S with S::Request and S::Response.
 template <class S>
 struct ServiceName {
-  const char* name;
+  const char* name;  ///< relative to the node's namespace, unless it begins with / or ~
 };
 
 class Server;
@@ -24,7 +24,7 @@ class Caller;
 /// A service found on the domain, for example "/arbitration/set_policy" of type
 /// "tandem_msgs/srv/SetPolicy".
 struct ServiceInfo {
-  std::string name, type;
+  std::string name, type;  ///< ROS 2's names
 };
 
 /// Answers requests until it is destroyed.
@@ -125,9 +125,9 @@ class GenericClient {
 
 /// A reused request and response, and the callback that turns one into the other.
 struct Responder {
-  Receiver request;  ///< deliver() fills the response
-  TypeRef response_type;
-  std::function<const void*()> response;
+  Receiver request;                       ///< deliver() fills the response
+  TypeRef response_type;                  ///< of the response
+  std::function<const void*()> response;  ///< the response that was filled in last
 };
 
 /// A responder that calls `fn` with request and response of service S.

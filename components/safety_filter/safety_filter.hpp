@@ -53,7 +53,7 @@ struct SafetyFilterParams {
   double jump_angle = 0.3;
   double jump_rest = 1.0;
   double odom_resolution = 0.01;
-  PeopleParams people{};
+  PeopleParams people{};  ///< of people nearby
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -123,7 +123,7 @@ struct Filtered {
   Twist2 twist;      ///< to send now
   Twist2 requested;  ///< the command received
   Twist2 safe;       ///< the safe part of it; equals `twist` while enforcing
-  FilterReason reason = FilterReason::kNoCommand;
+  FilterReason reason = FilterReason::kNoCommand;  ///< why it was changed, or that it was not
   double scale = 0.0;  ///< fraction of the requested command that is safe
   /// Clearance of the outline at the measured pose [m], at most 1; NaN where it was not computed.
   double clearance = std::numeric_limits<double>::quiet_NaN();

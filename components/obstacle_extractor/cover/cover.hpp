@@ -14,8 +14,8 @@ namespace tandem {
 
 /// A shape and the bounding box of the cells it covers [m].
 struct CoverShape {
-  Obstacle obstacle;
-  Eigen::Vector2d low, high;
+  Obstacle obstacle;          ///< the shape
+  Eigen::Vector2d low, high;  ///< corners of the box in M [m]
 };
 
 /// Distance from a point to the bounding box of the shape's cells [m].

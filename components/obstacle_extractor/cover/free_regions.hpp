@@ -13,14 +13,14 @@ namespace tandem {
 
 /// Index of a cell in its grid.
 struct CellIndex {
-  int ix = 0, iy = 0;
+  int ix = 0, iy = 0;  ///< column and row
 
   bool operator==(const CellIndex&) const = default;
 };
 
 /// Cells [x0, x1) × [y0, y1) of a grid; may reach beyond it.
 struct CellRect {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< first cell, and one past the last
 
   /// Cells along x.
   [[nodiscard]] int width() const { return x1 - x0; }
