@@ -153,8 +153,8 @@ class Arbiter {
   /// stay.
   void on_time_jump(double now);
 
-  /// The decision for `now` [s], not before the times of the inputs. Call it at every control
-  /// period: each call advances the hand-over.
+  /// The decision for `now` [s], which must not decrease. Call it once per control period:
+  /// hand-over and blending go on from the last decision.
   [[nodiscard]] Decision decide(double now);
   /// Why the robot moves or stands after `decision`: the first that applies of
   ///

@@ -42,7 +42,7 @@ struct HindsightParams {
 
 /// The assisted command and the belief over the goals behind it.
 struct Assistance {
-  Twist2 command;              ///< zero if the person gives none
+  Twist2 command;              ///< the person's own while they do not push
   std::vector<double> belief;  ///< one probability per goal, uniform at the start
 };
 

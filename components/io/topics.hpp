@@ -34,7 +34,7 @@ inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assi
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
 /// The leader, a virtual robot that the person drives.
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
-/// The leader's outline.
+/// The leader, to be looked at.
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
 /// Why a deflected stick does not move the robot; empty once it does. Repeated while that lasts.
 inline constexpr Topic<std_msgs::msg::String> teleop_status{"teleop/status"};

@@ -35,7 +35,7 @@ struct DomainEndpoint {
 
 /// What exists on the domain.
 struct Domain {
-  std::vector<DomainParticipantInfo> participants;  ///< programs, roughly
+  std::vector<DomainParticipantInfo> participants;  ///< usually one for each process
   std::vector<DomainEndpoint> endpoints;            ///< readers and writers
   int malformed = 0;  ///< samples of ros_discovery_info that failed to decode
 };

@@ -29,8 +29,8 @@ class NodeCore;
 
 /// How a node is named and configured.
 struct NodeOptions {
-  std::string name;      ///< as ROS 2 allows it: a letter first, then letters, digits and _
-  std::string ns = "/";  ///< namespace
+  std::string name;                                 ///< letters, digits and _, no digit first
+  std::string ns = "/";                             ///< namespace
   std::map<std::string, std::string> remappings{};  ///< from → to, ROS 2 names
   ParameterSources parameters{};                    ///< from files and the command line
   bool use_sim_time = false;                        ///< overridden by a parameter `use_sim_time`
