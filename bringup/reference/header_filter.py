@@ -14,7 +14,8 @@ import sys
 FIELD = re.compile(r'field\(\s*"\w+",\s*(\w+)\s*,(.*?)\);$', re.M | re.S)
 VISIT = re.compile(r'^  template <class Visitor>\n  void visit\(Visitor&& field\) \{\n.*?^  \}\n', re.M | re.S)
 DECLARATOR = r'\w+(?: = [^,;{]+|\{[^}]*\})?'
-SHARED = re.compile(rf'^( *(?:static constexpr |inline constexpr )?[\w:]+(?:<[^;=]*>)?) ({DECLARATOR}(?:, {DECLARATOR})+);(?! *///<)', re.M)
+TYPE = r'(?:static constexpr |inline constexpr )?[\w:]+(?:<[^;=]*>)?'
+SHARED = re.compile(rf'^( *{TYPE}) ({DECLARATOR}(?:, {DECLARATOR})+);(?! *///<)', re.M)
 SEVERAL = re.compile(SHARED.pattern.replace('(?! *///<)', ' +///< (.*)$'), re.M)
 LEFT_OUT = (r'^ *[^\n;{}/]*= (?:default|delete);.*$',
             r'^  (?:explicit )?(?:\w+& operator=|\w+)\(\w+&&(?: other)?\) noexcept.*$')
