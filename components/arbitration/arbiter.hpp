@@ -42,8 +42,11 @@ enum class ArbitrationReason {
 /// The names of the policies, in the order of the enumeration.
 [[nodiscard]] const std::vector<std::string>& policies();
 
+/// The policy as parameters and messages write it.
 [[nodiscard]] const char* name(Policy policy);
+/// The source as messages write it.
 [[nodiscard]] const char* name(Source source);
+/// The reason in short, for logs and tables.
 [[nodiscard]] const char* name(ArbitrationReason reason);
 
 /// Throws std::invalid_argument, listing the policies, if `text` is not one of them.
@@ -67,6 +70,7 @@ struct BlendParams {
   }
 };
 
+/// Policy, time-outs and hand-over of the arbiter.
 struct ArbiterParams {
   std::string policy = "shared";
   double user_timeout = 0.11;
@@ -74,8 +78,8 @@ struct ArbiterParams {
   double nav_timeout = 0.5;
   double handover_time = 0.3;
   double takeover_threshold = 0.05;
-  BlendParams blend{};
-  AdaptiveParams adaptive{};
+  BlendParams blend{};        ///< of policy blend
+  AdaptiveParams adaptive{};  ///< of policy adaptive
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -96,10 +100,11 @@ struct ArbiterParams {
   }
 };
 
+/// The command to pass on, whose it is and why.
 struct Decision {
-  Twist2 command;
-  Source source = Source::kNone;
-  ArbitrationReason reason = ArbitrationReason::kAllSilent;
+  Twist2 command;                                            ///< zero if nobody may drive
+  Source source = Source::kNone;                             ///< kNone: nobody may drive
+  ArbitrationReason reason = ArbitrationReason::kAllSilent;  ///< why this source
   double alpha = 0.0;        ///< the planner's share of the command, 0 … 1
   double performance = 1.0;  ///< of the person, 0 … 1, as measured by policy adaptive
 };
@@ -115,8 +120,11 @@ class Arbiter {
   /// Throws std::invalid_argument, having changed nothing, on parameters out of range.
   void set_blend(const BlendParams& blend);
 
+  /// Takes the person's command, which arrived at time t [s].
   void on_user(const Twist2& twist, double t);
+  /// Takes the planner's command, which arrived at time t [s].
   void on_shared(const Twist2& twist, double t);
+  /// Takes the command of another autonomy, such as Nav2's, which arrived at time t [s].
   void on_nav(const Twist2& twist, double t);
   /// Distance from the robot to the nearest obstacle [m]; policy blend uses it.
   void on_clearance(double clearance, double t);
@@ -135,17 +143,21 @@ class Arbiter {
   void on_emergency_stop(bool pressed);
   /// Releases the stop if the last signal was `false`. Returns whether it is released now.
   [[nodiscard]] bool release_emergency_stop() { return stop_.release(); }
+  /// Whether the emergency stop is latched.
   [[nodiscard]] bool emergency_stopped() const { return stop_.latched(); }
 
   /// Returns false, changing nothing, for kAutonomous while the emergency stop is latched: the
   /// release would start the robot.
   [[nodiscard]] bool set_policy(Policy policy);
+  /// The policy in force.
   [[nodiscard]] Policy policy() const { return policy_; }
 
   /// Call after the clock jumped back to `now`: discards all inputs. Policy and emergency stop
   /// stay.
   void on_time_jump(double now);
 
+  /// The decision for `now` [s], which must not decrease. Call it once per control period:
+  /// hand-over and blending go on from the last decision.
   [[nodiscard]] Decision decide(double now);
   /// Why the robot moves or stands after `decision`: the first that applies of
   ///

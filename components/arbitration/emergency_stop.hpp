@@ -26,9 +26,11 @@ class EmergencyStop {
   /// `rest_time`: time without steering that counts as letting go [s].
   explicit EmergencyStop(double rest_time) : rest_time_{rest_time} {}
 
+  /// Takes a signal of /e_stop; `true` latches the stop.
   void on_signal(bool pressed);
   /// Releases the latch if the last signal was `false`. Returns whether the stop is released now.
   [[nodiscard]] bool release();
+  /// Whether the robot must stand.
   [[nodiscard]] bool latched() const { return latched_; }
   /// Whether a person has ever sent a command.
   [[nodiscard]] bool heard_person() const { return heard_person_; }

@@ -50,6 +50,7 @@ class Performance {
   /// as complete [m/s, rad/s].
   void update(const Twist2& shared, double disagreement, double t, const AdaptiveParams& params);
 
+  /// How well the person drives, 0 … 1.
   [[nodiscard]] double performance() const { return performance_; }
   /// The planner's share, (3).
   [[nodiscard]] double share(const AdaptiveParams& params) const;

@@ -15,19 +15,20 @@ namespace tandem {
 
 /// Closed interval a numeric parameter must lie in.
 struct Range {
-  double min, max;
+  double min, max;  ///< both ends belong to the interval
 };
 
 /// The values a text parameter may take.
 struct OneOf {
-  std::vector<std::string> names;
+  std::vector<std::string> names;  ///< all of them
 };
 
 /// A parameter name that had several meanings in one node, and the names that replace it.
 struct RetiredName {
-  std::string_view name;
-  const char* instead;
+  std::string_view name;  ///< the name as it was
+  const char* instead;    ///< what to use for which purpose
 };
+/// All retired names. Using one is an error that prints its replacement.
 inline constexpr RetiredName kRetiredNames[]{
     {"command_timeout",
      "base_timeout: the base itself stops after this long without a command; arbitrated_timeout: "
@@ -44,6 +45,7 @@ inline constexpr RetiredName kRetiredNames[]{
 /// Visitor that throws std::invalid_argument for the first field outside its declaration. Every
 /// visitor of parameters has these six overloads of operator().
 struct Checker {
+  /// Accepts a value inside its range or among its choices; NaN is outside of every range.
   void operator()(const char* name, double value, const Range& range, const char* meaning) const {
     if (value >= range.min && value <= range.max) return;  // false for NaN
     std::ostringstream text;
@@ -54,6 +56,7 @@ struct Checker {
   void operator()(const char* name, int value, const Range& range, const char* meaning) const {
     (*this)(name, static_cast<double>(value), range, meaning);
   }
+  /// A text must be one of the choices.
   void operator()(const char* name, const std::string& value, const OneOf& choices,
                   const char* meaning) const {
     std::string all;

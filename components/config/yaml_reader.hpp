@@ -21,15 +21,19 @@ class YamlReader {
 
   /// The root of a file, or of a text that errors call `name`; see yaml_document.hpp.
   [[nodiscard]] static YamlReader load(const std::string& file);
+  /// The root of `text`, which errors call `name`.
   [[nodiscard]] static YamlReader parse(const std::string& text, const std::string& name);
 
   /// The value of a key of this map. Several equal keys are an error: only one would count.
   [[nodiscard]] YamlReader required(const std::string& key);
+  /// The value of a key of this map; nullopt if the map lacks it.
   [[nodiscard]] std::optional<YamlReader> optional(const std::string& key);
+  /// The value of a key of this map as T.
   template <class T>
   [[nodiscard]] T required(const std::string& key) {
     return required(key).as<T>();
   }
+  /// The value of a key of this map as T; `otherwise` if the map lacks it.
   template <class T>
   [[nodiscard]] T optional(const std::string& key, T otherwise) {
     const auto value = optional(key);
@@ -50,7 +54,9 @@ class YamlReader {
   template <class T>
   [[nodiscard]] T as() const;
 
+  /// This value as a finite number in [low, high].
   [[nodiscard]] double number(double low, double high) const;
+  /// This value as a list of kSize finite numbers, each in [low, high].
   template <int kSize>
   [[nodiscard]] Eigen::Matrix<double, kSize, 1> vector(double low = -kHuge,
                                                        double high = kHuge) const;
@@ -58,13 +64,17 @@ class YamlReader {
   /// A file's path; if it is relative, seen from the folder of the file that is read.
   [[nodiscard]] std::string path() const;
 
+  /// Whether this value is a map.
   [[nodiscard]] bool is_map() const { return node_.IsMap(); }
+  /// Whether this value is a list.
   [[nodiscard]] bool is_list() const { return node_.IsSequence(); }
+  /// Whether this value is a scalar.
   [[nodiscard]] bool is_scalar() const { return node_.IsScalar(); }
   [[nodiscard]] std::string text() const;   ///< this value as YAML, on one line
   [[nodiscard]] std::string place() const;  ///< "FILE:LINE"
   [[nodiscard]] std::string key() const { return "`" + key_ + "`"; }  ///< "`goal.tolerance`"
 
+  /// Throws std::invalid_argument "FILE:LINE: what".
   [[noreturn]] void fail(const std::string& what) const;
 
  private:

@@ -17,8 +17,9 @@
 
 namespace tandem {
 
+/// The drive, the sensors' errors and the delays of the simulated robot.
 struct DiffDriveSimParams {
-  DriveParams drive;
+  DriveParams drive;  ///< wheels, delays and slip
   double max_step = 0.005;
   double sensor_delay_fraction = 1.0;
   double odometry_noise = 0.0;
@@ -56,17 +57,17 @@ inline constexpr double kAllAround = 2.0 * std::numbers::pi;
 
 /// Current ground truth.
 struct SimState {
-  double t = 0.0;
-  Pose2 X_MB;
-  Twist2 twist;  ///< over the ground
+  double t = 0.0;  ///< [s]
+  Pose2 X_MB;      ///< true pose
+  Twist2 twist;    ///< over the ground
 };
 
 /// The odometry that the base reports now, measured `sensor_delay` ago.
 struct OdometryReport {
   double t = 0.0;  ///< time of the measurement
-  Pose2 X_WB;
-  Twist2 twist;  ///< from the wheel encoders
-  Pose2 X_MW;    ///< a perfect localizer's transform map → odom at that time
+  Pose2 X_WB;      ///< pose in odometry
+  Twist2 twist;    ///< from the wheel encoders
+  Pose2 X_MW;      ///< a perfect localizer's transform map → odom at that time
 };
 
 /// Contacts since the last reset. An episode begins when the outline touches an occupied cell or a
@@ -74,8 +75,8 @@ struct OdometryReport {
 /// with a person counts as a collision only once the robot itself moves; otherwise it counts as
 /// being walked into.
 struct ContactReport {
-  bool in_contact = false;  ///< an episode is in progress
-  unsigned count = 0;
+  bool in_contact = false;         ///< an episode is in progress
+  unsigned count = 0;              ///< episodes
   unsigned walked_into = 0;        ///< episodes that began with a person walking into the robot
   Eigen::Vector2d p_MQ{0.0, 0.0};  ///< centre of the obstacle touched in the last episode [m]
 };
@@ -102,12 +103,17 @@ class DiffDriveSim {
   /// Simulates up to time t [s] in steps of at most max_step.
   void advance_to(double t);
 
+  /// The true state.
   [[nodiscard]] const SimState& state() const { return state_; }
+  /// What odometry reports now, with its noise and delay.
   [[nodiscard]] OdometryReport odometry() const;
+  /// Contacts since the last reset.
   [[nodiscard]] const ContactReport& contacts() const { return contacts_; }
   /// Smallest gap of the outline to any obstacle since the last reset [m], at most 1.
   [[nodiscard]] double min_clearance() const { return min_clearance_; }
+  /// The robot's outline in B.
   [[nodiscard]] const Footprint& footprint() const { return footprint_; }
+  /// The simulated people.
   [[nodiscard]] const People& people() const { return people_; }
   [[nodiscard]] People& people() { return people_; }
   /// Range of ray `i` of `beams` (see beam_angle) from the origin of B at X_MB to a wall or a

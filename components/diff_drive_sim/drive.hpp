@@ -49,6 +49,7 @@ struct DriveParams {
 /// and the same for the turn rate. Apart from the clamp, (1) is linear in the wheel speeds.
 class Drive {
  public:
+  /// A drive at rest. Equal seeds give equal slip.
   Drive(const DriveParams& params, const RobotParams& robot, unsigned seed);
 
   /// Takes a command sent at time t [s], not before the earlier ones. A non-finite command is

@@ -22,18 +22,20 @@ struct Walker {
 /// walkers_of converts back and throws std::invalid_argument on a malformed list, a radius that is
 /// not above 0, or a speed below 0.
 [[nodiscard]] std::vector<double> to_numbers(std::span<const Walker> walkers);
+/// The inverse of to_numbers().
 [[nodiscard]] std::vector<Walker> walkers_of(std::span<const double> numbers);
 
 /// People who cross a rectangle, each between two points on opposite sides.
 struct Crossings {
-  int count = 0;
+  int count = 0;                                  ///< number of people
   Eigen::Vector2d low{0.0, 0.0}, high{0.0, 0.0};  ///< corners of the rectangle [m]
   double slowest = 0.5, fastest = 1.3;            ///< [m/s]
   double radius = 0.25;                           ///< [m]
 };
 
-/// The walkers for a seed; nobody starts within `kStartGap` of p_MB.
-inline constexpr double kStartGap = 1.5;  // [m]
+/// Distance from the robot within which nobody starts.
+inline constexpr double kStartGap = 1.5;  ///< [m]
+/// The walkers of a seed; nobody starts within kStartGap of p_MB [m].
 [[nodiscard]] std::vector<Walker> crossing_people(const Crossings& crossings, unsigned seed,
                                                   const Eigen::Vector2d& p_MB);
 
@@ -47,12 +49,14 @@ class People {
   static constexpr double kArrived = 0.3;  ///< [m] distance at which they turn to the next
 
   People() = default;
+  /// Everybody at their start. `acceleration`: how fast people change their velocity [m/s²].
   People(std::vector<Walker> walkers, double acceleration);
 
   /// Returns all people to their starts.
   void restart();
   /// Gives person i another path, from where they are now.
   void send(std::size_t i, std::vector<Eigen::Vector2d> p_MW);
+  /// Moves everybody for `dt` [s].
   void advance(double dt);
 
   /// All people as discs with their velocity, in the order given.

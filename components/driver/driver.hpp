@@ -16,13 +16,14 @@
 
 namespace tandem {
 
+/// Which simulated person drives, with which skill.
 struct DriverParams {
   std::string driver = "navigator";
-  NavigatorParams navigator{};
-  HandParams hand{};
+  NavigatorParams navigator{};  ///< of navigator and pointer
+  HandParams hand{};            ///< of the modifiers
   double reckless_time = 120.0;
   std::string script;
-  RobotParams robot{};
+  RobotParams robot{};  ///< the robot that is steered
   std::vector<double> replay_t, replay_linear, replay_angular;
 
   template <class Visitor>
@@ -50,9 +51,10 @@ struct DriverParams {
 /// A parsed driver name: `navigator+tremor` is navigator with tremor. Throws std::invalid_argument
 /// that lists all names if a part is unknown.
 struct DriverName {
-  std::string driver;
-  std::set<std::string> modifiers;
+  std::string driver;               ///< one of the drivers
+  std::set<std::string> modifiers;  ///< what follows each "+"
 
+  /// Parses "driver+modifier+…". Throws std::invalid_argument on an unknown part.
   explicit DriverName(const std::string& text);
 };
 

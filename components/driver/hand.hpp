@@ -14,8 +14,8 @@ namespace tandem {
 
 /// State of a joystick: forward and left in [−1, 1], and whether the dead-man is held.
 struct Hand {
-  double linear = 0.0, angular = 0.0;
-  bool holds = true;
+  double linear = 0.0, angular = 0.0;  ///< [1]
+  bool holds = true;                   ///< the dead-man is held
 };
 
 /// How the actual stick motion differs from the intended one. Frequencies, damping and the drift

@@ -15,6 +15,7 @@
 
 namespace tandem {
 
+/// Route and steering of a person who knows where to go.
 struct NavigatorParams {
   std::vector<double> route;
   bool loop = false;

@@ -13,6 +13,7 @@ class Route {
   /// Throws std::invalid_argument without a point or if two neighbours are the same.
   explicit Route(std::vector<Eigen::Vector2d> points);
 
+  /// Length of the whole route [m].
   [[nodiscard]] double length() const { return length_.back(); }
 
   /// The point at arc length s [m]; the first and last segments are extended straight beyond the

@@ -13,7 +13,7 @@ namespace tandem {
 
 /// Drives along a route, forward or with the rear ahead, until its end is `tolerance` away.
 struct PathPhase {
-  Route route;
+  Route route;                  ///< in M
   double direction = 1.0;       ///< −1: the rear leads
   double stick = 0.8;           ///< [1] share of full deflection
   double end_stick = 0.15;      ///< [1] at the end of the route
@@ -33,8 +33,9 @@ struct PushPhase {
   double linear = 0.0, angular = 0.0;  ///< [1]
 };
 
+/// One phase of a script: what the person does, and until when.
 struct ScriptPhase {
-  std::variant<PushPhase, PathPhase, TurnPhase> action;
+  std::variant<PushPhase, PathPhase, TurnPhase> action;  ///< what the person does
   double time = 30.0;  ///< [s] a push ends after this time, a path or turn is abandoned
 };
 

@@ -15,9 +15,12 @@ namespace tandem {
 /// or, if it loops, one leg per point.
 class Pointer {
  public:
+  /// Equal seeds give equal noise of hand and eye.
   Pointer(const NavigatorParams& params, unsigned seed);
 
+  /// The hand at time t [s], with the robot at X_MB, seen by the person at X_MS.
   [[nodiscard]] Hand steer(const Pose2& X_MB, const Pose2& X_MS, double t);
+  /// Whether the last point is reached; never if the route loops.
   [[nodiscard]] bool arrived() const { return !loop_ && legs_.front().arrived(); }
 
  private:
@@ -30,9 +33,12 @@ class Pointer {
 /// over.
 class Reckless {
  public:
+  /// Drives for `time` [s].
   Reckless(double time, unsigned seed) : time_{time}, random_{seed} {}
 
+  /// The hand at time t [s], with the robot seen at X_MS.
   [[nodiscard]] Hand steer(const Pose2& X_MS, double t);
+  /// Whether the time is over.
   [[nodiscard]] bool arrived() const { return arrived_; }
 
  private:
@@ -46,6 +52,7 @@ class Reckless {
 /// Drives at full speed at the nearest obstacle; when blocked, takes a run-up from elsewhere.
 class Adversary {
  public:
+  /// Equal seeds give equal run-ups.
   explicit Adversary(unsigned seed) : random_{seed} {}
 
   /// `map` may be null; the adversary then drives straight ahead.
@@ -61,8 +68,8 @@ class Adversary {
 
 /// A recorded stick; each sample holds until the next.
 struct Recording {
-  std::vector<double> t;  ///< [s], not decreasing
-  std::vector<double> linear, angular;
+  std::vector<double> t;                ///< [s], not decreasing
+  std::vector<double> linear, angular;  ///< [1], one for each time
 };
 
 /// Plays a recording, starting at the first call; releases the dead-man at its end.
@@ -72,7 +79,9 @@ class Replay {
   /// decrease.
   explicit Replay(Recording recording);
 
+  /// The recorded hand at time t [s].
   [[nodiscard]] Hand steer(double t);
+  /// Whether the recording has ended.
   [[nodiscard]] bool arrived() const { return arrived_; }
 
  private:

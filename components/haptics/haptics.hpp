@@ -10,6 +10,7 @@
 
 namespace tandem {
 
+/// The clearance and the disagreement that the stick resists.
 struct HapticsParams {
   double near = 0.4;
   double disagreement = 0.5;
@@ -40,7 +41,7 @@ class Haptics {
   [[nodiscard]] double feel(const std::optional<Twist2>& user, const Twist2& robot,
                             double clearance, double dt);
 
-  static constexpr double kAhead = 1.0;  // [s]
+  static constexpr double kAhead = 1.0;  ///< [s]
 
  private:
   [[nodiscard]] double disagreement(const Twist2& user, const Twist2& robot, double dt);

@@ -10,6 +10,7 @@
 
 namespace tandem {
 
+/// The places that the person may mean, and how strongly to help.
 struct HindsightParams {
   std::vector<double> goals;
   double lookahead = 1.0;
@@ -41,7 +42,7 @@ struct HindsightParams {
 
 /// The assisted command and the belief over the goals behind it.
 struct Assistance {
-  Twist2 command;
+  Twist2 command;              ///< the person's own while they do not push
   std::vector<double> belief;  ///< one probability per goal, uniform at the start
 };
 
@@ -69,7 +70,9 @@ class Hindsight {
 
   /// Computes each goal's cost-to-go by fast marching, O(n log n) in the map's cells.
   void on_map(const StaticMap& map);
+  /// Whether on_map() was called.
   [[nodiscard]] bool has_map() const { return !cost_.empty(); }
+  /// The places, in M.
   [[nodiscard]] const std::vector<Pose2>& goals() const { return goals_; }
 
   /// Assists the person's command `user` at time `t` [s] from X_MB in the map frame. Returns `user`

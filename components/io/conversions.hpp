@@ -18,6 +18,7 @@
 
 namespace tandem {
 
+/// A message's timestamp.
 using Stamp = builtin_interfaces::msg::Time;
 
 /// Frame names on the wire, shared by all components of a robot.
@@ -34,15 +35,17 @@ struct Frames {
 
 /// Odometry or ground truth: pose of the child frame in the header's frame, body twist.
 struct Odometry {
-  Pose2 X;
-  Twist2 twist;
+  Pose2 X;       ///< of B
+  Twist2 twist;  ///< of B
 };
 
+/// A header with this timestamp and frame.
 [[nodiscard]] std_msgs::msg::Header header(const Stamp& stamp, const std::string& frame);
 
 /// Forward speed and yaw rate (axes as in REP-103); the other four components are ignored. nullopt
 /// if one of the two is not finite.
 [[nodiscard]] std::optional<Twist2> from_msg(const geometry_msgs::msg::Twist& msg);
+/// Forward speed and yaw rate; the other four components are zero.
 [[nodiscard]] geometry_msgs::msg::Twist to_msg(const Twist2& twist);
 
 /// Why from_msg rejects a pose: "is not finite", or that its quaternion is zero.
@@ -51,10 +54,14 @@ struct Odometry {
 /// The planar pose, heading from the quaternion's yaw. nullopt if a number is not finite or the
 /// quaternion is zero.
 [[nodiscard]] std::optional<Pose2> from_msg(const geometry_msgs::msg::Pose& msg);
+/// The pose at height 0.
 [[nodiscard]] geometry_msgs::msg::Pose to_msg(const Pose2& X);
+/// The pose at height 0, with a header.
 [[nodiscard]] geometry_msgs::msg::PoseStamped to_msg(const Pose2& X,
                                                      const std_msgs::msg::Header& header);
 
+/// Pose and twist as the message has them, in its frames. nullopt if a number is not finite or the
+/// quaternion is zero.
 [[nodiscard]] std::optional<Odometry> from_msg(const nav_msgs::msg::Odometry& msg);
 /// Odometry of frame B in frame A. `of_C` is of the child frame C in the header's frame F, and B is
 /// fixed to the same body as C. The frames may be tilted: poses and twist are transformed in space,
@@ -66,6 +73,7 @@ struct Odometry {
 /// Ground truth. It is not transformed: nullopt if its frame is neither `map` nor empty.
 [[nodiscard]] std::optional<Odometry> truth_from(const nav_msgs::msg::Odometry& msg,
                                                  const std::string& map);
+/// `odometry` of the frame `child` in the header's frame.
 [[nodiscard]] nav_msgs::msg::Odometry to_msg(const Odometry& odometry,
                                              const std_msgs::msg::Header& header,
                                              const std::string& child);
@@ -74,22 +82,26 @@ struct Odometry {
 [[nodiscard]] std::optional<Pose2> find_transform(const tf2_msgs::msg::TFMessage& msg,
                                                   const std::string& parent,
                                                   const std::string& child);
+/// The planar transform from the header's frame to `child`, at height 0.
 [[nodiscard]] geometry_msgs::msg::TransformStamped to_transform(const Pose2& X,
                                                                 const std_msgs::msg::Header& header,
                                                                 const std::string& child);
 
 /// The 3D transform. nullopt if a number is not finite or the quaternion is zero.
 [[nodiscard]] std::optional<Eigen::Isometry3d> from_msg(const geometry_msgs::msg::Transform& msg);
+/// The transform from the header's frame to `child`.
 [[nodiscard]] geometry_msgs::msg::TransformStamped to_transform(const Eigen::Isometry3d& X,
                                                                 const std_msgs::msg::Header& header,
                                                                 const std::string& child);
 
 /// Obstacles that are finite with a ≥ b > 0; others are counted in `refused`.
 struct Obstacles {
-  std::vector<Obstacle> all;
-  int refused = 0;
+  std::vector<Obstacle> all;  ///< the valid ones
+  int refused = 0;            ///< number of those left out
 };
+/// The ellipses of the message, in its frame; those that are not valid are counted and left out.
 [[nodiscard]] Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg);
+/// The obstacles, in the header's frame.
 [[nodiscard]] tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
                                                      const std_msgs::msg::Header& header);
 
@@ -98,6 +110,7 @@ struct Obstacles {
 /// The range returns of a sensor; a malformed message sets their error.
 [[nodiscard]] RangeReturns from_msg(const sensor_msgs::msg::PointCloud2& msg);
 
+/// The poses as a path in the header's frame.
 [[nodiscard]] nav_msgs::msg::Path to_path(std::span<const Pose2> X,
                                           const std_msgs::msg::Header& header);
 /// The message's plane, unchecked; error_of() reports faults. An origin with a zero quaternion

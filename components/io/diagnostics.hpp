@@ -18,7 +18,7 @@ namespace tandem {
 /// `gives` (the topics affected by a fault) and `waits_for` (the missing input topic).
 class Diagnostics {
  public:
-  static constexpr double kPeriod = 1.0;  // [s]
+  static constexpr double kPeriod = 1.0;  ///< between two reports [s]
 
   /// `gives`: topics that the node publishes, by their names in topics.hpp.
   Diagnostics(rt::Node& node, std::initializer_list<const char*> gives);
@@ -75,11 +75,13 @@ class Causes {
   /// A node whose last status is older than this [s] counts as gone.
   static constexpr double kGone = 3.0 * Diagnostics::kPeriod;
 
+  /// A fault of another node.
   struct Cause {
     std::string reason;  ///< "node: message"
-    std::string remedy;
+    std::string remedy;  ///< as the node gives it; may be empty
   };
 
+  /// Subscribes at once; `node` must outlive this.
   explicit Causes(rt::Node& node);
   /// The topic that it opens.
   [[nodiscard]] static rt::Interface interface() { return {.subscribes = {topics::diagnostics}}; }

@@ -18,9 +18,9 @@ namespace tandem {
 
 /// The result of a transform lookup: the transform, or why there is none.
 struct Placing {
-  std::optional<Eigen::Isometry3d> X_AB = {};
-  bool is_static = true;     ///< X_AB does not change
-  std::string refusal = {};  ///< why there is no X_AB; empty if there is
+  std::optional<Eigen::Isometry3d> X_AB = {};  ///< nullopt: refused
+  bool is_static = true;                       ///< X_AB does not change
+  std::string refusal = {};                    ///< why there is no X_AB; empty if there is
 };
 
 /// The frame tree shared by all inputs of a node, so that they accept the same frames and reject
@@ -31,6 +31,7 @@ struct Placing {
 /// logged with both publishers.
 class FramesInput {
  public:
+  /// A callback on the node's thread.
   using Changed = std::function<void()>;
   static constexpr double kMaxTilt = 0.1;     ///< maximum tilt of a planar frame [rad]
   static constexpr double kMaxMotion = 0.05;  ///< [m] of a frame at rest in FrameTree::moved()
@@ -44,7 +45,9 @@ class FramesInput {
   FramesInput(const FramesInput&) = delete;
   FramesInput& operator=(const FramesInput&) = delete;
 
+  /// The names of map, odom and base frame.
   [[nodiscard]] const Frames& names() const { return names_; }
+  /// All frames received so far.
   [[nodiscard]] const FrameTree& tree() const { return tree_; }
   /// Number of messages so far. While it is unchanged, lookups change only as frames become too
   /// old.

@@ -21,8 +21,9 @@
 
 namespace tandem {
 
+/// Which map a node uses, and how it reads it.
 struct MapInputParams {
-  SliceParams slice;
+  SliceParams slice;  ///< the heights that count
   bool unknown_is_obstacle = false;
   std::string fixtures;
   std::string map_source = "static";
@@ -106,6 +107,7 @@ class MapInput {
   MapInput(const MapInput&) = delete;
   MapInput& operator=(const MapInput&) = delete;
 
+  /// The virtual fixtures of the parameters, in M.
   [[nodiscard]] const VirtualFixtures& fixtures() const { return fixtures_; }
 
   /// The newest map; null before the first one, while octomap_local is required but silent, and

@@ -17,9 +17,11 @@ namespace tandem {
 /// and for `kTwoSpeak` after, because each list must contain everybody nearby.
 class ObstacleTracksInput {
  public:
+  /// Takes a list in M, on the node's thread.
   using Receive = std::function<void(std::vector<Obstacle>)>;
-  static constexpr double kTwoSpeak = 1.0;  // [s]
+  static constexpr double kTwoSpeak = 1.0;  ///< [s]
 
+  /// `node` and `frames` must outlive this.
   ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Receive receive);
   /// The topic that it opens.
   [[nodiscard]] static rt::Interface interface();

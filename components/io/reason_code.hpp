@@ -8,6 +8,7 @@
 
 namespace tandem {
 
+/// The message with the number of a reason.
 [[nodiscard]] tandem_msgs::msg::ReasonCode to_msg(Reason reason);
 
 /// kOther for a number that this version does not know.

@@ -13,9 +13,10 @@
 
 namespace tandem {
 
+/// Names of the frames, and ages beyond which the state counts as unknown.
 struct RobotStateParams {
-  LocalizationParams localization;
-  Frames frames;
+  LocalizationParams localization;  ///< time-outs
+  Frames frames;                    ///< names of the frames
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -32,6 +33,7 @@ struct RobotStateParams {
 /// frame.
 class RobotStateInput {
  public:
+  /// `node` must outlive this. All callbacks run on the node's thread.
   RobotStateInput(rt::Node& node, const RobotStateParams& params,
                   std::function<void(double)> on_odom = {});
   /// The topics that it opens.

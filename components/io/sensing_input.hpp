@@ -15,6 +15,7 @@ namespace tandem {
 /// publishes it, octomap_local has another source and is trusted while it is fresh (MapInput).
 class SensingInput {
  public:
+  /// `node` must outlive this.
   SensingInput(rt::Node& node, const MapInputParams& params);
   /// The topic that it opens.
   [[nodiscard]] static rt::Interface interface();

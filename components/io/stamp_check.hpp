@@ -9,6 +9,7 @@
 
 namespace tandem {
 
+/// How old a stamped command may be.
 struct StampParams {
   double max_stamp_age = 0.5;
 
@@ -23,6 +24,7 @@ struct StampParams {
 /// Rejects commands that a slow link delayed, by their timestamps. A zero timestamp is not checked.
 class StampCheck {
  public:
+  /// `node` must outlive this. `topic`: its name in warnings.
   StampCheck(rt::Node& node, std::string topic, const StampParams& params);
 
   /// Compares timestamps with `now` [s] instead of the node's clock, for a node that generates

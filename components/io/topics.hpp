@@ -22,16 +22,23 @@ using runtime::Topic;
 inline constexpr runtime::QoS kCommand{.depth = 1, .lifespan = 0.2};
 
 // the person
+/// The stick: a gamepad, the page or the keys.
 inline constexpr Topic<sensor_msgs::msg::Joy> joy{"joy"};
+/// Rumble, 0 … 1.
 inline constexpr Topic<sensor_msgs::msg::JoyFeedback> joy_feedback{"joy/set_feedback"};
+/// The person's command.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_user{"cmd_vel_user", kCommand};
 /// The person's command as corrected by `hindsight`; replaces cmd_vel_user as the planner's input.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_assisted{"cmd_vel_assisted", kCommand};
+/// The goals and their probabilities.
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> hindsight_markers{"hindsight/markers"};
+/// The leader, a virtual robot that the person drives.
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> leader_pose{"leader_pose"};
+/// The leader, to be looked at.
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> leader_markers{"leader/markers"};
 /// Why a deflected stick does not move the robot; empty once it does. Repeated while that lasts.
 inline constexpr Topic<std_msgs::msg::String> teleop_status{"teleop/status"};
+/// True ends a scenario.
 inline constexpr Topic<std_msgs::msg::Bool> end_sim{"end_sim"};
 /// QoS for reading user input: best effort, which matches every device's publisher.
 inline constexpr runtime::QoS kUserInput{
@@ -42,42 +49,62 @@ inline constexpr runtime::QoS kStickInput{
     .reliability = runtime::Reliability::kBestEffort, .depth = 10, .lifespan = 0.2};
 
 // the map
+/// The finished map.
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched,
                                                                   Hears::kEvery};
+/// What the sensors see around the robot; not latched, because it is soon outdated.
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
     "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
 /// Status of the sensors behind octomap_local, from the node that publishes the latter.
 inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
     "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
+/// The finished map as a grid: for Nav2 and RViz, or from them.
 inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
 /// People with their velocities. Each message must contain everybody nearby.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
     "people", {.depth = 1}, Hears::kEvery};
+/// The ellipses that the planner avoids.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
+/// The same, to be looked at.
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"obstacles/markers"};
 
 // the planner
+/// A goal for the method `goal`, as RViz sends it.
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose", kDefault,
                                                                   Hears::kEvery};
+/// The planner's command.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_shared{"cmd_vel_shared", kCommand};
+/// The planned poses.
 inline constexpr Topic<nav_msgs::msg::Path> plan{"plan"};
+/// Where the person's own command would lead.
 inline constexpr Topic<nav_msgs::msg::Path> user_path{"user_path"};
+/// How planning went, in every cycle.
 inline constexpr Topic<tandem_msgs::msg::PlannerStatus> planner_status{"planner/status"};
 
 // arbitration and safety filter
+/// The command of an outside autonomy, such as Nav2.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_nav{"cmd_vel_nav", kCommand};
+/// True presses the emergency stop.
 inline constexpr Topic<std_msgs::msg::Bool> e_stop{"e_stop", kLatched};
+/// The command of the source in authority.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_arbitrated{"cmd_vel_arbitrated",
                                                                      kCommand};
+/// Whose command is in force, and why the robot stands.
 inline constexpr Topic<tandem_msgs::msg::ArbitrationStatus> arbitration_status{
     "arbitration/status"};
+/// The command to the base, which the safety filter has checked.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel{"cmd_vel", kCommand};
+/// The same with a timestamp, for bases that check its age.
 inline constexpr Topic<geometry_msgs::msg::TwistStamped> cmd_vel_stamped{"cmd_vel", kCommand};
+/// What the safety filter did with each command.
 inline constexpr Topic<tandem_msgs::msg::FilterStatus> filter_status{"safety_filter/status"};
+/// The health of every node.
 inline constexpr auto diagnostics = runtime::every_node::diagnostics;
 
 // the robot
+/// The robot's odometry.
 inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
+/// Transforms that change, of all publishers.
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
     "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Hears::kEvery};
 /// Latched static transforms, one history per publisher.
@@ -85,11 +112,17 @@ inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
     "/tf_static",
     {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100},
     Hears::kEvery};
+/// The simulator's true pose and twist, in the map.
 inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
+/// A laser scanner's scan.
 inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
+/// A depth camera's points.
 inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};
+/// The simulator's contacts.
 inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
+/// Simulated time.
 inline constexpr auto clock = runtime::every_node::clock;
+/// Where to put the simulated robot.
 inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
     "initialpose", kDefault, Hears::kEvery};
 
@@ -99,9 +132,12 @@ namespace tandem::services {
 
 using runtime::ServiceName;
 
+/// Sets arbitration's policy.
 inline constexpr ServiceName<tandem_msgs::srv::SetPolicy> set_policy{"~/set_policy"};
+/// Releases the emergency stop, once nobody presses it.
 inline constexpr ServiceName<std_srvs::srv::Trigger> release_emergency_stop{
     "~/release_emergency_stop"};
+/// Puts the simulated robot back to its start.
 inline constexpr ServiceName<std_srvs::srv::Trigger> reset{"~/reset"};
 
 }  // namespace tandem::services

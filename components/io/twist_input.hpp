@@ -18,8 +18,10 @@ namespace tandem {
 /// frame: v and w refer to the robot's frame, whatever its name.
 class TwistInput {
  public:
+  /// Takes a command, on the node's thread.
   using Command = std::function<void(const Twist2&)>;
 
+  /// Subscribes to the topic with another QoS. `node` must outlive this.
   TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic, const rt::QoS& qos,
              const StampParams& params, Command command);
   TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist>& topic,

@@ -11,6 +11,7 @@
 
 namespace tandem {
 
+/// Dead zone and repetition of a gamepad.
 struct JoystickParams {
   double deadzone = 0.05;
   double autorepeat_rate = 20.0;
@@ -32,19 +33,20 @@ struct JoystickParams {
 /// Device state as the operating system reports it: axes in [−32768, 32767], right and down
 /// positive.
 struct RawJoystick {
+  /// A directional pad.
   struct Hat {
-    bool left = false, right = false, up = false, down = false;
+    bool left = false, right = false, up = false, down = false;  ///< pressed that way
   };
-  std::vector<std::int16_t> axes;
-  std::vector<bool> buttons;
-  std::vector<Hat> hats;
+  std::vector<std::int16_t> axes;  ///< in the device's order
+  std::vector<bool> buttons;       ///< true: pressed
+  std::vector<Hat> hats;           ///< in the device's order
 };
 
 /// As sensor_msgs/Joy: axes in [−1, 1], left and up positive; each hat adds two axes after the
 /// others.
 struct JoySample {
-  std::vector<float> axes;
-  std::vector<int> buttons;
+  std::vector<float> axes;   ///< in [−1, 1]
+  std::vector<int> buttons;  ///< 1: pressed
 
   bool operator==(const JoySample&) const = default;
 };

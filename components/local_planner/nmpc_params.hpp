@@ -140,6 +140,7 @@ struct NmpcParams {
   }
 };
 
+/// The motors' lag that the prediction assumes.
 [[nodiscard]] inline MotorLag lag_of(const NmpcParams& params) {
   return {params.lag_v, params.lag_w};
 }

@@ -23,7 +23,7 @@ enum class Method {
 
 /// Input of one planning cycle, all in the map frame M.
 struct PlanRequest {
-  Method method = Method::kLeader;
+  Method method = Method::kLeader;              ///< what to follow
   double t = 0.0;                               ///< time of X_MB and of the call [s]
   Pose2 X_MB = {};                              ///< measured
   Twist2 command = {};                          ///< in force: the last one sent
@@ -57,8 +57,11 @@ enum class PlanSource {
   kStanding,  ///< zero: the robot is at rest already, or an input is missing
 };
 
+/// The method as parameters and messages write it.
 [[nodiscard]] const char* name(Method method);
+/// The status in short, for logs and tables.
 [[nodiscard]] const char* name(PlanStatus status);
+/// The source in short, for logs and tables.
 [[nodiscard]] const char* name(PlanSource source);
 
 /// Whether the twists replace a solution that was not found: kPrevious, kBraking or kStanding.
@@ -77,11 +80,11 @@ struct CostParts {
 
 /// Motion from t0 on in the map frame: N twists, each held for dt, along N + 1 poses.
 struct Plan {
-  PlanStatus status = PlanStatus::kRefused;
-  PlanSource source = PlanSource::kBraking;
-  SolverKind solver = SolverKind::kIpopt;  ///< that found the solution, for kSolution
-  Verdict verdict = Verdict::kUnjudged;    ///< the second solver's, for kSolution
-  Twist2 command = {};                     ///< to send now, reachable from the command in force
+  PlanStatus status = PlanStatus::kRefused;  ///< how planning ended
+  PlanSource source = PlanSource::kBraking;  ///< whose twists these are
+  SolverKind solver = SolverKind::kIpopt;    ///< that found the solution, for kSolution
+  Verdict verdict = Verdict::kUnjudged;      ///< the second solver's, for kSolution
+  Twist2 command = {};                       ///< to send now, reachable from the command in force
   double t0 = 0.0;                 ///< when the command acts: the request's t plus the delay [s]
   double dt = 0.25;                ///< [s]
   std::vector<Pose2> X_MB = {};    ///< N + 1 poses [m, rad], headings continuous

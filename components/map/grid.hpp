@@ -8,6 +8,7 @@
 
 namespace tandem {
 
+/// State of a cell of a grid.
 enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
 
 /// Largest number of cells of a grid; larger requests are errors instead of exhausting memory.
@@ -21,6 +22,7 @@ struct Grid {
   int width = 0, height = 0;         ///< cells along x and y
   std::vector<Cell> cells;           ///< width · height
 
+  /// Whether the grid has a cell (ix, iy).
   [[nodiscard]] bool contains(int ix, int iy) const {
     return ix >= 0 && iy >= 0 && ix < width && iy < height;
   }
@@ -29,6 +31,7 @@ struct Grid {
     return static_cast<std::size_t>(iy) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(ix);
   }
+  /// The cell (ix, iy), which the grid must contain.
   [[nodiscard]] Cell at(int ix, int iy) const { return cells[index(ix, iy)]; }
   /// Centre of a cell [m].
   [[nodiscard]] Eigen::Vector2d center(int ix, int iy) const {

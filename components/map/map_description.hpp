@@ -14,13 +14,14 @@ namespace tandem {
 
 /// Upright solid between two heights [m]: a rectangle rotated by `angle`, or a disc.
 struct Solid {
+  /// Its outline seen from above.
   enum class Shape { kRectangle, kDisc };
 
-  Shape shape = Shape::kRectangle;
-  Eigen::Vector2d p_MC{0.0, 0.0};  ///< centre [m]
-  Eigen::Vector2d size{0.0, 0.0};  ///< length and width; for a disc its diameter in both [m]
-  double angle = 0.0;              ///< heading of the length [rad]
-  double z_low = 0.0, z_high = 0.0;
+  Shape shape = Shape::kRectangle;   ///< rectangle or disc
+  Eigen::Vector2d p_MC{0.0, 0.0};    ///< centre [m]
+  Eigen::Vector2d size{0.0, 0.0};    ///< length and width; for a disc its diameter in both [m]
+  double angle = 0.0;                ///< heading of the length [rad]
+  double z_low = 0.0, z_high = 0.0;  ///< [m] above the floor
 };
 
 /// A world of solids. Inside the bounds everything else is free, or unknown without `free_space`.
@@ -29,7 +30,7 @@ struct MapDescription {
   Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};  ///< bounds [m]
   bool free_space = true;                       ///< false: space that is not solid stays unknown
   bool floor = false;                           ///< one layer of voxels below z = 0
-  std::vector<Solid> solids;
+  std::vector<Solid> solids;                    ///< in M
 };
 
 /// Reads a description,

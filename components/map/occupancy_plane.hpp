@@ -14,9 +14,9 @@ namespace tandem {
 /// Cells with their occupancy in percent, in a frame O whose origin is the outer corner of the
 /// first cell. Rows run along O's x axis, starting at y = 0.
 struct OccupancyPlane {
-  Pose2 X_MO;
-  double resolution = 0.05;  ///< [m]
-  int width = 0, height = 0;
+  Pose2 X_MO;                        ///< pose of the plane's corner
+  double resolution = 0.05;          ///< [m]
+  int width = 0, height = 0;         ///< cells along the plane's x and y
   std::vector<std::int8_t> percent;  ///< outside [0, 100]: unknown
 };
 

@@ -22,8 +22,8 @@ struct OctomapFormat {
 
 /// A tree, or, if it is null, one line with the error in the bytes.
 struct DecodedOctomap {
-  std::unique_ptr<octomap::OcTree> tree;
-  std::string error;
+  std::unique_ptr<octomap::OcTree> tree;  ///< null if the message is unusable
+  std::string error;                      ///< why; empty with a tree
 };
 
 /// Decodes the `data` of an octomap_msgs/Octomap: a binary tree of any type, or a full one of the

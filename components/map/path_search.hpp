@@ -9,7 +9,7 @@
 
 namespace tandem {
 
-inline constexpr double kWide = 0.5, kNarrowCost = 8.0;
+inline constexpr double kWide = 0.5, kNarrowCost = 8.0;  ///< [m], [1] for path searches
 
 /// Cost of one metre for the centre of a disc of that radius at p_MC [m]: 1 where the rim keeps
 /// `kWide` [m] from obstacles, up to 1 + narrow_cost where it comes near them, infinite where the

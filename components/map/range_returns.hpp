@@ -15,7 +15,7 @@ namespace tandem {
 struct RangeReturns {
   std::vector<Eigen::Vector3d> p_SQ;     ///< occupied points [m]
   std::vector<Eigen::Vector3d> p_SFree;  ///< ends of rays on which nothing was hit [m]
-  std::string error;
+  std::string error;                     ///< what is wrong with the message; empty if nothing is
 };
 
 /// A planar scan, as in sensor_msgs/LaserScan: beam i at angle_min + i · angle_increment, taken i ·
@@ -32,8 +32,8 @@ struct RangeScan {
 struct NoReturn {
   bool inf = true;         ///< +inf, as in REP 117
   bool range_max = false;  ///< range_max, or a finite value beyond it
-  bool zero = false;
-  bool nan = false;
+  bool zero = false;       ///< a range of 0 means that nothing was in range
+  bool nan = false;        ///< NaN means that nothing was in range
 };
 
 /// Names allowed in `no_return`.
@@ -67,16 +67,16 @@ enum class Beam {
 
 /// A field of a point, as in sensor_msgs/PointField.
 struct CloudField {
-  std::string name;
+  std::string name;           ///< x, y and z are read
   std::uint32_t offset = 0;   ///< [bytes] from the start of the point
   std::uint8_t datatype = 0;  ///< 7 is FLOAT32, 8 is FLOAT64
 };
 
 /// Memory layout of the points in a sensor_msgs/PointCloud2.
 struct CloudLayout {
-  std::uint32_t height = 0, width = 0;
-  std::vector<CloudField> fields;
-  bool is_bigendian = false;
+  std::uint32_t height = 0, width = 0;         ///< rows, and points in a row
+  std::vector<CloudField> fields;              ///< of each point
+  bool is_bigendian = false;                   ///< byte order of all numbers
   std::uint32_t point_step = 0, row_step = 0;  ///< [bytes]
 };
 

@@ -12,15 +12,17 @@
 namespace tandem {
 
 /// Static obstacles of the plane: the occupied cells (and, on request, the unknown ones) as exact
-/// squares, with a Euclidean distance field over them. Immutable; share it by std::shared_ptr<const
-/// StaticMap> instead of copying it.
+/// squares, with a Euclidean distance field over them. Immutable, so that threads may share one: by
+/// `std::shared_ptr<const StaticMap>` instead of copying it.
 class StaticMap {
  public:
   /// Throws std::invalid_argument if the grid's sizes contradict each other. `unknown_is_obstacle`
   /// also applies to everything outside the grid.
   explicit StaticMap(Grid grid, bool unknown_is_obstacle = false);
 
+  /// The grid from which it was made.
   [[nodiscard]] const Grid& grid() const { return grid_; }
+  /// Whether cell (ix, iy) counts as an obstacle, which may lie outside the grid.
   [[nodiscard]] bool is_obstacle(int ix, int iy) const;
 
   /// Lower bound on the distance from a point to the nearest obstacle square [m]. It never exceeds

@@ -15,14 +15,14 @@ namespace tandem {
 /// Part of the plane that the robot must not enter although no obstacle is there: a stairhead, a
 /// therapy mat. Corners in M [m], in either orientation; the last is joined to the first.
 struct ForbiddenRegion {
-  std::string name;
-  std::vector<Eigen::Vector2d> p_MV;
+  std::string name;                   ///< for messages
+  std::vector<Eigen::Vector2d> p_MV;  ///< at least three [m]
 };
 
 /// Virtual fixtures (Rosenberg 1993; Devalla 2020, 2.1.1).
 struct VirtualFixtures {
-  std::vector<ForbiddenRegion> forbidden;
-  std::vector<GuidanceLine> guidance;
+  std::vector<ForbiddenRegion> forbidden;  ///< regions that must not be entered
+  std::vector<GuidanceLine> guidance;      ///< lines that attract
 };
 
 /// Reads

@@ -25,7 +25,7 @@ struct RegionGoal {
 /// Reached when position and heading have been within the tolerances and the robot has stood still
 /// there for `stand`; the time to goal is when it came to rest.
 struct PoseGoal {
-  Pose2 X_MG;
+  Pose2 X_MG;                      ///< in M
   double tolerance = 0.2;          ///< [m]
   double heading_tolerance = 4.0;  ///< [rad] above π: any heading
   double stand = 0.0;              ///< [s] 0: passing through suffices
@@ -35,6 +35,7 @@ struct RoamGoal {
   double time = 120.0;     ///< [s]
   double distance = 30.0;  ///< [m]
 };
+/// When a drive counts as finished.
 using Goal = std::variant<RegionGoal, PoseGoal, RoamGoal>;
 
 /// The goal's centre; nullopt if the goal is not a place.
@@ -70,10 +71,10 @@ struct DriveCounts {
   long filter_commands = 0;       ///< intervals in which the filter had a command
   long filter_interventions = 0;  ///< of these: changed by more than 1 mm/s or 1 mrad/s
   long filter_episodes = 0;       ///< uninterrupted runs of such intervals
-  long plans = 0;
-  long plan_fallbacks = 0;      ///< plans that were not a fresh solution
-  long plan_overruns = 0;       ///< solves longer than their budget
-  std::vector<double> plan_ms;  ///< one per solve [ms]
+  long plans = 0;                 ///< planning cycles
+  long plan_fallbacks = 0;        ///< plans that were not a fresh solution
+  long plan_overruns = 0;         ///< solves longer than their budget
+  std::vector<double> plan_ms;    ///< one per solve [ms]
 
   /// Takes a report of the filter at time t [s]; only the first one in each interval counts. Do
   /// not call if the filter had no command.
@@ -99,40 +100,45 @@ class NodeTotal {
 /// Computing time of a lockstep drive by part [s].
 struct PartTimes {
   double setup = 0.0;  ///< map, obstacles, components
-  double simulator = 0.0, extractor = 0.0, planner = 0.0, filter = 0.0;
+  double simulator = 0.0, extractor = 0.0, planner = 0.0, filter = 0.0;  ///< [s]
   double person = 0.0;    ///< the simulated person, and teleop
   double measures = 0.0;  ///< mostly the clearance
 };
 
+/// Of a set of values, in their unit.
 struct Quantiles {
-  double p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
+  double p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;  ///< percentiles 50, 95 and 99
 };
 
 /// Nearest-rank quantiles; zeros if there is no value.
 [[nodiscard]] Quantiles quantiles(std::vector<double> values);
 
+/// Writes each part under its name [s].
 void to_json(nlohmann::json& json, const PartTimes& times);
+/// Reads what to_json wrote; throws nlohmann::json::exception otherwise.
 void from_json(const nlohmann::json& json, PartTimes& times);
+/// Writes p50, p95, p99 and max.
 void to_json(nlohmann::json& json, const Quantiles& quantiles);
+/// Reads what to_json wrote; throws nlohmann::json::exception otherwise.
 void from_json(const nlohmann::json& json, Quantiles& quantiles);
 
 /// The measures of one drive; names and units as in the JSON. An empty optional is not defined for
 /// the drive (null in the JSON). Speeds are the robot's true ones. Below, u and r are the person's
 /// command and the robot's twist as shares of the robot's limits: (v / v_max, w / w_max).
 struct DriveResult {
-  std::string scenario, map, method, driver;
-  unsigned seed = 0;
-  bool lockstep = false;
-  bool reached = false;          ///< success: the goal was reached within the time
-  double time_to_goal_s = -1.0;  ///< −1: not reached
-  double simulated_s = 0.0, wall_s = 0.0;
-  double cpu_s = 0.0;              ///< of the process, user and system; lockstep only
-  PartTimes part_s;                ///< by the steady clock; lockstep only
-  int collisions = 0;              ///< contact episodes, see ContactReport
-  std::optional<int> walked_into;  ///< times that a person walked into it; lockstep only
-  double min_clearance_m = 0.0;    ///< outline to the nearest static obstacle
-  double mean_clearance_m = 0.0;   ///< mean over time, each sample at most `kFarClearance`
-  double path_length_m = 0.0;      ///< length of base_link's path, reversing included
+  std::string scenario, map, method, driver;  ///< names
+  unsigned seed = 0;                          ///< of the simulated person
+  bool lockstep = false;                      ///< false: over DDS
+  bool reached = false;                       ///< success: the goal was reached within the time
+  double time_to_goal_s = -1.0;               ///< −1: not reached
+  double simulated_s = 0.0, wall_s = 0.0;     ///< simulated time, and how long that took [s]
+  double cpu_s = 0.0;                         ///< of the process, user and system; lockstep only
+  PartTimes part_s;                           ///< by the steady clock; lockstep only
+  int collisions = 0;                         ///< contact episodes, see ContactReport
+  std::optional<int> walked_into;             ///< times that a person walked into it; lockstep only
+  double min_clearance_m = 0.0;               ///< outline to the nearest static obstacle
+  double mean_clearance_m = 0.0;  ///< mean over time, each sample at most `kFarClearance`
+  double path_length_m = 0.0;     ///< length of base_link's path, reversing included
   /// Time of the same person driving manually without obstacles. That is another drive, which only
   /// `tandem study` makes; empty over DDS, from a recording and for `tandem scenario`.
   std::optional<double> free_time_s;
@@ -155,22 +161,23 @@ struct DriveResult {
   /// Longest distance that base_link moved after the stick came to rest, until it was moved again
   /// or the drive ended. Empty: it never came to rest.
   std::optional<double> way_to_rest_m;
-  double final_position_error_m = 0.0;
+  double final_position_error_m = 0.0;            ///< of the centre, to the goal
   std::optional<double> final_heading_error_rad;  ///< at least 0; only if the goal is a pose
   double final_clearance_m = 0.0;                 ///< `kFarClearance` at most
-  DriveCounts counts;
-  Quantiles plan_ms;
-  long missed_deadlines = 0;          ///< plans slower than the control period
-  std::vector<std::string> failures;  ///< expectations that were not met
+  DriveCounts counts;                             ///< of the filter and the planner
+  Quantiles plan_ms;                              ///< time of a planning cycle [ms]
+  long missed_deadlines = 0;                      ///< plans slower than the control period
+  std::vector<std::string> failures;              ///< expectations that were not met
 };
 
+/// Writes every field under its name; an optional one without a value as null.
 void to_json(nlohmann::json& json, const DriveResult& result);
 /// Reads what to_json wrote; the individual solve times are not included.
 void from_json(const nlohmann::json& json, DriveResult& result);
 
 /// Reference values of the measures.
 struct MetricsSetting {
-  Goal goal;
+  Goal goal;                                 ///< what ends the drive
   double v_max = 1.0, w_max = 1.0;           ///< the robot's limits [m/s, rad/s]
   std::optional<RegionGoal> after = {};      ///< the goal counts only after p_BA was in it
   Eigen::Vector2d p_BA = {0.0, 0.0};         ///< a point of the robot [m]
@@ -192,6 +199,7 @@ class Metrics {
   static constexpr double kMoves = 0.05;  ///< of the limits
   static constexpr double kFree = 0.5;    ///< [m]: nothing is near
 
+  /// Begins a drive.
   explicit Metrics(const MetricsSetting& setting) : setting_{setting} {}
 
   /// Samples must be in time order; one older than the last is ignored.

@@ -12,7 +12,7 @@ namespace tandem {
 /// comparable for every tick of a simulator and for recorded odometry.
 class SpeedProfile {
  public:
-  static constexpr double kWindow = 0.1;
+  static constexpr double kWindow = 0.1;  ///< [s]
 
   /// Adds a value at time t [s]; the speed is linear between values. `t` must not decrease.
   void add(double t, double value);

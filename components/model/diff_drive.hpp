@@ -12,7 +12,7 @@ namespace tandem {
 
 /// Rim speeds of the two wheels [m/s].
 struct WheelSpeeds {
-  double left = 0.0, right = 0.0;
+  double left = 0.0, right = 0.0;  ///< [m/s], forward positive
 };
 
 /// v_left = v − w L/2, v_right = v + w L/2 with L the wheel separation [m].

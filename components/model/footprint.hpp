@@ -16,13 +16,13 @@ using ConvexPolygon = std::vector<Eigen::Vector2d>;
 /// The robot's outline in body frame B: the union of convex parts, which may overlap or lie apart.
 /// Build it with rectangle(), polygons() or polygon().
 struct Footprint {
-  std::vector<ConvexPolygon> parts;
+  std::vector<ConvexPolygon> parts;  ///< at least one
 };
 
 /// Disc that covers a part of the footprint: centre in B [m] and radius [m].
 struct Disc {
-  Eigen::Vector2d p_BC;
-  double radius;
+  Eigen::Vector2d p_BC;  ///< centre [m]
+  double radius;         ///< [m]
 };
 
 /// Rectangle `length` × `width` whose centre lies at (center_x, 0) in B.
@@ -41,8 +41,9 @@ struct Disc {
 
 /// Distances from B's origin to the footprint's extremes along B's axes [m].
 struct Extent {
-  double front = 0.0, rear = 0.0, left = 0.0, right = 0.0;
+  double front = 0.0, rear = 0.0, left = 0.0, right = 0.0;  ///< [m], below 0 beyond the origin
 };
+/// The footprint's extremes along B's axes [m].
 [[nodiscard]] Extent extent(const Footprint& footprint);
 
 /// Extent of the footprint across B's x axis, the direction of travel [m].

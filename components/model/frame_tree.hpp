@@ -39,10 +39,10 @@ using FrameSender = std::array<std::uint8_t, 16>;
 
 /// One transform of a message: `child` lies at X_PC in `parent`.
 struct FrameLink {
-  std::string_view parent, child;
-  Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();
-  FrameSender sender = {};
-  double heard = 0.0;           ///< arrival time [s]
+  std::string_view parent, child;  ///< names, with or without a leading slash
+  Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  ///< rotation and translation [m]
+  FrameSender sender = {};                                 ///< zeros if unknown
+  double heard = 0.0;                                      ///< arrival time [s]
   std::optional<double> stamp;  ///< timestamp of its header [s]; nullopt if it has none
 };
 
@@ -57,20 +57,21 @@ enum class LinkFate {
 
 /// Pose of one frame F in another frame B.
 struct FramePose {
-  static constexpr double kAlways = std::numeric_limits<double>::infinity();
+  static constexpr double kAlways = std::numeric_limits<double>::infinity();  ///< [s]
 
-  Eigen::Isometry3d X_BF;
+  Eigen::Isometry3d X_BF;  ///< pose of F in B
   double heard = kAlways;  ///< arrival of the oldest dynamic link [s]; kAlways: all are static
   double drift = 0.0;      ///< possible motion between the newest link and the stamp [m]
 
+  /// Whether only static links join the two frames.
   [[nodiscard]] bool is_static() const { return heard == kAlways; }
 };
 
 /// A child that was given two parents, with the publisher of each; the newer one is used.
 struct TwoParents {
-  std::string parent, other;
-  FrameSender sender, other_sender;
-  double t;  ///< when this was last noticed [s]
+  std::string parent, other;         ///< the parent in use, and the earlier one
+  FrameSender sender, other_sender;  ///< the publisher of each
+  double t;                          ///< when this was last noticed [s]
 };
 
 /// Frames and the links between them, by the rules of tf2: a leading slash is ignored; a frame has

@@ -12,12 +12,13 @@ namespace tandem {
 
 /// The robot in the map: pose X_MB, body twist, and the time they hold for [s].
 struct RobotState {
-  Pose2 X_MB;
-  Twist2 twist;
-  double t = 0.0;
+  Pose2 X_MB;                   ///< in the map
+  Twist2 twist;                 ///< measured, in B
+  double t = 0.0;               ///< arrival of the odometry [s]
   std::optional<Pose2> X_WB{};  ///< pose in odometry, without the localiser's correction; if known
 };
 
+/// Ages beyond which the pose or the twist counts as unknown.
 struct LocalizationParams {
   double odom_timeout = 0.15;
   double transform_timeout = 1.0;
@@ -38,6 +39,7 @@ struct LocalizationParams {
 /// must not be driven then.
 class Localization {
  public:
+  /// Begins without a pose. The parameters are not checked.
   explicit Localization(const LocalizationParams& params) : params_{params} {}
 
   /// Takes odometry that arrived at time t, `late` [s] later than usual, so it describes the time t
@@ -69,6 +71,7 @@ class Localization {
     if (!is_static_) X_MW_.reset();
   }
 
+  /// The state at `now` [s]; nullopt if odometry or the transform is missing or too old.
   [[nodiscard]] std::optional<RobotState> state(double now) const {
     if (!odom_.fresh(now, params_.odom_timeout)) return std::nullopt;
     const auto& [X_WB, twist] = odom_.value;

@@ -10,8 +10,9 @@ namespace tandem {
 
 /// Time constants τ of a drive that follows its command with a first-order lag [s]; 0: no lag.
 struct MotorLag {
-  double v = 0.0, w = 0.0;
+  double v = 0.0, w = 0.0;  ///< [s]
 
+  /// Whether one of the motors lags.
   [[nodiscard]] bool any() const { return v > 0.0 || w > 0.0; }
 };
 
@@ -25,6 +26,7 @@ struct LagStep {
   double decay_v = 0.0, decay_w = 0.0;  ///< E
   double share_v = 0.0, share_w = 0.0;  ///< φ
 
+  /// The factors for `t` ≥ 0 [s].
   [[nodiscard]] static LagStep over(double t, const MotorLag& lag) {
     const auto decay = [&](double tau) { return tau > 0.0 ? std::exp(-t / tau) : 0.0; };
     LagStep step{.decay_v = decay(lag.v), .decay_w = decay(lag.w)};
@@ -34,10 +36,13 @@ struct LagStep {
     }
     return step;
   }
+  /// Whether anything of the old twist is left at the end.
   [[nodiscard]] bool any() const { return decay_v > 0.0 || decay_w > 0.0; }
+  /// The twist at the end: from `a` at the beginning towards the command `u`.
   [[nodiscard]] Twist2 end(const Twist2& a, const Twist2& u) const {
     return {decay_v * a.v + (1.0 - decay_v) * u.v, decay_w * a.w + (1.0 - decay_w) * u.w};
   }
+  /// The mean twist over the step.
   [[nodiscard]] Twist2 mean(const Twist2& a, const Twist2& u) const {
     return {share_v * a.v + (1.0 - share_v) * u.v, share_w * a.w + (1.0 - share_w) * u.w};
   }
@@ -45,8 +50,8 @@ struct LagStep {
 
 /// Pose and twist of a robot; without a lag, `twist` is the last command.
 struct Moving {
-  Pose2 X_MB;
-  Twist2 twist;
+  Pose2 X_MB;    ///< in the map
+  Twist2 twist;  ///< over the ground
 };
 
 /// State after the command `u` was held for `t` [s]; the pose moves along the arc of the mean

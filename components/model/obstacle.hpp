@@ -12,7 +12,7 @@ namespace tandem {
 
 /// Ellipse in the map frame M, moving with constant velocity; a circle if a == b.
 struct Obstacle {
-  std::uint32_t id = 0;
+  std::uint32_t id = 0;                            ///< as its source numbers it
   Eigen::Vector2d p_MO = Eigen::Vector2d::Zero();  ///< centre [m]
   double a = 0.0;                                  ///< semi-axis along `angle` [m], a ≥ b > 0
   double b = 0.0;                                  ///< semi-axis across [m]

@@ -87,12 +87,13 @@ enum class Reason : std::uint8_t {
 /// The text of a reason as nodes publish it. "…" stands for a variable part. A reason without it
 /// may be followed by ": " or " (" and details. `remedy` is empty unless is_trouble().
 struct ReasonText {
-  const char* text;
-  const char* remedy;
+  const char* text;    ///< what is the matter, for a person
+  const char* remedy;  ///< what to do about it; empty if nothing is wrong
 };
 
 // The only table of texts. A new reason does not compile without its text and remedy: the switch
 // has no default, and the assertion below requires both.
+/// Text and remedy of a reason.
 [[nodiscard]] constexpr ReasonText words(Reason reason) {
   switch (reason) {
     case Reason::kNone:
@@ -265,6 +266,7 @@ static_assert(
     }(),
     "every reason has words, and those of trouble have a remedy");
 
+/// The text of words().
 [[nodiscard]] constexpr const char* text_of(Reason reason) { return words(reason).text; }
 
 /// The reason of a text as a node published it, with or without a "node: " prefix: kNone if the

@@ -11,22 +11,25 @@ namespace tandem {
 
 /// Pose X_AB of frame B in frame A: position [m, m] and heading [rad].
 struct Pose2 {
-  double x = 0.0, y = 0.0, theta = 0.0;
+  double x = 0.0, y = 0.0, theta = 0.0;  ///< [m], [m], [rad], counter-clockwise
 
+  /// The origin of B in A, p_AB [m].
   [[nodiscard]] Eigen::Vector2d position() const { return {x, y}; }
   bool operator==(const Pose2&) const = default;
 };
 
 /// Body twist of a differential drive: forward speed [m/s] and yaw rate [rad/s].
 struct Twist2 {
-  double v = 0.0, w = 0.0;
+  double v = 0.0, w = 0.0;  ///< [m/s], forward; [rad/s], counter-clockwise
 
   bool operator==(const Twist2&) const = default;
 };
 
+/// Whether no number of the pose is NaN or infinite.
 [[nodiscard]] inline bool is_finite(const Pose2& X) {
   return std::isfinite(X.x) && std::isfinite(X.y) && std::isfinite(X.theta);
 }
+/// Whether no number of the twist is NaN or infinite.
 [[nodiscard]] inline bool is_finite(const Twist2& twist) {
   return std::isfinite(twist.v) && std::isfinite(twist.w);
 }

@@ -9,9 +9,10 @@ namespace tandem {
 /// A value and its time [s], on a clock of the owner's choice.
 template <class T>
 struct Stamped {
-  static constexpr double kNever = -std::numeric_limits<double>::infinity();  // [s]
+  /// time of a value that has not arrived [s]
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-  T value{};
+  T value{};          ///< the latest value
   double t = kNever;  ///< kNever: there is no value yet
 
   /// Infinite if there is no value yet [s].

@@ -20,7 +20,7 @@ struct TwistCheckBounds {
 
 /// How far the true twist may lie below and above the measured one, each ≥ 0 [m/s, rad/s].
 struct TwistDoubt {
-  Twist2 below, above;
+  Twist2 below, above;  ///< [m/s], [rad/s]
 
   bool operator==(const TwistDoubt&) const = default;
 };
@@ -50,10 +50,12 @@ class TwistCheck {
   static constexpr double kLongestWindow = 1.0;   ///< [s]
   static constexpr double kLongestGap = 0.35;     ///< [s] over a longer gap no interpolation
 
+  /// Begins without samples, so that nothing is doubted.
   explicit TwistCheck(const TwistCheckBounds& bounds) : bounds_{bounds} {}
 
   /// Takes the robot's pose in the odometry frame W and its twist, which arrived at time t.
   void on_odometry(const Pose2& X_WB, const Twist2& twist, double t);
+  /// Takes the command that was sent to the base at time t [s].
   void on_command(const Twist2& twist, double t);
   /// Discards all data; call it when the clock is set back.
   void clear();

@@ -18,6 +18,7 @@
 
 namespace tandem {
 
+/// Range and tightness of the fitted shapes.
 struct ExtractorParams {
   double range = 4.0;
   double max_excess = 0.25;

@@ -61,8 +61,8 @@ struct LocalMapParams {
 
 /// Range returns of a sensor at X_MS.
 struct Look {
-  RangeReturns echoes;
-  Eigen::Isometry3d X_MS;
+  RangeReturns echoes;     ///< in S
+  Eigen::Isometry3d X_MS;  ///< of the sensor
 };
 
 /// An OctoMap of a window around the robot, updated with range returns.

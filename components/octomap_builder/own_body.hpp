@@ -15,6 +15,7 @@ namespace tandem {
 /// nor clear anything.
 class OwnBody {
  public:
+  /// `footprint`: the robot's outline in B.
   explicit OwnBody(Footprint footprint);
 
   /// Drops them from the returns of a sensor at X_BS; returns how many.

@@ -12,6 +12,7 @@
 
 namespace tandem {
 
+/// How a scanner reports that nothing is in range.
 struct ScanReaderParams {
   // Not a braced list: GCC 12 rejects that in structs that contain this one.
   std::vector<std::string> no_return = std::vector<std::string>(1, "inf");
@@ -52,6 +53,7 @@ class ScanReader {
   /// Forgets the first range_max; the next scan's counts as the first.
   void forget() { range_max_.reset(), varies_ = false; }
 
+  /// The values that mean "nothing in range".
   [[nodiscard]] const NoReturn& no_return() const { return no_return_; }
 
  private:

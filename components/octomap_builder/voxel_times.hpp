@@ -16,6 +16,7 @@ namespace tandem {
 /// thousands of times, and a hash table entry for each would cost as much as the map.
 class VoxelTimes {
  public:
+  /// Sets a voxel's time [s].
   void set(const octomap::OcTreeKey& key, double t) {
     blocks_.try_emplace(block_of(key), empty()).first->second[place_of(key)] = t;
   }
@@ -38,6 +39,7 @@ class VoxelTimes {
              first[1] > high[1];
     });
   }
+  /// Forgets all times.
   void clear() { blocks_.clear(); }
 
  private:

@@ -15,7 +15,7 @@ namespace tandem::runtime {
 struct RosArguments {
   std::map<std::string, std::map<std::string, std::string>> remappings;  ///< node → from → to
   std::map<std::string, std::map<std::string, std::string>> parameters;  ///< node → key → value
-  std::vector<std::string> parameter_files;
+  std::vector<std::string> parameter_files;    ///< of --params-file, in order
   std::map<std::string, LogLevel> log_levels;  ///< by logger name ("node", "ns.node")
   bool rosout = true;                          ///< whether nodes log to /rosout
   std::vector<std::string> rest;               ///< the arguments that are not ROS's

@@ -17,21 +17,22 @@ namespace tandem::runtime {
 /// What a component's module says of it. Parameter checks, permissions and `tandem describe` read
 /// this.
 struct ComponentDescription {
-  std::string name;
-  std::vector<Field> parameters{};  ///< their values are the defaults
-  Interface interface;
+  std::string name;                  ///< as registered
+  std::vector<Field> parameters{};   ///< their values are the defaults
+  Interface interface;               ///< its topics and services
   std::shared_ptr<void> defaults{};  ///< the struct that `parameters` points into
 };
 
 /// One entry of the registry.
 struct Component {
-  std::shared_ptr<void> (*make)(Node& node);
-  ComponentDescription (*describe)();
+  std::shared_ptr<void> (*make)(Node& node);  ///< constructs it
+  ComponentDescription (*describe)();         ///< its description, without running it
 };
 
 /// Called by TANDEM_COMPONENT.
 bool register_component(const char* name, const Component& component);
 
+/// The component of class C, as TANDEM_COMPONENT registers it.
 template <class C>
 [[nodiscard]] Component component_of() {
   static_assert(
@@ -93,9 +94,11 @@ class RunningComponent {
   RunningComponent(RunningComponent&&) noexcept;
   RunningComponent& operator=(RunningComponent&&) noexcept;
 
+  /// Begins to spin the node on a thread of its own.
   void start();
   void stop();  ///< returns at once
   void join();  ///< waits until it has stopped
+  /// The component's node. While it runs, call only what Node allows to other threads.
   [[nodiscard]] Node& node() const;
 
  private:

@@ -19,13 +19,14 @@ struct SecurityRequest {
 
 /// Security properties for DDS. Without properties the process is unsecured.
 struct Security {
-  std::vector<std::pair<std::string, std::string>> properties;
-  std::string folder;     ///< of the enclave
+  std::vector<std::pair<std::string, std::string>> properties;  ///< name → value
+  std::string folder;                                           ///< of the enclave
   std::string complaint;  ///< why there are no properties although security is enabled
 
   /// See protects_every_datagram().
   bool protects_all = false;
 
+  /// Whether DDS Security is switched on.
   [[nodiscard]] bool on() const { return !properties.empty(); }
 };
 
@@ -45,6 +46,7 @@ struct Security {
 /// The enclave of this process, "/" unless it is set before the first node. Throws
 /// std::invalid_argument for a name that is neither "/" nor of the form "/a/b".
 void set_enclave(const std::string& name);
+/// The enclave in force.
 [[nodiscard]] std::string enclave();
 
 }  // namespace tandem::runtime

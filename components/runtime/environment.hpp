@@ -13,6 +13,7 @@ namespace tandem::runtime {
 /// Discovery range: everything that multicast reaches, this host only, or off.
 enum class DiscoveryRange { kSubnet, kLocalhost, kOff };
 
+/// The settings of ROS 2's environment variables.
 struct Environment {
   int domain = 0;                                  ///< ROS_DOMAIN_ID
   DiscoveryRange range = DiscoveryRange::kSubnet;  ///< ROS_AUTOMATIC_DISCOVERY_RANGE

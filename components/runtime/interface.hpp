@@ -47,6 +47,7 @@ struct TopicUse {
 /// A service that a component serves or calls. Converts from the ServiceName that is passed to
 /// create_service or create_client.
 struct ServiceUse {
+  /// A service with the QoS of services, or another one.
   template <class S>
   ServiceUse(const ServiceName<S>& service, const QoS& other_qos = kServices)
       : ServiceUse{service.name, type_ref<typename S::Request>().name, other_qos} {}
@@ -55,7 +56,7 @@ struct ServiceUse {
 
   std::string name;  ///< as in the ServiceName; "*" for every service
   std::string type;  ///< "std_srvs/srv/Trigger"
-  QoS qos;
+  QoS qos;           ///< of its requests and responses
 
  private:
   ServiceUse(const char* its_name, std::string_view request_type, const QoS& its_qos)
@@ -66,10 +67,9 @@ struct ServiceUse {
 
 /// Everything that a component exchanges with others.
 struct Interface {
-  std::vector<TopicUse> subscribes{}, publishes{};
-  std::vector<ServiceUse> serves{}, calls{};
-  /// Inputs and outputs that are no topics ("a map file"), as text for the user.
-  std::string other_input{}, other_output{};
+  std::vector<TopicUse> subscribes{}, publishes{};  ///< topics that it reads and writes
+  std::vector<ServiceUse> serves{}, calls{};        ///< services that it offers and uses
+  std::string other_input{}, other_output{};  ///< no topics: "a map file", as text for the user
 };
 
 /// Both together, for a component that uses an input class with an interface of its own.

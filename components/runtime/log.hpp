@@ -13,14 +13,16 @@
 
 namespace tandem::runtime {
 
+/// Levels of log lines, in rising order; kOff writes none.
 enum class LogLevel { kDebug, kInfo, kWarn, kError, kOff };
 
 /// Source location of a log call. (clang 14 has no std::source_location.)
 struct Place {
-  const char* file;
-  const char* function;
-  unsigned line;
+  const char* file;      ///< path as the compiler was given it
+  const char* function;  ///< its name
+  unsigned line;         ///< from 1
 
+  /// The place of the call in whose default argument this stands.
   static constexpr Place here(const char* file = __builtin_FILE(),
                               const char* function = __builtin_FUNCTION(),
                               unsigned line = __builtin_LINE()) {
@@ -31,19 +33,20 @@ struct Place {
 /// A format string, checked against its arguments at compile time, and its source location.
 template <class... Args>
 struct LogFormat {
+  /// Does not compile if `format` does not fit the arguments.
   template <class Text>
   FMT_CONSTEVAL LogFormat(const Text& format, Place at = Place::here())  // implicit, as fmt's own
       : text{format}, place{at} {}
 
-  fmt::format_string<Args...> text;
-  Place place;
+  fmt::format_string<Args...> text;  ///< checked at compile time
+  Place place;                       ///< where it is written
 };
 
 /// A log event as passed to a Logger::Sink.
 struct LogLine {
-  LogLevel level;
-  const std::string& text;
-  const Place& place;
+  LogLevel level;           ///< of this line
+  const std::string& text;  ///< valid during the call only
+  const Place& place;       ///< valid during the call only
 };
 
 /// Sets the lowest level written by loggers that have no own level; initially TANDEM_LOG_LEVEL
@@ -60,25 +63,31 @@ void set_log_to_stderr(bool wanted);
 /// Writes one line per event to stderr: `[level] [time] [node]: text`. Thread-safe.
 class Logger {
  public:
+  /// Takes each line that is written, on the thread that logs.
   using Sink = std::function<void(const LogLine&)>;
 
+  /// `name`: the node's, as it is printed.
   explicit Logger(std::string name);
   ~Logger();
   Logger(Logger&&) noexcept;
   Logger& operator=(Logger&&) noexcept;
 
+  /// Writes a line of this level, formatted by {fmt}.
   template <class... Args>
   void debug(LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log(LogLevel::kDebug, format, std::forward<Args>(args)...);
   }
+  /// Writes a line of this level, formatted by {fmt}.
   template <class... Args>
   void info(LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log(LogLevel::kInfo, format, std::forward<Args>(args)...);
   }
+  /// Writes a line of this level, formatted by {fmt}.
   template <class... Args>
   void warn(LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log(LogLevel::kWarn, format, std::forward<Args>(args)...);
   }
+  /// Writes a line of this level, formatted by {fmt}.
   template <class... Args>
   void error(LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log(LogLevel::kError, format, std::forward<Args>(args)...);
@@ -90,6 +99,7 @@ class Logger {
   void warn_every(double period, LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log_every(period, LogLevel::kWarn, format, std::forward<Args>(args)...);
   }
+  /// As warn_every(), as an error.
   template <class... Args>
   void error_every(double period, LogFormat<std::type_identity_t<Args>...> format, Args&&... args) {
     log_every(period, LogLevel::kError, format, std::forward<Args>(args)...);
@@ -104,7 +114,9 @@ class Logger {
     write_every(period, is_young() ? LogLevel::kInfo : LogLevel::kWarn, text, text, format.place);
   }
 
+  /// The name it was given.
   [[nodiscard]] const std::string& name() const;
+  /// Whether lines of this level are written.
   [[nodiscard]] bool enabled(LogLevel level) const { return level >= this->level(); }
   /// Lowest level that is written: the logger's own or the process's.
   [[nodiscard]] LogLevel level() const;
@@ -114,6 +126,7 @@ class Logger {
   /// sink removes it.
   void set_sink(Sink sink);
 
+  /// Writes a text that is not a format string.
   void write(LogLevel level, const std::string& text, const Place& place = Place::here());
   /// Like write, but at most once per `period` [s] for each `key`.
   void write_every(double period, LogLevel level, std::string_view key, const std::string& text,

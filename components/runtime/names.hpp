@@ -35,11 +35,14 @@ struct NodeName {
 
 /// DDS names of a ROS 2 topic "/a": "rt/a"; of a service: "rq/aRequest", "rr/aReply".
 [[nodiscard]] std::string dds_topic_name(const std::string& topic);
+/// The DDS topic of a service's requests.
 [[nodiscard]] std::string dds_request_name(const std::string& service);
+/// The DDS topic of a service's responses.
 [[nodiscard]] std::string dds_reply_name(const std::string& service);
 
 /// ROS 2 form for display: "rt/a" → "/a", "a::msg::dds_::B_" → "a/msg/B".
 [[nodiscard]] std::string ros_name(const std::string& dds_name);
+/// ROS 2's name of a type, for display.
 [[nodiscard]] std::string ros_type(const std::string& dds_type);
 /// "a/msg/B" → "a::msg::dds_::B_". Throws std::invalid_argument if it is not a type name.
 [[nodiscard]] std::string dds_type(const std::string& ros_type);

@@ -27,14 +27,15 @@ namespace runtime {
 
 class NodeCore;
 
+/// How a node is named and configured.
 struct NodeOptions {
-  std::string name;
-  std::string ns = "/";
+  std::string name;                                 ///< letters, digits and _, no digit first
+  std::string ns = "/";                             ///< namespace
   std::map<std::string, std::string> remappings{};  ///< from → to, ROS 2 names
-  ParameterSources parameters{};
-  bool use_sim_time = false;            ///< overridden by a parameter `use_sim_time`
-  std::optional<LogLevel> log_level{};  ///< lowest level logged; nullopt: the process's
-  bool logs_to_rosout = true;
+  ParameterSources parameters{};                    ///< from files and the command line
+  bool use_sim_time = false;                        ///< overridden by a parameter `use_sim_time`
+  std::optional<LogLevel> log_level{};              ///< lowest level logged; nullopt: the process's
+  bool logs_to_rosout = true;                       ///< whether log lines are also published
   /// Whether it offers the services that ROS 2 tools expect of every node (parameters, logger
   /// levels, type descriptions) and logs to /rosout if `logs_to_rosout`.
   bool serves_tools = true;
@@ -44,19 +45,23 @@ struct NodeOptions {
 /// log() and steady_now() may be called from other threads while the node spins.
 class Node {
  public:
-  static constexpr double kClockSilence = 0.5;  // [s] of steady time
+  static constexpr double kClockSilence = 0.5;  ///< [s] of steady time
 
   /// Throws std::invalid_argument for a bad name, remapping, parameter file or environment.
   explicit Node(NodeOptions options);
+  /// A node with the default options.
   explicit Node(std::string name) : Node(NodeOptions{.name = std::move(name)}) {}
   ~Node();
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
+  /// Publishes messages of type M until the publisher is destroyed. Throws std::invalid_argument
+  /// for a bad topic name.
   template <class M>
   [[nodiscard]] Publisher<M> create_publisher(const Topic<M>& topic) {
     return Publisher<M>{make_publisher(topic.name, type_ref<M>(), topic.qos)};
   }
+  /// The same with another QoS.
   template <class M>
   [[nodiscard]] Publisher<M> create_publisher(const Topic<M>& topic, const QoS& qos) {
     return Publisher<M>{make_publisher(topic.name, type_ref<M>(), qos)};
@@ -78,6 +83,7 @@ class Node {
   [[nodiscard]] GenericPublisher create_generic_publisher(const std::string& topic,
                                                           const std::string& type, const QoS& qos,
                                                           const std::string& type_hash = {});
+  /// Calls `fn` with each serialized message of a type known only by name.
   [[nodiscard]] Subscription create_generic_subscription(
       const std::string& topic, const std::string& type, const QoS& qos,
       std::function<void(const std::vector<std::uint8_t>&)> fn);
@@ -105,6 +111,7 @@ class Node {
   [[nodiscard]] Service create_service(const ServiceName<S>& service, Fn fn) {
     return make_service(service.name, make_responder<S>(std::move(fn)));
   }
+  /// Calls a service; see Client.
   template <class S>
   [[nodiscard]] Client<S> create_client(const ServiceName<S>& service) {
     return Client<S>{make_client(service.name, type_ref<typename S::Request>(),
@@ -149,6 +156,7 @@ class Node {
   /// still then and no message ages, so that a node that moves a robot must stop it. Always false
   /// without use_sim_time.
   [[nodiscard]] bool clock_is_silent() const;
+  /// Whether the node's clock is /clock.
   [[nodiscard]] bool use_sim_time() const;
   /// Calls `fn` whenever /clock jumps back, before a later message is delivered: times taken from
   /// now() earlier may then lie in the future, and their age is unknown. Never calls it without
@@ -157,7 +165,9 @@ class Node {
   /// Timestamp for message headers: system clock, or /clock under use_sim_time.
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
 
+  /// The node's logger. Thread-safe.
   [[nodiscard]] Logger& log() const;
+  /// The node's name, without its namespace.
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] const std::string& fully_qualified_name() const;  ///< "/ns/name"
 
@@ -167,6 +177,7 @@ class Node {
   void spin_some(double max_wait);
   /// Makes spin() return soon. Thread-safe.
   void stop();
+  /// Whether stop() was called, or the process is shutting down.
   [[nodiscard]] bool stopped() const;
 
   /// For the runtime itself.

@@ -16,24 +16,28 @@ namespace tandem::runtime {
 
 /// One field as visit() declares it. `value` points into the struct.
 struct Field {
+  /// Where the value is.
   using Pointer = std::variant<bool*, int*, double*, std::string*, std::vector<double>*,
                                std::vector<std::string>*>;
+  /// What it may be; monostate: anything.
   using Limits = std::variant<std::monostate, Range, OneOf>;
 
-  std::string name;
-  Pointer value;
-  Limits limits;
-  std::string meaning;
+  std::string name;     ///< as in YAML
+  Pointer value;        ///< into the struct
+  Limits limits;        ///< bounds or choices
+  std::string meaning;  ///< unit and meaning
 };
 
 /// Visitor that collects a struct's fields.
 struct FieldCollector {
-  std::vector<Field>& fields;
+  std::vector<Field>& fields;  ///< where they are put
 
+  /// Takes a field with limits.
   template <class T, class Limits>
   void operator()(const char* name, T& value, const Limits& limits, const char* meaning) const {
     fields.push_back({name, &value, limits, meaning});
   }
+  /// Takes a field without limits.
   template <class T>
   void operator()(const char* name, T& value, const char* meaning) const {
     fields.push_back({name, &value, {}, meaning});

@@ -17,7 +17,7 @@ namespace tandem::runtime {
 
 /// Type-erased pair of params structs: the one in force, and one in which a change is prepared.
 struct ParameterGroup {
-  std::vector<Field> in_force;
+  std::vector<Field> in_force;   ///< fields of the struct in force
   std::vector<Field> wanted;     ///< the same fields of the second struct
   std::set<std::string> live{};  ///< fields that may change while the node runs
   std::function<void()> begin;   ///< wanted = in force
@@ -30,7 +30,9 @@ struct ParameterGroup {
 /// A node's declared parameters. Use on the node's thread only.
 class ParameterTable {
  public:
+  /// Names of parameters.
   using Names = std::vector<std::string>;
+  /// Parameters with their values, as messages.
   using Values = std::vector<rcl_interfaces::msg::Parameter>;
 
   /// Called after a declaration or a change, with the values now in force.
@@ -42,7 +44,9 @@ class ParameterTable {
 
   /// Like rclpy, returns PARAMETER_NOT_SET for an undeclared name.
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterValue> get(const Names& names) const;
+  /// rcl_interfaces/ParameterType of each name; PARAMETER_NOT_SET for an undeclared one.
   [[nodiscard]] std::vector<std::uint8_t> types(const Names& names) const;
+  /// Meaning, type and limits of each name; only the name of an undeclared one.
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterDescriptor> describe(
       const Names& names) const;
   /// Like rclcpp: the names under any of the prefixes (all names if there are none), at most

@@ -16,16 +16,16 @@ namespace tandem::runtime {
 
 /// One value as YAML text, and where it was written ("robot.yaml:12", "command line").
 struct ParameterValue {
-  std::string yaml;
-  std::string origin;
+  std::string yaml;      ///< the value as text
+  std::string origin;    ///< for messages
   bool for_all = false;  ///< given for every node (`/**`, plain `-p`); nodes may lack the key
 };
 
 /// Sources of a node's parameters. Later ones win: files in order, values, overrides.
 struct ParameterSources {
-  std::vector<std::string> files{};  ///< ROS 2 form: `node: ros__parameters:`, `/**:`
-  std::map<std::string, ParameterValue> values{};
-  std::vector<std::string> override_files{};          ///< --params-file
+  std::vector<std::string> files{};                ///< ROS 2 form: `node: ros__parameters:`, `/**:`
+  std::map<std::string, ParameterValue> values{};  ///< from the system file, by name
+  std::vector<std::string> override_files{};       ///< --params-file
   std::map<std::string, ParameterValue> overrides{};  ///< -p k:=v
 };
 
@@ -81,8 +81,11 @@ class Parameters {
   Parameters() : values_{std::make_shared<P>()} {}
   explicit Parameters(std::shared_ptr<const P> values) : values_{std::move(values)} {}
 
+  /// The values in force. Do not keep the reference beyond the callback.
   const P& operator*() const { return *values_; }
+  /// A value in force.
   const P* operator->() const { return values_.get(); }
+  /// The values in force, never null.
   [[nodiscard]] const P* get() const { return values_.get(); }
 
  private:

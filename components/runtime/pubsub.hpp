@@ -20,7 +20,7 @@ namespace tandem::runtime {
 struct TopicInfo {
   std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
   std::string type_hash;   ///< "RIHS01_…"; empty if no publisher tells it
-  std::vector<Policies> publishers, subscriptions;
+  std::vector<Policies> publishers, subscriptions;  ///< one for each endpoint
 };
 
 class Codec;
@@ -37,17 +37,18 @@ enum class Hears {
 /// A topic: its name (ROS 2 form), its type, its QoS.
 template <class M>
 struct Topic {
-  const char* name;
-  QoS qos = kDefault;
-  Hears hears = Hears::kFitting;
+  const char* name;    ///< relative to the node's namespace, unless it begins with / or ~
+  QoS qos = kDefault;  ///< of both sides
+  Hears hears = Hears::kFitting;  ///< of its subscriptions
 };
 
 /// What the untyped side of the runtime knows about a message type.
 struct TypeRef {
   const char* name;  ///< "geometry_msgs/msg/Twist"
-  std::unique_ptr<eprosima::fastdds::dds::TopicDataType> (*create)();
+  std::unique_ptr<eprosima::fastdds::dds::TopicDataType> (*create)();  ///< makes DDS's type support
 };
 
+/// The type of message M.
 template <class M>
 [[nodiscard]] constexpr TypeRef type_ref() {
   return {MessageType<M>::name, &MessageType<M>::create};
@@ -56,19 +57,24 @@ template <class M>
 /// A publisher's DDS GUID, unique in its domain.
 using PublisherId = std::array<std::uint8_t, 16>;
 
-/// The type-erased part of Publisher<M>.
+/// The type-erased part of `Publisher<M>`.
 class AnyPublisher {
  public:
   AnyPublisher() = default;
+  /// Made by Node.
   AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<Codec> codec,
                std::shared_ptr<Writer> writer);
   ~AnyPublisher();
   AnyPublisher(AnyPublisher&&) noexcept = default;
   AnyPublisher& operator=(AnyPublisher&& other) noexcept;
 
+  /// As Publisher::publish(), for a message of the codec's type.
   void publish(const void* message) const;
+  /// Sends a serialized message.
   void publish_bytes(const std::vector<std::uint8_t>& bytes) const;
+  /// Number of matched subscriptions.
   [[nodiscard]] int matched() const;
+  /// As Publisher::id().
   [[nodiscard]] PublisherId id() const;
 
  private:
@@ -85,6 +91,7 @@ template <class M>
 class Publisher {
  public:
   Publisher() = default;
+  /// Made by Node::create_publisher().
   explicit Publisher(AnyPublisher publisher) : publisher_{std::move(publisher)} {}
 
   /// Never blocks longer than 10 ms; a failure is logged once per second.
@@ -103,9 +110,12 @@ class Publisher {
 class GenericPublisher {
  public:
   GenericPublisher() = default;
+  /// Made by Node::create_generic_publisher().
   explicit GenericPublisher(AnyPublisher publisher) : publisher_{std::move(publisher)} {}
 
+  /// As Publisher::publish(), with the message in bytes.
   void publish(const std::vector<std::uint8_t>& bytes) const { publisher_.publish_bytes(bytes); }
+  /// Number of matched subscriptions.
   [[nodiscard]] int matched() const { return publisher_.matched(); }
 
  private:
@@ -116,6 +126,7 @@ class GenericPublisher {
 class Subscription {
  public:
   Subscription() = default;
+  /// Made by Node::create_subscription().
   Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<ReaderSet> readers);
   ~Subscription();
   Subscription(Subscription&&) noexcept = default;
@@ -139,7 +150,7 @@ class Subscription {
 
 /// A reused message and its callback: the type-erased part that a Subscription needs of M.
 struct Receiver {
-  TypeRef type;
+  TypeRef type;                    ///< of the messages that it takes
   std::function<void*()> message;  ///< where to decode to
   std::function<void()> reset;     ///< clears it after a failed decode
   std::function<void()> deliver;   ///< calls the function with it
@@ -162,6 +173,7 @@ template <class M>
   return encode(type_ref<M>(), &message);
 }
 
+/// A receiver that calls `fn` with a message of type M.
 template <class M, class Fn>
 [[nodiscard]] Receiver make_receiver(Fn fn) {
   auto message = std::make_shared<M>();

@@ -7,23 +7,29 @@
 
 namespace tandem::runtime {
 
+/// Whether lost messages are sent again.
 enum class Reliability { kBestEffort, kReliable };
+/// Whether late subscriptions get earlier messages.
 enum class Durability { kVolatile, kTransientLocal };
 
 /// QoS of a publisher or subscription. The default is ROS 2's default profile.
 struct QoS {
-  Reliability reliability = Reliability::kReliable;
-  Durability durability = Durability::kVolatile;
-  int depth = 10;  ///< samples kept (keep last)
+  Reliability reliability = Reliability::kReliable;  ///< of delivery
+  Durability durability = Durability::kVolatile;     ///< for late subscriptions
+  int depth = 10;                                    ///< samples kept (keep last)
   double lifespan =
       std::numeric_limits<double>::infinity();  ///< [s] older samples are not delivered
 
   bool operator==(const QoS&) const = default;
 };
 
+/// ROS 2's default profile: reliable, volatile, keep last 10.
 inline constexpr QoS kDefault{};
+/// ROS 2's profile for sensors: best effort, the last five.
 inline constexpr QoS kSensorData{Reliability::kBestEffort, Durability::kVolatile, 5};
+/// For what late subscriptions must get: reliable, the last message is kept.
 inline constexpr QoS kLatched{Reliability::kReliable, Durability::kTransientLocal, 1};
+/// Of service requests and responses, as ROS 2.
 inline constexpr QoS kServices{};
 /// The lifespan keeps a process that resumes from a stall from replaying stale clock samples.
 inline constexpr QoS kClock{.reliability = Reliability::kBestEffort, .depth = 1, .lifespan = 0.2};
@@ -45,14 +51,15 @@ struct Policies {
   int liveliness = 0;  ///< 0 automatic, 1 manual by participant, 2 manual by topic
 };
 
+/// The policies that an endpoint with this QoS announces.
 [[nodiscard]] Policies policies_of(const QoS& qos);
 
 /// A policy whose offered value is weaker than the requested one, as text.
 struct Misfit {
-  std::string policy, offered, requested;
+  std::string policy, offered, requested;  ///< "reliability", "best_effort", "reliable"
 };
 
-/// The parameter below `qos_overrides.<topic>.` that resolves the mismatch, for example
+/// The parameter below qos_overrides and the topic's name that resolves the mismatch, for example
 /// "reliability: best_effort", set either at the subscription (`at_subscription`) or at the
 /// publisher. Empty if no parameter does.
 [[nodiscard]] std::string override_for(const Misfit& misfit, bool at_subscription);

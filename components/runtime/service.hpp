@@ -15,7 +15,7 @@ namespace tandem::runtime {
 /// A service: its name (ROS 2 form) and its type S with S::Request and S::Response.
 template <class S>
 struct ServiceName {
-  const char* name;
+  const char* name;  ///< relative to the node's namespace, unless it begins with / or ~
 };
 
 class Server;
@@ -24,13 +24,14 @@ class Caller;
 /// A service found on the domain, for example "/arbitration/set_policy" of type
 /// "tandem_msgs/srv/SetPolicy".
 struct ServiceInfo {
-  std::string name, type;
+  std::string name, type;  ///< ROS 2's names
 };
 
 /// Answers requests until it is destroyed.
 class Service {
  public:
   Service() = default;
+  /// Made by Node::create_service().
   Service(std::shared_ptr<NodeCore> node, std::shared_ptr<Server> server);
   ~Service();
   Service(Service&&) noexcept = default;
@@ -43,7 +44,7 @@ class Service {
   std::shared_ptr<Server> server_;
 };
 
-/// The type-erased part of Client<S>.
+/// The type-erased part of `Client<S>`.
 class AnyClient {
  public:
   AnyClient() = default;
@@ -54,11 +55,14 @@ class AnyClient {
   AnyClient(AnyClient&&) noexcept = default;
   AnyClient& operator=(AnyClient&& other) noexcept;
 
+  /// As Client::call(), for messages of the codecs' types.
   void call(const void* request, Receiver response, double timeout,
             std::function<void()> on_timeout) const;
+  /// As Client::call(), with request and response in bytes.
   void call_bytes(const std::vector<std::uint8_t>& request,
                   std::function<void(const std::vector<std::uint8_t>&)> fn, double timeout,
                   std::function<void()> on_timeout) const;
+  /// Whether a server was found.
   [[nodiscard]] bool ready() const;
 
  private:
@@ -74,12 +78,15 @@ class AnyClient {
 template <class S>
 class Client {
  public:
+  /// The message that is sent.
   using Request = typename S::Request;
+  /// The message that is returned.
   using Response = typename S::Response;
 
-  static constexpr double kTimeout = 2.0;  // [s]
+  static constexpr double kTimeout = 2.0;  ///< [s]
 
   Client() = default;
+  /// Made by Node::create_client().
   explicit Client(AnyClient client) : client_{std::move(client)} {}
 
   /// Calls `fn` with the response on the node's thread. Without a response within `timeout` [s] of
@@ -100,6 +107,7 @@ class Client {
 class GenericClient {
  public:
   GenericClient() = default;
+  /// Made by Node::create_generic_client().
   explicit GenericClient(AnyClient client) : client_{std::move(client)} {}
 
   /// Like Client<S>::call().
@@ -108,6 +116,7 @@ class GenericClient {
             std::function<void()> on_timeout) const {
     client_.call_bytes(request, std::move(fn), timeout, std::move(on_timeout));
   }
+  /// Whether a server was found.
   [[nodiscard]] bool ready() const { return client_.ready(); }
 
  private:
@@ -116,11 +125,12 @@ class GenericClient {
 
 /// A reused request and response, and the callback that turns one into the other.
 struct Responder {
-  Receiver request;  ///< deliver() fills the response
-  TypeRef response_type;
-  std::function<const void*()> response;
+  Receiver request;                       ///< deliver() fills the response
+  TypeRef response_type;                  ///< of the response
+  std::function<const void*()> response;  ///< the response that was filled in last
 };
 
+/// A responder that calls `fn` with request and response of service S.
 template <class S, class Fn>
 [[nodiscard]] Responder make_responder(Fn fn) {
   using Request = typename S::Request;

@@ -9,6 +9,7 @@ void install_signal_handlers();
 
 /// Stops every node of the process, present and future. May be called by any thread.
 void shutdown();
+/// Whether shutdown() was called or a signal came. Any thread may ask.
 [[nodiscard]] bool shutting_down();
 
 /// Returns after shutdown() or a signal.

@@ -17,6 +17,7 @@ class Beat {
 
   /// True if a tick is due; this advances the schedule to the first grid point after `now` [s].
   [[nodiscard]] bool due(double now);
+  /// Time of the next tick [s].
   [[nodiscard]] double next() const { return next_; }
 
  private:
@@ -30,6 +31,7 @@ struct TimerState;
 class Timer {
  public:
   Timer() = default;
+  /// Made by Node::create_timer().
   Timer(std::shared_ptr<NodeCore> node, std::shared_ptr<TimerState> state);
   ~Timer();
   Timer(Timer&&) noexcept = default;

@@ -39,12 +39,12 @@ struct RequiredClearance {
   std::vector<NearCell> near;  ///< empty if the motion starts outside the level
   Footprint inset;             ///< smaller outline, clear of the cells that the outline overlaps
   std::vector<NearCell> overlapped;  ///< the overlapped cells, measured from `inset`
-  DriftBounds drift;
+  DriftBounds drift;                 ///< bounds of the odometry's drift
 };
 
 /// The robot's outline and its size.
 struct Body {
-  Footprint footprint;
+  Footprint footprint;  ///< outline in B
   double radius = 0.0;  ///< circumradius [m]
 };
 

@@ -35,6 +35,7 @@ struct DriftBounds {
 /// error of the initial position are covered by the margin, not by d.
 class Deviation {
  public:
+  /// For odometry whose errors stay within the bounds.
   explicit Deviation(const DriftBounds& bounds) : bounds_{bounds}, heading_{bounds.heading_error} {}
 
   /// Advances by dt [s] of `twist`, each component of which may be off by `tolerance` ≥ 0.

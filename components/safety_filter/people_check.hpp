@@ -62,6 +62,7 @@ using PeopleSeen = Stamped<std::vector<Obstacle>>;
 /// position does not drop below the margin or, if smaller, its initial value.
 class PeopleCheck {
  public:
+  /// Throws std::invalid_argument on parameters out of range.
   PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body);
 
   /// Whether everybody is so far away that no such motion needs a detailed check. `way` bounds the

@@ -53,7 +53,7 @@ struct SafetyFilterParams {
   double jump_angle = 0.3;
   double jump_rest = 1.0;
   double odom_resolution = 0.01;
-  PeopleParams people{};
+  PeopleParams people{};  ///< of people nearby
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -115,13 +115,15 @@ enum class FilterReason {
   kClockSilent,  ///< set by the node: /clock is silent, so ages are unknown
 };
 
+/// The reason in short, for logs and tables.
 [[nodiscard]] const char* name(FilterReason reason);
 
+/// The command that may be sent, and what was changed.
 struct Filtered {
   Twist2 twist;      ///< to send now
   Twist2 requested;  ///< the command received
   Twist2 safe;       ///< the safe part of it; equals `twist` while enforcing
-  FilterReason reason = FilterReason::kNoCommand;
+  FilterReason reason = FilterReason::kNoCommand;  ///< why it was changed, or that it was not
   double scale = 0.0;  ///< fraction of the requested command that is safe
   /// Clearance of the outline at the measured pose [m], at most 1; NaN where it was not computed.
   double clearance = std::numeric_limits<double>::quiet_NaN();
@@ -149,6 +151,7 @@ class SafetyFilter {
   /// that never stops by itself (base_timeout 0).
   SafetyFilter(const SafetyFilterParams& params, const RobotParams& robot);
 
+  /// Sets the command to be checked, which arrived at time t [s].
   void on_command(const Twist2& twist, double t);
   /// Sets the map and, as obstacles, the ground that no beam has covered; null: all ground is seen.
   void on_map(std::shared_ptr<const StaticMap> map,
@@ -180,6 +183,7 @@ class SafetyFilter {
 
   /// Clearance below which only motion that does not reduce it passes, (1) [m].
   [[nodiscard]] double hard_margin() const { return hard_margin_; }
+  /// The parameters in force.
   [[nodiscard]] const SafetyFilterParams& params() const { return params_; }
 
  private:

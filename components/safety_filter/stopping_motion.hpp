@@ -26,22 +26,24 @@ struct StoppingBounds {
 
 /// Start of the motion and the command to try. Zero is in force from now + end on.
 struct MotionStart {
-  Twist2 measured;  ///< holds at t_measured ≤ now
-  double t_measured = 0.0;
-  double now = 0.0;
+  Twist2 measured;                        ///< holds at t_measured ≤ now
+  double t_measured = 0.0;                ///< arrival of odometry [s]
+  double now = 0.0;                       ///< [s]
   std::span<const Stamped<Twist2>> sent;  ///< earlier commands, oldest first
-  Twist2 command;
-  double end = 0.0;     ///< [s]
+  Twist2 command;                         ///< the command to try
+  double end = 0.0;                       ///< [s]
   Twist2 below, above;  ///< how far the true twist may lie below and above the measured one, ≥ 0
 
+  /// The lowest true speed and turn rate that the measurement allows.
   [[nodiscard]] Twist2 lowest() const { return {measured.v - below.v, measured.w - below.w}; }
+  /// The highest ones.
   [[nodiscard]] Twist2 highest() const { return {measured.v + above.v, measured.w + above.w}; }
 };
 
 /// Range of v and of w over the next dt; each end is a mean over dt.
 struct TwistRange {
-  Twist2 low, high;
-  double dt = 0.0;  ///< [s]
+  Twist2 low, high;  ///< [m/s], [rad/s]
+  double dt = 0.0;   ///< [s]
 };
 
 /// Ranges in order of time; after the last one the robot stands.
@@ -72,13 +74,13 @@ inline constexpr double kTailSpeed = 0.01;
 
 /// Position of v and of w within their ranges: 0 is the low end, 1 the high end.
 struct Shares {
-  double v = 0.0, w = 0.0;
+  double v = 0.0, w = 0.0;  ///< [1]
 };
 
 /// All motions whose shares lie within `half` of `center`.
 struct ShareCell {
-  Shares center;
-  Shares half = {};
+  Shares center;     ///< in [0, 1]
+  Shares half = {};  ///< ≥ 0
 };
 
 /// Twist of the motion at the cell's centre.
@@ -95,16 +97,18 @@ struct ShareCell {
 /// [rad], both absolute, and the speeds on the way [m/s], [rad/s]. Cheaper to compute than an
 /// envelope.
 struct Farthest {
-  double path = 0.0, turn = 0.0, speed = 0.0, turn_rate = 0.0;
+  double path = 0.0, turn = 0.0, speed = 0.0, turn_rate = 0.0;  ///< [m], [rad], [m/s], [rad/s]
 };
+/// The bounds on all braked motions from `start`.
 [[nodiscard]] Farthest farthest_motion(const MotionStart& start, const StoppingBounds& bounds);
 
 /// Bounds over all motions of an envelope.
 struct Reach {
-  double path = 0.0, turn = 0.0;                // longest, absolute [m], [rad]
-  double path_spread = 0.0, turn_spread = 0.0;  // between the low and high ends [m], [rad]
-  double time = 0.0;                            // until the robot stands [s]
+  double path = 0.0, turn = 0.0;                ///< longest, absolute [m], [rad]
+  double path_spread = 0.0, turn_spread = 0.0;  ///< between the low and high ends [m], [rad]
+  double time = 0.0;                            ///< until the robot stands [s]
 };
+/// The bounds on the motions of an envelope.
 [[nodiscard]] Reach reach(std::span<const TwistRange> envelope);
 
 }  // namespace tandem

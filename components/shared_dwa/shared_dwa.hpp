@@ -8,6 +8,7 @@
 
 namespace tandem {
 
+/// Sampling, weights and margins of the Shared Dynamic Window Approach.
 struct SharedDwaParams {
   double control_period = 0.05;
   double window = 0.25;
@@ -45,7 +46,7 @@ struct SharedDwaParams {
 struct DwaChoice {
   Twist2 command;          ///< zero if no sample is admissible
   bool admissible = true;  ///< false: no sample is admissible and the robot must brake
-  double cost = 0.0;
+  double cost = 0.0;       ///< weighted sum; lower is better
   double clearance = 0.0;  ///< of the outline now [m], at most 1
   int looked_at = 0;       ///< number of arcs checked against the map
 };

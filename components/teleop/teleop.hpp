@@ -46,7 +46,7 @@ struct TeleopParams {
   int deadman_button = 0;
   int end_button = 1;
   double axis_range = 1.0;
-  StickGains gains{};
+  StickGains gains{};  ///< can be changed while it runs
   double joy_timeout = 0.12;
 
   template <class Visitor>
@@ -68,8 +68,8 @@ struct TeleopParams {
 
 /// State of a joystick: axes in [−1, 1], buttons pressed or not.
 struct Stick {
-  double linear = 0.0, angular = 0.0;
-  bool deadman = false, end = false;
+  double linear = 0.0, angular = 0.0;  ///< [1], forward and to the left
+  bool deadman = false, end = false;   ///< held; end of the drive pressed
 };
 
 /// Reads the axes and buttons that the parameters name. An axis that is missing, not finite or
@@ -89,9 +89,10 @@ struct JoyCheck {
 [[nodiscard]] JoyCheck check_joy(std::span<const float> axes, std::span<const int> buttons,
                                  const TeleopParams& params);
 
+/// Axes and buttons of a sensor_msgs/Joy.
 struct JoyValues {
-  std::vector<float> axes;
-  std::vector<int> buttons;
+  std::vector<float> axes;   ///< in [−1, 1]
+  std::vector<int> buttons;  ///< 1: pressed
 };
 
 /// Inverse of read_stick, for our own devices (keys, on-screen stick): axes and buttons with which

@@ -17,20 +17,25 @@ struct Iterate {
 
 /// When to stop. The deadline is checked in every iteration.
 struct SolveLimits {
+  /// wall-clock limit
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   double iteration_time = 0.0;  ///< duration of an iteration in the previous solve [s]
-  int iterations = 60;
+  int iterations = 60;          ///< at most
 };
 
+/// How a solve ended: converged, within the looser tolerance, out of time or iterations, or
+/// neither.
 enum class SolveStatus { kConverged, kAcceptable, kTimeout, kFailed };
 
+/// The last iterate of a solve, and how it ended.
 struct Solution {
-  SolveStatus status = SolveStatus::kFailed;
-  Iterate point = {};
-  int iterations = 0;
-  double iteration_time = 0.0;  ///< mean of this solve [s]; 0 without iterations
+  SolveStatus status = SolveStatus::kFailed;  ///< how it ended
+  Iterate point = {};                         ///< its last iterate
+  int iterations = 0;                         ///< of this solve
+  double iteration_time = 0.0;                ///< mean of this solve [s]; 0 without iterations
 };
 
+/// Which solver solves the optimal control problem.
 enum class SolverKind {
   kIpopt,       ///< the reference
   kStructured,  ///< Riccati interior point, about a hundred times as fast
@@ -44,7 +49,9 @@ enum class Verdict {
   kDisagreement  ///< they did not, or the structured solver did not converge
 };
 
+/// The solver as the parameter `solver` writes it.
 [[nodiscard]] const char* name(SolverKind kind);
+/// The verdict in short, for logs and tables.
 [[nodiscard]] const char* name(Verdict verdict);
 
 /// Throws std::invalid_argument unless `text` is the name of a solver.

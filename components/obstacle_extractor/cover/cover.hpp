@@ -14,8 +14,8 @@ namespace tandem {
 
 /// A shape and the bounding box of the cells it covers [m].
 struct CoverShape {
-  Obstacle obstacle;
-  Eigen::Vector2d low, high;
+  Obstacle obstacle;          ///< the shape
+  Eigen::Vector2d low, high;  ///< corners of the box in M [m]
 };
 
 /// Distance from a point to the bounding box of the shape's cells [m].
@@ -23,6 +23,7 @@ struct CoverShape {
   return (shape.low - p).cwiseMax(p - shape.high).cwiseMax(0.0).norm();
 }
 
+/// How closely the shapes must fit.
 struct CoverParams {
   Excess excess;           ///< maximum reach of a shape into free space
   double space_per_shape;  ///< free space that saving one shape may cost [m²]

@@ -13,20 +13,24 @@ namespace tandem {
 
 /// Index of a cell in its grid.
 struct CellIndex {
-  int ix = 0, iy = 0;
+  int ix = 0, iy = 0;  ///< column and row
 
   bool operator==(const CellIndex&) const = default;
 };
 
 /// Cells [x0, x1) × [y0, y1) of a grid; may reach beyond it.
 struct CellRect {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< first cell, and one past the last
 
+  /// Cells along x.
   [[nodiscard]] int width() const { return x1 - x0; }
+  /// Cells along y.
   [[nodiscard]] int height() const { return y1 - y0; }
+  /// Number of cells.
   [[nodiscard]] std::size_t size() const {
     return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
   }
+  /// Whether cell (ix, iy) is inside.
   [[nodiscard]] bool contains(int ix, int iy) const {
     return ix >= x0 && iy >= y0 && ix < x1 && iy < y1;
   }

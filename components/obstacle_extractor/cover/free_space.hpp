@@ -15,7 +15,7 @@ namespace tandem {
 /// Maximum reach of a shape into free space [m]: in open space, in narrow passages, and in narrow
 /// passages that must stay open.
 struct Excess {
-  double open, narrow, kept;
+  double open, narrow, kept;  ///< [m]
 };
 
 /// The usable free space of a window. Excludes obstacles, narrow slots and corners, pockets without

@@ -22,6 +22,7 @@ class Passages {
   Passages(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region,
            double width, const std::vector<std::vector<CellIndex>>& clusters);
 
+  /// The cells that were examined.
   [[nodiscard]] const CellRect& window() const { return window_; }
 
   /// The cells (by CellRect::index) swept in passages that are open between the `fine` shapes for a
