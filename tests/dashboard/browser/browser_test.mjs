@@ -4,12 +4,12 @@
 // on the screen and with the keyboard. At the same time the other is driven in every view and by every
 // input device, stopped in an emergency, cut off from the network, and taken over by another page.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import net from "node:net";
 import { tmpdir } from "node:os";
 import { setTimeout as pause } from "node:timers/promises";
+import { startSystem, stick } from "./support.mjs";
 
 const [modules, tandem, systems, executablePath, pictures] = process.argv.slice(2);
 const { chromium } = createRequire(`${modules}/`)("playwright-core");
@@ -30,20 +30,10 @@ process.on("exit", () => {
 });
 
 /** Starts a system, with ROS arguments; gives back the port of its page. */
-async function start(system, ...args) {
-  const all = ["run", `${systems}/${system}.yaml`, "--ros-args", "-p", "dashboard:port:=0", ...args];
-  const robot = spawn("setpriv", ["--pdeathsig", "KILL", tandem, ...all], { stdio: ["ignore", "inherit", "pipe"] });
+function start(system, ...args) {
+  const { robot, port } = startSystem(tandem, `${systems}/${system}.yaml`, args);
   robots.push(robot);
-  return new Promise((resolve, reject) => {
-    let log = "";
-    robot.stderr.on("data", (text) => {
-      process.stderr.write(text);
-      log += text;
-      const found = log.match(/the page is at http:\/\/127\.0\.0\.1:(\d+)\//);
-      if (found) resolve(Number(found[1]));
-    });
-    robot.on("exit", () => reject(new Error(`${system} did not start`)));
-  });
+  return port;
 }
 
 // The user test starts half way to the region.
@@ -108,12 +98,6 @@ const moves = (page) => until(page, () => Math.abs(window.tandem.robot.speed?.v 
 const stands = (page, still) => until(page, (s) => Math.abs(window.tandem.robot.speed?.v ?? 1) < s, still ?? STANDS);
 const picture = (page, name) => (pictures ? page.screenshot({ path: `${pictures}/${name}.png` }) : undefined);
 const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
-
-async function stick(page, forward, left) {
-  const box = await page.locator("#stick").boundingBox();
-  const reach = 0.3 * box.width;
-  await page.mouse.move(box.x + box.width / 2 - left * reach, box.y + box.height / 2 - forward * reach);
-}
 
 const LAPTOP = { width: 1280, height: 800 }, PHONE = { width: 390, height: 844 };
 const [page, watcher, testPage] = await Promise.all([
