@@ -56,8 +56,7 @@ Navigator::Navigator(const NavigatorParams& params, unsigned seed)
 
 Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
   if (!started_) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
+    moved_ = {X_MB, t};
     started_ = true;
   }
   advance_along_route(X_MB.position());
@@ -155,14 +154,13 @@ Hand Navigator::with_noise(Hand hand) {
 // After pushing without moving for `patience`, people pull back, turn a little and try another
 // side.
 void Navigator::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
-  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kMovedDistance ||
-                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kMovedAngle;
+  const bool moved = (X_MB.position() - moved_.value.position()).norm() > kMovedDistance ||
+                     std::abs(wrap_angle(X_MB.theta - moved_.value.theta)) > kMovedAngle;
   if (moved || !wants_to_move) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
+    moved_ = {X_MB, t};
     return;
   }
-  if (t - moved_time_ < params_.patience) return;
+  if (moved_.age(t) < params_.patience) return;
   const double side = normal_(random_) > 0.0 ? 1.0 : -1.0;
   back_out_turn_ = -0.4 * side;
   detour_ = tries_ < 2 ? 0.5 * side : 0.0;
@@ -187,8 +185,7 @@ bool Navigator::backs_out(const Pose2& X_MB, double t) {
   if (backing_out_) return true;
   if (tries_ % 2 == 0) progress_ = std::max(0.0, progress_ - back_out_distance());
   detour_until_ = t + kDetourTime;
-  moved_pose_ = X_MB;
-  moved_time_ = t;
+  moved_ = {X_MB, t};
   return false;
 }
 

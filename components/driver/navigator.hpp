@@ -106,8 +106,7 @@ class Navigator {
   bool arrived_ = false;
   std::deque<Stamped<Pose2>> seen_;  // X_MS, oldest first
 
-  Pose2 moved_pose_;
-  double moved_time_ = 0.0;
+  Stamped<Pose2> moved_;  // where and when the robot last moved
   bool backing_out_ = false;
   Pose2 back_out_from_;
   double back_out_start_ = 0.0, back_out_turn_ = 0.0;
