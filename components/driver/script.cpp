@@ -117,7 +117,7 @@ Hand Script::meant(const PathPhase& path) const {
   const double bearing = wrap_angle(heading - facing(path, X_MS));
   const double forward = std::max(0.0, std::cos(bearing));
   return {path.direction * push * forward * forward,
-          std::clamp(params_.turn_gain * bearing, -1.0, 1.0), true};
+          std::clamp(NavigatorParams::kTurnGain * bearing, -1.0, 1.0), true};
 }
 
 // Stick deflection along the route [1]; 0 while a leader waits for its robot.
@@ -141,7 +141,7 @@ Hand Script::meant(const TurnPhase& turn) const {
   if (leads && !is_eager_ && std::abs(error) <= turn.tolerance) return {0.0, 0.0, true};
   const double most = is_eager_ ? std::min(1.0, turn.stick + kEager) : turn.stick;
   const double stick =
-      std::clamp(params_.turn_gain * std::abs(error), std::min(kLeastTurn, most), most);
+      std::clamp(NavigatorParams::kTurnGain * std::abs(error), std::min(kLeastTurn, most), most);
   return {0.0, std::copysign(stick, error), true};
 }
 

@@ -25,7 +25,7 @@ namespace tandem {
 /// pushes harder; after the same time again they back out and retry.
 class Script {
  public:
-  /// Uses rate, reaction_delay, preview, turn_gain, stick_noise and patience of the parameters.
+  /// Uses rate, reaction_delay, preview, stick_noise and patience of the parameters.
   /// Throws what read_script throws.
   Script(const std::string& text, const NavigatorParams& params, const Footprint& outline,
          unsigned seed);
