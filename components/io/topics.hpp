@@ -11,7 +11,7 @@
 
 namespace tandem::topics {
 
-using runtime::Hears;
+using runtime::Accepts;
 using runtime::kDefault;
 using runtime::kLatched;
 using runtime::kSensorData;
@@ -43,22 +43,22 @@ inline constexpr runtime::QoS kStickInput{
 
 // the map
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched,
-                                                                  Hears::kEvery};
+                                                                  Accepts::kEvery};
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
     "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
 /// Status of the sensors behind octomap_local, from the node that publishes the latter.
 inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
     "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Accepts::kEvery};
 /// People with their velocities. Each message must contain everybody nearby.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
-    "people", {.depth = 1}, Hears::kEvery};
+    "people", {.depth = 1}, Accepts::kEvery};
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"obstacles/markers"};
 
 // the planner
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose", kDefault,
-                                                                  Hears::kEvery};
+                                                                  Accepts::kEvery};
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_shared{"cmd_vel_shared", kCommand};
 inline constexpr Topic<nav_msgs::msg::Path> plan{"plan"};
 inline constexpr Topic<nav_msgs::msg::Path> user_path{"user_path"};
@@ -77,21 +77,21 @@ inline constexpr Topic<tandem_msgs::msg::FilterStatus> filter_status{"safety_fil
 inline constexpr auto diagnostics = runtime::every_node::diagnostics;
 
 // the robot
-inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
+inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Accepts::kEvery};
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
-    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Hears::kEvery};
+    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Accepts::kEvery};
 /// Latched static transforms, one history per publisher.
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
     "/tf_static",
     {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100},
-    Hears::kEvery};
+    Accepts::kEvery};
 inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
 inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
 inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};
 inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
 inline constexpr auto clock = runtime::every_node::clock;
 inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
-    "initialpose", kDefault, Hears::kEvery};
+    "initialpose", kDefault, Accepts::kEvery};
 
 }  // namespace tandem::topics
 

@@ -19,7 +19,7 @@ namespace tandem::runtime {
 /// A topic of the domain under one of its types, and what its endpoints offer and request.
 struct TopicInfo {
   std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
-  std::string type_hash;   ///< "RIHS01_…"; empty if no publisher tells it
+  std::string type_hash;   ///< "RIHS01_…"; empty if no publisher announces it
   std::vector<Policies> publishers, subscriptions;
 };
 
@@ -29,9 +29,9 @@ class ReaderSet;
 class Writer;
 
 /// Which publishers a subscription matches.
-enum class Hears {
-  kFitting,  ///< those whose offer satisfies the topic's QoS
-  kEvery,    ///< all: third-party publishers may offer weaker QoS
+enum class Accepts {
+  kCompatible,  ///< those whose offer satisfies the topic's QoS
+  kEvery,       ///< all: third-party publishers may offer weaker QoS
 };
 
 /// A topic: its name (ROS 2 form), its type, its QoS.
@@ -39,7 +39,7 @@ template <class M>
 struct Topic {
   const char* name;
   QoS qos = kDefault;
-  Hears hears = Hears::kFitting;
+  Accepts accepts = Accepts::kCompatible;
 };
 
 /// What the untyped side of the runtime knows about a message type.

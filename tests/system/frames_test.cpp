@@ -339,7 +339,7 @@ TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
   EXPECT_NE(said.find("map → odom_combined"), std::string::npos) << said;
   EXPECT_NE(said.find("/tester"), std::string::npos) << said;
   const std::string reason = "not localized: `odom` is not on /tf";
-  const auto found = said.find("the safety filter stands: " + reason);
+  const auto found = said.find("the safety filter stops the robot: " + reason);
   EXPECT_NE(found, std::string::npos) << said;
   EXPECT_EQ(said.find(reason), said.rfind(reason)) << "once: " << said;
 }
