@@ -16,12 +16,12 @@ namespace tandem {
 /// a device that has not reported its axes yet.
 class RestCheck {
  public:
-  static constexpr double kGone = 0.5;  ///< [s] silence after which a sender is gone, not late
+  static constexpr double kSenderTimeout = 0.5;  ///< [s] of silence: gone, not late
 
   /// `timeout`: longest ordinary gap between two samples [s]. `has_deadman`: whether the dead-man
   /// button is used.
   RestCheck(double timeout, bool has_deadman)
-      : silence_{std::max(timeout, kGone)}, has_deadman_{has_deadman} {}
+      : silence_{std::max(timeout, kSenderTimeout)}, has_deadman_{has_deadman} {}
 
   /// Takes a sample from `sender` at time t [s]; returns whether it may drive. `at_rest`: the stick
   /// is at rest; `deadman`: the button is held.
