@@ -10,6 +10,7 @@
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
 #include "system/wall_map.hpp"
