@@ -17,7 +17,7 @@ Twist2 mix(const Twist2& a, const Twist2& b, double share_of_b) {
 // [s] without steering that counts as letting go. Shorter rests occur while driving: a stick passes
 // its centre, and a key is released between two presses.
 constexpr double kLetsGo = 1.0;
-constexpr double kGone = 0.5;  // [s] of silence after which a node is gone rather than late
+constexpr double kNodeTimeout = 0.5;  // [s] of silence after which a node is gone rather than late
 
 bool is_rest(const Twist2& twist, double threshold) {
   return std::abs(twist.v) <= threshold && std::abs(twist.w) <= threshold;
@@ -39,9 +39,7 @@ const std::vector<std::string>& policies() {
   return names;
 }
 
-const char* name(Policy policy) {
-  return policies().at(static_cast<std::size_t>(policy)).c_str();
-}
+const char* name(Policy policy) { return policies().at(static_cast<std::size_t>(policy)).c_str(); }
 
 const char* name(Source source) {
   switch (source) {
@@ -153,7 +151,7 @@ void Arbiter::on_time_jump(double now) {
 }
 
 bool Arbiter::steers(double now) const {
-  return hears_person(now) && !is_rest(user_.value, params_.takeover_threshold);
+  return user_is_fresh(now) && !is_rest(user_.value, params_.takeover_threshold);
 }
 
 Decision Arbiter::choose(double now) {
@@ -162,11 +160,11 @@ Decision Arbiter::choose(double now) {
     case EmergencyStop::Awaits::kRelease:
       return stop(ArbitrationReason::kEmergencyStop);
     case EmergencyStop::Awaits::kLettingGo:
-      return stop(stop_.heard_person() ? ArbitrationReason::kLetGoFirst
-                                       : ArbitrationReason::kUserSilent);
+      return stop(stop_.received_user() ? ArbitrationReason::kLetGoFirst
+                                        : ArbitrationReason::kUserSilent);
     case EmergencyStop::Awaits::kSteering:
-      return stop(hears_person(now) ? ArbitrationReason::kSteerFirst
-                                    : ArbitrationReason::kUserSilent);
+      return stop(user_is_fresh(now) ? ArbitrationReason::kSteerFirst
+                                     : ArbitrationReason::kUserSilent);
     case EmergencyStop::Awaits::kNothing:
       return choose_by_policy(now);
   }
@@ -175,7 +173,7 @@ Decision Arbiter::choose(double now) {
 
 Decision Arbiter::choose_by_policy(double now) {
   if (policy_ == Policy::kAutonomous) return choose_autonomous(now);
-  if (!hears_person(now)) return stop(ArbitrationReason::kUserSilent);
+  if (!user_is_fresh(now)) return stop(ArbitrationReason::kUserSilent);
   if (policy_ == Policy::kManual)
     return {user_.value, Source::kUser, ArbitrationReason::kFollowsSource, 0.0};
   if (!shared_.fresh(now, params_.shared_timeout)) return stop(ArbitrationReason::kSharedSilent);
@@ -234,16 +232,16 @@ std::string Arbiter::why(const Decision& decision, double now) const {
   const std::string own = name(decision.reason);
   const bool stops_here = decision.source == Source::kNone;
   if (stops_here && decision.reason != ArbitrationReason::kUserSilent) return own;
-  if (stops_here && !stick_.value.empty() && stick_.fresh(now, kGone)) return stick_.value;
+  if (stops_here && !stick_.value.empty() && stick_.fresh(now, kNodeTimeout)) return stick_.value;
   if (const std::string trouble = trouble_of_filter(now); !trouble.empty()) return trouble;
   const bool planned = decision.source == Source::kShared || decision.source == Source::kBlend;
-  if (planned && !planner_.value.empty() && planner_.fresh(now, kGone))
+  if (planned && !planner_.value.empty() && planner_.fresh(now, kNodeTimeout))
     return "planner: " + planner_.value;
   return own;
 }
 
 std::string Arbiter::trouble_of_filter(double now) const {
-  if (is_silent(filter_, now, kGone)) return text_of(Reason::kFilterSilent);
+  if (is_silent(filter_, now, kNodeTimeout)) return text_of(Reason::kFilterSilent);
   return filter_.value.empty() ? std::string{} : "safety filter: " + filter_.value;
 }
 

@@ -169,7 +169,7 @@ class Arbiter {
   /// * the decision's own reason.
   [[nodiscard]] std::string why(const Decision& decision, double now) const;
   /// Whether a person is at the stick: the last user command is fresh.
-  [[nodiscard]] bool hears_person(double now) const {
+  [[nodiscard]] bool user_is_fresh(double now) const {
     return user_.fresh(now, params_.user_timeout);
   }
   /// Topics of the inputs that were received once and are silent now.

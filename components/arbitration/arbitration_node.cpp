@@ -215,7 +215,7 @@ void ArbitrationNode::publish_status() {
   msg.alpha(decision_.alpha);
   msg.reason(why_);
   msg.emergency_stop(arbiter_.emergency_stopped());
-  msg.deadman(arbiter_.hears_person(node_.now()));
+  msg.deadman(arbiter_.user_is_fresh(node_.now()));
   msg.command(to_msg(decision_.command));
   msg.silent_sources(arbiter_.silent_sources(node_.now()));
   msg.remedy(remedy_);

@@ -22,7 +22,7 @@ bool EmergencyStop::release() {
 }
 
 void EmergencyStop::on_user(const Twist2& twist, double t) {
-  heard_person_ = true;
+  received_user_ = true;
   if (std::abs(twist.v) <= kAtRest && std::abs(twist.w) <= kAtRest) {
     if (!rest_since_) rest_since_ = t;
     return;
@@ -33,7 +33,7 @@ void EmergencyStop::on_user(const Twist2& twist, double t) {
 
 EmergencyStop::Awaits EmergencyStop::awaits(double now, bool autonomous) {
   if (latched_) return Awaits::kRelease;
-  if (autonomous && (has_let_go(now) || !heard_person_)) must_restart_ = false;
+  if (autonomous && (has_let_go(now) || !received_user_)) must_restart_ = false;
   if (!must_restart_) return Awaits::kNothing;
   // Letting go alone does not start the robot: with the dead-man button held and the stick at rest,
   // a planner with a goal would drive at once.

@@ -33,7 +33,7 @@ class EmergencyStop {
   /// Whether the robot must stand.
   [[nodiscard]] bool latched() const { return latched_; }
   /// Whether a person has ever sent a command.
-  [[nodiscard]] bool heard_person() const { return heard_person_; }
+  [[nodiscard]] bool received_user() const { return received_user_; }
 
   /// Takes the person's command, which must be finite.
   void on_user(const Twist2& twist, double t);
@@ -51,7 +51,7 @@ class EmergencyStop {
   double rest_time_;
   bool pressed_ = false, latched_ = false;
   bool must_restart_ = false;
-  bool heard_person_ = false;
+  bool received_user_ = false;
   std::optional<double> rest_since_;  // first command at rest since the last steering one
 };
 

@@ -10,6 +10,7 @@ namespace {
 constexpr double kChangeTime = 0.5;  // [s] over which the change of the command is averaged
 constexpr double kLongestGap = 0.5;  // [s] after a longer gap the average does not continue
 constexpr double kSteers = 0.02;     // [m/s, rad/s] a smaller command is not steering
+constexpr double kHysteresis = 0.1;  // [1] the share is held until it would change by more
 
 double difference(const Twist2& a, const Twist2& b) { return std::hypot(a.v - b.v, a.w - b.w); }
 
@@ -34,12 +35,12 @@ void Performance::update(const Twist2& shared, double disagreement, double t,
   const double dt = time_ < 0.0 ? 0.0 : std::clamp(t - time_, 0.0, kLongestGap);
   time_ = t;
   const bool steers = std::abs(user_.value.v) > kSteers || std::abs(user_.value.w) > kSteers;
-  if (!steers || params.frozen) return;
+  if (!steers) return;
   const double agreement = 1.0 - std::min(1.0, difference(user_.value, shared) / disagreement);
   const double steadiness = 1.0 - std::min(1.0, change_ / params.unsteady);
   performance_ = toward(performance_, agreement * steadiness, dt, params.time);  // (1), (2)
   const double moved = params.range * std::abs(performance_ - held_);
-  if (moved > params.hysteresis) held_ = performance_;
+  if (moved > kHysteresis) held_ = performance_;
 }
 
 double Performance::share(const AdaptiveParams& params) const {

@@ -15,8 +15,6 @@ struct AdaptiveParams {
   double range = 0.7;
   double time = 3.0;
   double unsteady = 4.0;
-  double hysteresis = 0.1;
-  bool frozen = false;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -27,9 +25,6 @@ struct AdaptiveParams {
     field("adaptive_unsteady", unsteady, Range{0.1, 1000.0},
           "[m/s², rad/s²] mean rate of change of the person's command that counts as no control at "
           "all");
-    field("adaptive_hysteresis", hysteresis, Range{0.0, 1.0},
-          "[1] the share is held until it would change by more than this");
-    field("adaptive_frozen", frozen, "true: the share is held constant, for studies");
   }
 };
 
@@ -38,7 +33,7 @@ struct AdaptiveParams {
 ///   p = (1 − min(1, |u_user − u_planner| / disagreement))
 ///       (1 − min(1, |u̇_user| / unsteady))                               (1)
 ///   P = p averaged over `time`, while the person steers                  (2)
-///   K = base + range (1 − P), at most 1, moved only by more than `hysteresis`   (3)
+///   K = base + range (1 − P), at most 1, moved only by more than 0.1            (3)
 ///
 /// (3) is the wheelchair's rule K = K0 + Kr (1 − performance); (1) is our own measure: a person
 /// drives well if the planner does not need to correct the command and the hand is steady.

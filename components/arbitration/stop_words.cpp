@@ -14,15 +14,15 @@ constexpr std::size_t kMaxRemembered = 1000;  // senders
 bool StopWords::Word::mark(std::uint64_t sequence) {
   if (sequence > newest) {
     const std::uint64_t ahead = sequence - newest;
-    heard = (ahead < kWindow ? heard << ahead : 0) | 1;
+    received = (ahead < kWindow ? received << ahead : 0) | 1;
     newest = sequence;
     return true;
   }
   const std::uint64_t behind = newest - sequence;
   if (behind >= kWindow) return false;
   const std::uint64_t bit = std::uint64_t{1} << behind;
-  if ((heard & bit) != 0) return false;
-  heard |= bit;
+  if ((received & bit) != 0) return false;
+  received |= bit;
   return true;
 }
 
@@ -37,7 +37,7 @@ bool StopWords::on_word(const Sender& sender, std::uint64_t sequence, bool press
 }
 
 void StopWords::set_present(Word& word, bool present) {
-  if (present && !word.present) word.newest = word.heard = 0;
+  if (present && !word.present) word.newest = word.received = 0;
   word.present = present;
 }
 

@@ -34,8 +34,8 @@ class StopWords {
 
  private:
   struct Word {
-    std::uint64_t newest = 0;  // highest sequence number received; 0: none
-    std::uint64_t heard = 0;   // bit i: whether sample newest − i was received
+    std::uint64_t newest = 0;    // highest sequence number received; 0: none
+    std::uint64_t received = 0;  // bit i: whether sample newest − i was received
     bool pressed = false;
     bool present = true;
 

@@ -76,7 +76,7 @@ DashboardNode::DashboardNode(rt::Node& node)
       node.fully_qualified_name() + "/begin_trial", "tandem.TrialRequest",
       [this](ClientId client, const auto& bytes) { return begin_trial(client, bytes); });
   ticks_ = node.create_wall_timer(kTick, [this] { tick(); });
-  looks_ = node.create_wall_timer(kLook, [this] { look(); });
+  looks_ = node.create_wall_timer(kPollPeriod, [this] { look(); });
   time_ = node.create_wall_timer(kTimePeriod, [this] {
     for (const ClientId client : clients_) tell_time(client);
     tell_trial();
@@ -158,8 +158,8 @@ void DashboardNode::on_join(ClientId client) {
   web_.send(client,
             {true, foxglove::server_info("Tandem" + node_.fully_qualified_name(), session)});
   tell_time(client);  // before any timestamped message
-  topics_.greet(client);
-  services_.greet(client);
+  topics_.announce_all(client);
+  services_.announce_all(client);
   told_.clear();
   node_.log().info("web client {} connected ({} in total)", client, clients_.size());
 }
@@ -286,7 +286,7 @@ void DashboardNode::tell_trial() {
 
 // Sent to all clients, because a page that reconnects is a new client.
 void DashboardNode::tell_trial(const std::string& state) {
-  for (const ClientId client : clients_) topics_.tell(client, kTrialChannel, state);
+  for (const ClientId client : clients_) topics_.send_own(client, kTrialChannel, state);
 }
 
 // Reports the driver to each client from that client's view; on changes and with every look.
@@ -298,8 +298,8 @@ void DashboardNode::tell_seat() {
   told_ = state;
   for (const ClientId client : clients_) {
     const char* who = !driver ? "nobody" : *driver == client ? "you" : "other";
-    topics_.tell(client, kSeatChannel,
-                 foxglove::json{{"driver", who}, {"clients", clients_.size()}}.dump());
+    topics_.send_own(client, kSeatChannel,
+                     foxglove::json{{"driver", who}, {"clients", clients_.size()}}.dump());
   }
 }
 

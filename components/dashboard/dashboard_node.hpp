@@ -51,7 +51,7 @@ class DashboardNode {
   static constexpr double kUsual = 0.0015;      // [s] of a tick for frames of connected clients
   static constexpr double kLastWords = 0.0005;  // [s] of a tick for frames of clients that left
   static constexpr int kMaxUrgent = 64;         // emergency stop messages handled per tick
-  static constexpr double kLook = 0.5;          // [s] between two looks at the domain
+  static constexpr double kPollPeriod = 0.5;    // [s] between two looks at the domain
   static constexpr double kTimePeriod = 0.05;   // [s]
   static constexpr double kSavePeriod = 1.0;    // [s] minimum interval of two saved user tests
   static constexpr double kTrialPeriod = 0.3;   // [s] minimum interval of two trial starts

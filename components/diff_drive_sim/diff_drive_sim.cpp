@@ -12,6 +12,9 @@ constexpr double kClearanceCap = 1.0;  // [m] larger clearances are reported as 
 constexpr double kLookAhead = 0.1;     // [m] measured beyond what is needed, to save later calls
 constexpr double kContactPrecision = 1e-4;  // [m] maximum gap to what stopped the robot
 constexpr double kTimePrecision = 1e-9;     // [s]
+constexpr double kEpisodeClearance = 0.05;  // [m] a contact ends above this clearance …
+constexpr double kEpisodeTime = 0.5;        // [s] … held for this long
+constexpr double kStandingSpeed = 0.05;     // [m/s] of the fastest point of a robot that stands
 
 }  // namespace
 
@@ -120,12 +123,12 @@ void DiffDriveSim::meet_people() {
   const double fastest = std::abs(state_.twist.v) + radius_ * std::abs(state_.twist.w);
   for (const Obstacle& person : people_.all()) {
     const double away = (person.p_MO - state_.X_MB.position()).norm() - radius_ - person.a;
-    if (away > params_.episode_clearance) continue;
+    if (away > kEpisodeClearance) continue;
     const double gap =
         distance(footprint_, transform(inverse(state_.X_MB), person.p_MO)) - person.a;
-    if (contacts_.in_contact && gap < params_.episode_clearance) clear_since_ = state_.t;
+    if (contacts_.in_contact && gap < kEpisodeClearance) clear_since_ = state_.t;
     if (gap > 0.0) continue;
-    const bool moves = fastest > params_.standing_speed;
+    const bool moves = fastest > kStandingSpeed;
     if (!contacts_.in_contact) {
       open_episode(person.p_MO);
       clear_since_ = state_.t;
@@ -139,7 +142,7 @@ void DiffDriveSim::meet_people() {
 // Measures only if the clearance may have fallen below the value of interest.
 void DiffDriveSim::update_clearance(double travel) {
   const double matters =
-      contacts_.in_contact ? std::max(min_clearance_, params_.episode_clearance) : min_clearance_;
+      contacts_.in_contact ? std::max(min_clearance_, kEpisodeClearance) : min_clearance_;
   clearance_bound_ =
       std::max({0.0, clearance_bound_ - travel, map_->distance(state_.X_MB.position()) - radius_});
   if (clearance_bound_ < matters) {
@@ -147,8 +150,8 @@ void DiffDriveSim::update_clearance(double travel) {
     min_clearance_ = std::min(min_clearance_, clearance_bound_);
   }
   if (!contacts_.in_contact) return;
-  if (clearance_bound_ < params_.episode_clearance) clear_since_ = state_.t;
-  if (state_.t - clear_since_ >= params_.episode_time) contacts_.in_contact = false;
+  if (clearance_bound_ < kEpisodeClearance) clear_since_ = state_.t;
+  if (state_.t - clear_since_ >= kEpisodeTime) contacts_.in_contact = false;
 }
 
 void DiffDriveSim::record() {

@@ -23,9 +23,6 @@ struct DiffDriveSimParams {
   double max_step = 0.005;
   double sensor_delay_fraction = 1.0;
   double odometry_noise = 0.0;
-  double episode_clearance = 0.05;
-  double episode_time = 0.5;
-  double standing_speed = 0.05;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -35,12 +32,6 @@ struct DiffDriveSimParams {
           "[1] actual sensor delay as a fraction of the robot's sensor_delay");
     field("odometry_noise", odometry_noise, Range{0.0, 0.5},
           "[1] constant scale error of each wheel's odometry, drawn from the seed");
-    field("episode_clearance", episode_clearance, Range{0.0, 1.0},
-          "[m] a contact ends when the clearance exceeds this …");
-    field("episode_time", episode_time, Range{0.0, 10.0}, "[s] … for this long");
-    field("standing_speed", standing_speed, Range{0.0, 1.0},
-          "[m/s] a robot whose fastest point moves no faster counts as standing; a contact is then "
-          "the person's");
   }
 };
 
@@ -71,9 +62,9 @@ struct OdometryReport {
 };
 
 /// Contacts since the last reset. An episode begins when the outline touches an occupied cell or a
-/// person, and ends when it has been clear of both by episode_clearance for episode_time. A contact
-/// with a person counts as a collision only once the robot itself moves; otherwise it counts as
-/// being walked into.
+/// person, and ends when it has been clear of both by 0.05 m for 0.5 s. A contact with a person
+/// counts as a collision only once the robot itself moves, that is, once one of its points is
+/// faster than 0.05 m/s; otherwise it counts as being walked into.
 struct ContactReport {
   bool in_contact = false;         ///< an episode is in progress
   unsigned count = 0;              ///< episodes

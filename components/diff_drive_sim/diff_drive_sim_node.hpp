@@ -22,7 +22,6 @@ struct DiffDriveSimNodeParams {
   bool unknown_is_obstacle = false;
   std::vector<double> start = {0.0, 0.0, 0.0};
   std::vector<double> people;
-  double people_acceleration = 1.0;
   int seed = 1;
   double step = 0.01;
   double speed_factor = 1.0;
@@ -49,8 +48,6 @@ struct DiffDriveSimNodeParams {
     field("people", people, Range{-1e5, 1e5},
           "simulated people, for each: radius [m], speed [m/s], number of points, x1, y1, … [m] of "
           "the path that they walk back and forth");
-    field("people_acceleration", people_acceleration, Range{0.01, 100.0},
-          "[m/s²] acceleration with which people change their velocity");
     field("seed", seed, Range{0, 2147483647}, "seed of slip and odometry noise");
     field("step", step, Range{0.001, 0.1}, "[s] simulated time between two /clock messages");
     field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated time per real time");
@@ -84,7 +81,7 @@ struct DiffDriveSimNodeParams {
 
 /// The people of the parameters. Throws std::invalid_argument as walkers_of does.
 [[nodiscard]] inline People people_of(const DiffDriveSimNodeParams& params) {
-  return {walkers_of(params.people), params.people_acceleration};
+  return People{walkers_of(params.people)};
 }
 
 /// cmd_vel, initialpose → odom, tf, tf_static, ground_truth/odom, people, scan, collision, /clock.

@@ -13,6 +13,8 @@ constexpr double kTremorLow = 4.0, kTremorHigh = 12.0;  // [Hz]
 constexpr double kOverCorrection = 0.8;     // [Hz] undamped frequency of the turning hand
 constexpr double kDropoutsPerMinute = 6.0;  // on average
 constexpr double kDropoutTime = 0.5;        // [s] on average
+constexpr double kNeglectDrift = 0.1;       // [1] bias to the other side while driving
+constexpr double kSwitchThreshold = 0.25;   // [1] deflection that presses the four-way switch
 constexpr double kSubStep = 0.002;          // [s] integration step of the hand's spring and mass
 
 }  // namespace
@@ -72,12 +74,12 @@ void HandModel::over_correct(Hand& hand) {
 
 void HandModel::neglect(Hand& hand) const {
   if (hand.angular * neglected_ > 0.0) hand.angular *= 1.0 - params_.neglect;
-  if (hand.linear != 0.0 || hand.angular != 0.0) hand.angular -= neglected_ * params_.neglect_drift;
+  if (hand.linear != 0.0 || hand.angular != 0.0) hand.angular -= neglected_ * kNeglectDrift;
 }
 
 Hand HandModel::switched(const Hand& hand) const {
   const double linear = std::abs(hand.linear), angular = std::abs(hand.angular);
-  if (std::max(linear, angular) <= params_.switch_threshold) return {0.0, 0.0, hand.holds};
+  if (std::max(linear, angular) <= kSwitchThreshold) return {0.0, 0.0, hand.holds};
   if (linear >= angular) return {std::copysign(1.0, hand.linear), 0.0, hand.holds};
   return {0.0, std::copysign(1.0, hand.angular), hand.holds};
 }

@@ -38,8 +38,6 @@ struct HandParams {
   double over_correction_damping = 0.3;
   std::string neglected_side = "any";
   double neglect = 0.6;
-  double neglect_drift = 0.1;
-  double switch_threshold = 0.25;
   double pulse_period = 0.8;
   double pulse_duration = 0.5;
 
@@ -54,10 +52,6 @@ struct HandParams {
     field("neglected_side", neglected_side, OneOf{{"left", "right", "any"}},
           "side that is neglected; any: drawn from the seed");
     field("neglect", neglect, Range{0.0, 1.0}, "[1] fraction of a turn to that side that is lost");
-    field("neglect_drift", neglect_drift, Range{0.0, 1.0},
-          "[1] bias to the other side while driving, as a fraction of the stick's travel");
-    field("switch_threshold", switch_threshold, Range{0.0, 1.0},
-          "[1] an intended deflection below this does not press the switch");
     field("pulse_period", pulse_period, Range{0.1, 10.0},
           "[s] interval between the starts of two pulses");
     field("pulse_duration", pulse_duration, Range{0.05, 10.0}, "[s] duration of a pulse");

@@ -10,6 +10,8 @@
 namespace tandem {
 namespace {
 
+constexpr double kAimTime = 2.0;          // [s] correlation time of the error across the route
+constexpr double kArriveRadius = 0.3;     // [m] from the end, where the stick is released
 constexpr double kBackOutShortest = 1.0;  // [s]
 constexpr double kBackOutLongest = 4.0;   // [s] time for a leader to return from its maximum lead
 constexpr double kBackOutDistance = 0.4;  // [m] first attempt; farther after each failure
@@ -56,18 +58,16 @@ Navigator::Navigator(const NavigatorParams& params, unsigned seed)
 
 Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
   if (!started_) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
+    moved_ = {X_MB, t};
     started_ = true;
   }
   advance_along_route(X_MB.position());
   seen_.push_back({X_MS, t});
   while (seen_.size() > 1 && seen_[1].t <= t - params_.reaction_delay) seen_.pop_front();
-  if (!params_.loop && (route_.back() - X_MB.position()).norm() < params_.arrive_radius)
-    arrived_ = true;
+  if (!params_.loop && (route_.back() - X_MB.position()).norm() < kArriveRadius) arrived_ = true;
   if (arrived_) return {};
 
-  sideways_ = wandered(sideways_, params_.aim_noise, params_.aim_time);
+  sideways_ = wandered(sideways_, params_.aim_noise, kAimTime);
   if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().value));
   const bool leads = !(X_MS == X_MB);
   const Eigen::Vector2d p_MT = aim();
@@ -126,7 +126,7 @@ Hand Navigator::pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const {
   const double slow = d.norm() < 0.5 ? d.norm() / 0.5 : 1.0;
   const double forward = std::max(0.0, std::cos(std::clamp(bearing, -1.5, 1.5)));
   return {params_.speed * slow * forward * forward,
-          std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
+          std::clamp(NavigatorParams::kTurnGain * bearing, -1.0, 1.0)};
 }
 
 // The leader's heading is the one that the robot is to take.
@@ -134,7 +134,7 @@ Hand Navigator::look_along_route(const Pose2& X_MS) const {
   const double s = progress_ + params_.preview;
   const Eigen::Vector2d along = point_at(s + 0.2) - point_at(s - 0.2);
   const double bearing = wrap_angle(std::atan2(along.y(), along.x()) - X_MS.theta);
-  return {0.0, std::clamp(params_.turn_gain * bearing, -1.0, 1.0)};
+  return {0.0, std::clamp(NavigatorParams::kTurnGain * bearing, -1.0, 1.0)};
 }
 
 // Reverses toward the route, where it was clear.
@@ -142,7 +142,7 @@ Hand Navigator::reverse(const Pose2& X_MS) const {
   const Eigen::Vector2d d = point_at(progress_) - X_MS.position();
   const double bearing = wrap_angle(std::atan2(-d.y(), -d.x()) - X_MS.theta);
   if (tries_ % 2 == 1 || std::abs(bearing) > 1.2) return {-0.7, back_out_turn_};
-  return {-0.7, std::clamp(params_.turn_gain * bearing, -0.5, 0.5)};
+  return {-0.7, std::clamp(NavigatorParams::kTurnGain * bearing, -0.5, 0.5)};
 }
 
 Hand Navigator::with_noise(Hand hand) {
@@ -155,14 +155,13 @@ Hand Navigator::with_noise(Hand hand) {
 // After pushing without moving for `patience`, people pull back, turn a little and try another
 // side.
 void Navigator::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
-  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kMovedDistance ||
-                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kMovedAngle;
+  const bool moved = (X_MB.position() - moved_.value.position()).norm() > kMovedDistance ||
+                     std::abs(wrap_angle(X_MB.theta - moved_.value.theta)) > kMovedAngle;
   if (moved || !wants_to_move) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
+    moved_ = {X_MB, t};
     return;
   }
-  if (t - moved_time_ < params_.patience) return;
+  if (moved_.age(t) < params_.patience) return;
   const double side = normal_(random_) > 0.0 ? 1.0 : -1.0;
   back_out_turn_ = -0.4 * side;
   detour_ = tries_ < 2 ? 0.5 * side : 0.0;
@@ -187,8 +186,7 @@ bool Navigator::backs_out(const Pose2& X_MB, double t) {
   if (backing_out_) return true;
   if (tries_ % 2 == 0) progress_ = std::max(0.0, progress_ - back_out_distance());
   detour_until_ = t + kDetourTime;
-  moved_pose_ = X_MB;
-  moved_time_ = t;
+  moved_ = {X_MB, t};
   return false;
 }
 

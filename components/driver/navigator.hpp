@@ -17,18 +17,17 @@ namespace tandem {
 
 /// Route and steering of a person who knows where to go.
 struct NavigatorParams {
+  static constexpr double kTurnGain = 1.6;  ///< [1/rad] stick deflection per bearing error
+
   std::vector<double> route;
   bool loop = false;
   double rate = 20.0;
   double reaction_delay = 0.25;
   double preview = 0.9;
   double speed = 1.0;
-  double turn_gain = 1.6;
   double stick_noise = 0.12;
   double aim_noise = 0.25;
-  double aim_time = 2.0;
   double patience = 1.5;
-  double arrive_radius = 0.3;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -41,16 +40,12 @@ struct NavigatorParams {
     field("preview", preview, Range{0.1, 10.0},
           "[m] look-ahead distance along the route; larger values cut corners");
     field("speed", speed, Range{0.0, 1.0}, "[1] stick deflection when the path is free");
-    field("turn_gain", turn_gain, Range{0.0, 10.0}, "[1/rad] stick deflection per bearing error");
     field("stick_noise", stick_noise, Range{0.0, 1.0},
           "[1] standard deviation of the stick deflection");
     field("aim_noise", aim_noise, Range{0.0, 5.0},
           "[m] standard deviation of the aim across the route");
-    field("aim_time", aim_time, Range{0.05, 60.0}, "[s] correlation time of the aim");
     field("patience", patience, Range{0.1, 60.0},
           "[s] time of pushing without motion before backing out");
-    field("arrive_radius", arrive_radius, Range{0.01, 10.0},
-          "[m] releases the stick within this distance of the end");
   }
 };
 
@@ -59,9 +54,9 @@ struct NavigatorParams {
 /// back out farther, cut corners less and aim better. Deterministic for a seed.
 ///
 /// Pure pursuit of a point `preview` ahead on the route, shifted sideways by a slow error (an
-/// Ornstein–Uhlenbeck process of deviation `aim_noise` and correlation time `aim_time`), with a
-/// reaction delay of `reaction_delay`. A leader that has reached that point waits for its robot,
-/// facing along the route.
+/// Ornstein–Uhlenbeck process of deviation `aim_noise`), with a reaction delay of `reaction_delay`.
+/// A leader that has reached that point waits for its robot, facing along the route. The stick is
+/// released 0.3 m before the end.
 ///
 /// Sources of the values: simple visual reactions take about 0.19 s, recognition among several
 /// stimuli 0.38 s (Laming 1968, cited in Kosinski's review of reaction times); 0.25 s lies between,
@@ -107,8 +102,7 @@ class Navigator {
   bool arrived_ = false;
   std::deque<Stamped<Pose2>> seen_;  // X_MS, oldest first
 
-  Pose2 moved_pose_;
-  double moved_time_ = 0.0;
+  Stamped<Pose2> moved_;  // where and when the robot last moved
   bool backing_out_ = false;
   Pose2 back_out_from_;
   double back_out_start_ = 0.0, back_out_turn_ = 0.0;

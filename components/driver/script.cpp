@@ -71,8 +71,7 @@ void Script::begin(double t) {
 
 void Script::be_patient(double t) {
   is_eager_ = false;
-  moved_pose_ = seen_.front().X_MB;
-  moved_time_ = t;
+  moved_ = {seen_.front().X_MB, t};
 }
 
 bool Script::is_done(double t) {
@@ -118,7 +117,7 @@ Hand Script::meant(const PathPhase& path) const {
   const double bearing = wrap_angle(heading - facing(path, X_MS));
   const double forward = std::max(0.0, std::cos(bearing));
   return {path.direction * push * forward * forward,
-          std::clamp(params_.turn_gain * bearing, -1.0, 1.0), true};
+          std::clamp(NavigatorParams::kTurnGain * bearing, -1.0, 1.0), true};
 }
 
 // Stick deflection along the route [1]; 0 while a leader waits for its robot.
@@ -142,7 +141,7 @@ Hand Script::meant(const TurnPhase& turn) const {
   if (leads && !is_eager_ && std::abs(error) <= turn.tolerance) return {0.0, 0.0, true};
   const double most = is_eager_ ? std::min(1.0, turn.stick + kEager) : turn.stick;
   const double stick =
-      std::clamp(params_.turn_gain * std::abs(error), std::min(kLeastTurn, most), most);
+      std::clamp(NavigatorParams::kTurnGain * std::abs(error), std::min(kLeastTurn, most), most);
   return {0.0, std::copysign(stick, error), true};
 }
 
@@ -158,11 +157,11 @@ Hand Script::back_out() const {
 // Push phases are exempt: they push on purpose, whether anything moves or not.
 void Script::lose_patience(double t) {
   const Pose2& X_MB = seen_.front().X_MB;
-  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kStandsDistance ||
-                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kStandsAngle;
+  const bool moved = (X_MB.position() - moved_.value.position()).norm() > kStandsDistance ||
+                     std::abs(wrap_angle(X_MB.theta - moved_.value.theta)) > kStandsAngle;
   if (std::holds_alternative<PushPhase>(phases_[phase_].action)) return;
   if (moved || t < back_out_until_) return be_patient(t);
-  if (t - moved_time_ < params_.patience) return;
+  if (moved_.age(t) < params_.patience) return;
   if (is_eager_) back_out_until_ = t + kBackOutTime;
   const bool pushes_harder = !is_eager_;
   be_patient(t);

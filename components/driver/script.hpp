@@ -12,6 +12,7 @@
 #include "tandem/driver/navigator.hpp"
 #include "tandem/driver/script_phase.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -24,7 +25,7 @@ namespace tandem {
 /// pushes harder; after the same time again they back out and retry.
 class Script {
  public:
-  /// Uses rate, reaction_delay, preview, turn_gain, stick_noise and patience of the parameters.
+  /// Uses rate, reaction_delay, preview, stick_noise and patience of the parameters.
   /// Throws what read_script throws.
   Script(const std::string& text, const NavigatorParams& params, const Footprint& outline,
          unsigned seed);
@@ -68,10 +69,9 @@ class Script {
   bool started_ = false;
   double phase_start_ = 0.0;                        // [s]
   double progress_ = 0.0, steered_progress_ = 0.0;  // [m] of robot and leader along the path
-  Pose2 moved_pose_;
-  double moved_time_ = 0.0;      // [s] when the robot last moved away from moved_pose_
-  bool is_eager_ = false;        // pushes harder
-  double back_out_until_ = 0.0;  // [s]
+  Stamped<Pose2> moved_;                            // where and when the robot last moved
+  bool is_eager_ = false;                           // pushes harder
+  double back_out_until_ = 0.0;                     // [s]
 };
 
 }  // namespace tandem

@@ -67,15 +67,12 @@ Hand Reckless::steer(const Pose2& X_MS, double t) {
 }
 
 Hand Adversary::steer(const Pose2& X_MB, const Pose2& X_MS, const StaticMap* map, double t) {
-  const bool moved = (X_MB.position() - moved_pose_.position()).norm() > kUnblockedDistance ||
-                     std::abs(wrap_angle(X_MB.theta - moved_pose_.theta)) > kUnblockedAngle;
-  if (moved || moved_time_ < 0.0) {
-    moved_pose_ = X_MB;
-    moved_time_ = t;
-  }
-  if (t - moved_time_ > kPushing) {
+  const bool moved = (X_MB.position() - moved_.value.position()).norm() > kUnblockedDistance ||
+                     std::abs(wrap_angle(X_MB.theta - moved_.value.theta)) > kUnblockedAngle;
+  if (moved || moved_.t == Stamped<Pose2>::kNever) moved_ = {X_MB, t};
+  if (moved_.age(t) > kPushing) {
     bearing_ = any_bearing(random_);
-    run_up_until_ = moved_time_ = t + kRunUp;
+    run_up_until_ = moved_.t = t + kRunUp;
   }
   if (t < run_up_until_) return rush(X_MS, bearing_);
   if (!map) return {1.0, 0.0};

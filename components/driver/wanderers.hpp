@@ -8,6 +8,7 @@
 
 #include "tandem/driver/navigator.hpp"
 #include "tandem/map/static_map.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -60,8 +61,7 @@ class Adversary {
 
  private:
   std::mt19937 random_;
-  Pose2 moved_pose_;
-  double moved_time_ = -1.0;    // [s] when the robot last moved away from moved_pose_
+  Stamped<Pose2> moved_;        // where and when the robot last moved
   double run_up_until_ = -1.0;  // [s]
   double bearing_ = 0.0;        // of the run-up, in M [rad]
 };

@@ -13,10 +13,11 @@
 namespace tandem {
 namespace {
 
-constexpr double kAtRest = 0.02;      // [1] a smaller deflection counts as a stick at rest
-constexpr double kLongestStep = 0.2;  // [s] longest time that one sample counts for
-constexpr double kMaxDetour = 3.0;    // [s] limits the evidence of one sample against a goal
-constexpr double kCellSlack = 0.08;   // [m] by which a map may underestimate distances
+constexpr double kAtRest = 0.02;          // [1] a smaller deflection counts as a stick at rest
+constexpr double kLongestStep = 0.2;      // [s] longest time that one sample counts for
+constexpr double kMaxDetour = 3.0;        // [s] limits the evidence of one sample against a goal
+constexpr double kCellSlack = 0.08;       // [m] by which a map may underestimate distances
+constexpr double kHeadingDistance = 0.5;  // [m] from a goal, where its heading begins to count
 
 double square(double x) { return x * x; }
 
@@ -78,7 +79,7 @@ double Hindsight::time_to_go(std::size_t goal, const Pose2& X_MB) const {
   const double cost = cost_[goal].at(X_MB.position());
   if (std::isinf(cost)) return cost;
   const double way = cost_[goal].downhill(X_MB.position()), end = goals_[goal].theta;
-  const double there = std::clamp(1.0 - cost / params_.heading_distance, 0.0, 1.0);
+  const double there = std::clamp(1.0 - cost / kHeadingDistance, 0.0, 1.0);
   // The final turn fades in once the remaining drive takes less time than half a turn.
   const double comes = std::max(0.0, 1.0 - cost * robot_.w_max / (std::numbers::pi * robot_.v_max));
   const double turns =

@@ -17,7 +17,6 @@ struct HindsightParams {
   double certainty = 2.0;
   double change_of_mind = 0.05;
   double weight_user = 2.5;
-  double heading_distance = 0.5;
   int v_samples = 9;
   int w_samples = 21;
 
@@ -33,8 +32,6 @@ struct HindsightParams {
           "[1/s] rate at which the belief returns to a uniform distribution over the goals");
     field("weight_user", weight_user, Range{0.0, 100.0},
           "[s] cost of full disagreement with the person");
-    field("heading_distance", heading_distance, Range{0.05, 5.0},
-          "[m] distance from a goal below which its heading counts more than the path to it");
     field("v_samples", v_samples, Range{2, 101}, "number of forward speeds that are compared");
     field("w_samples", w_samples, Range{2, 101}, "number of turn rates that are compared");
   }

@@ -106,12 +106,12 @@ Causes::Causes(rt::Node& node)
         // Otherwise the node could name itself as the cause.
         diagnoses_.erase(node_.fully_qualified_name().substr(1));
         for (const auto& status : msg.status())
-          if (diagnoses_.contains(status.name())) heard_[status.name()] = node_.steady_now();
+          if (diagnoses_.contains(status.name())) received_[status.name()] = node_.steady_now();
       })} {}
 
 void Causes::forget_those_gone() {
-  std::erase_if(heard_, [this](const auto& entry) {
-    return node_.steady_now() - entry.second > kGone && diagnoses_.erase(entry.first) > 0;
+  std::erase_if(received_, [this](const auto& entry) {
+    return node_.steady_now() - entry.second > kNodeTimeout && diagnoses_.erase(entry.first) > 0;
   });
 }
 

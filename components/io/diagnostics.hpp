@@ -73,7 +73,7 @@ void add(Diagnoses& diagnoses, const diagnostic_msgs::msg::DiagnosticArray& msg)
 class Causes {
  public:
   /// A node whose last status is older than this [s] counts as gone.
-  static constexpr double kGone = 3.0 * Diagnostics::kPeriod;
+  static constexpr double kNodeTimeout = 3.0 * Diagnostics::kPeriod;
 
   /// A fault of another node.
   struct Cause {
@@ -96,7 +96,7 @@ class Causes {
 
   rt::Node& node_;
   Diagnoses diagnoses_;
-  std::map<std::string, double> heard_;  // last arrival [s], steady clock; key: part's name
+  std::map<std::string, double> received_;  // last arrival [s], steady clock; key: part's name
   rt::Subscription subscription_;
 };
 

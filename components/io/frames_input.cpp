@@ -30,23 +30,23 @@ FramesInput::FramesInput(rt::Node& node, const Frames& names, const Localization
       timeout_{params.transform_timeout},
       map_is_odom_{params.map_is_odom},
       changed_{std::move(changed)} {
-  tf_ = node.create_subscription(topics::tf, [this](const auto& msg) { hear(msg, tf_, false); });
-  tf_static_ = node.create_subscription(topics::tf_static,
-                                        [this](const auto& msg) { hear(msg, tf_static_, true); });
+  tf_ = node.create_subscription(topics::tf, [this](const auto& msg) { receive(msg, tf_, false); });
+  tf_static_ = node.create_subscription(
+      topics::tf_static, [this](const auto& msg) { receive(msg, tf_static_, true); });
   time_jump_ = node.on_time_jump([this] { tree_.on_time_jump(); });
 }
 
 rt::Interface FramesInput::interface() { return {.subscribes = {topics::tf, topics::tf_static}}; }
 
-void FramesInput::hear(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from,
-                       bool is_static) {
-  for (const auto& transform : msg.transforms()) hear(transform, from.sender(), is_static);
-  ++heard_;
+void FramesInput::receive(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from,
+                          bool is_static) {
+  for (const auto& transform : msg.transforms()) receive(transform, from.sender(), is_static);
+  ++received_;
   if (changed_) changed_();
 }
 
-void FramesInput::hear(const geometry_msgs::msg::TransformStamped& msg, const FrameSender& sender,
-                       bool is_static) {
+void FramesInput::receive(const geometry_msgs::msg::TransformStamped& msg,
+                          const FrameSender& sender, bool is_static) {
   const auto X_PC = from_msg(msg.transform());
   if (!X_PC)
     return node_.log().error_every(1.0, "{} of `{}` {}: dropped", is_static ? "/tf_static" : "/tf",
@@ -99,7 +99,7 @@ std::optional<FramePose> FramesInput::find(std::string_view a, std::string_view 
 }
 
 bool FramesInput::is_fresh(const FramePose& found) const {
-  return found.is_static() || node_.now() - found.heard <= timeout_;
+  return found.is_static() || node_.now() - found.arrival <= timeout_;
 }
 
 Placing FramesInput::place(std::string_view a, std::string_view b, const Stamp& stamp) const {

@@ -51,7 +51,7 @@ class FramesInput {
   [[nodiscard]] const FrameTree& tree() const { return tree_; }
   /// Number of messages so far. While it is unchanged, lookups change only as frames become too
   /// old.
-  [[nodiscard]] std::uint64_t heard() const { return heard_; }
+  [[nodiscard]] std::uint64_t received() const { return received_; }
 
   /// X_AB of frame B in frame A at `stamp`, or the newest one if `stamp` is zero.
   [[nodiscard]] Placing place(std::string_view a, std::string_view b,
@@ -83,9 +83,9 @@ class FramesInput {
   [[nodiscard]] std::string two_parents() const;
 
  private:
-  void hear(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from, bool is_static);
-  void hear(const geometry_msgs::msg::TransformStamped& msg, const FrameSender& sender,
-            bool is_static);
+  void receive(const tf2_msgs::msg::TFMessage& msg, const rt::Subscription& from, bool is_static);
+  void receive(const geometry_msgs::msg::TransformStamped& msg, const FrameSender& sender,
+               bool is_static);
   [[nodiscard]] std::optional<Pose2> unless_refused(Placing placing,
                                                     const std_msgs::msg::Header& header,
                                                     const char* topic) const;
@@ -104,7 +104,7 @@ class FramesInput {
   bool map_is_odom_;
   Changed changed_;
   FrameTree tree_;
-  std::uint64_t heard_ = 0;
+  std::uint64_t received_ = 0;
   std::unique_ptr<rt::DomainView> view_;  // created when publishers must be named
   rt::Timer report_;                      // created with view_
   rt::Subscription tf_, tf_static_;

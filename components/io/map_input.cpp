@@ -98,11 +98,11 @@ void MapInput::subscribe(const rt::Topic<M>& topic, Inbox& inbox) {
     inbox.refused = is_foreign(topic.name, inbox);
     if (inbox.refused) return;
     inbox.sender = inbox.subscription.sender();
-    hand_over(inbox, HeardMap{msg, node_.now()});
+    hand_over(inbox, StampedMap{msg, node_.now()});
   });
 }
 
-void MapInput::hand_over(Inbox& inbox, HeardMap map) {
+void MapInput::hand_over(Inbox& inbox, StampedMap map) {
   const std::string frame =
       std::visit([](const auto& msg) -> std::string { return msg.header().frame_id(); }, map.value);
   const auto place = place_of(frame, inbox.refusal);
@@ -113,7 +113,7 @@ void MapInput::hand_over(Inbox& inbox, HeardMap map) {
   inbox.refusal = fmt::format("{} is given in frame `{}`, not `{}`: not used: {}", inbox.topic,
                               frame, frames_.names().map, inbox.refusal);
   node_.log().missing_every(5.0, "{}", inbox.refusal);
-  inbox.tried = frames_.heard();
+  inbox.tried = frames_.received();
   inbox.unplaced = std::move(map);
 }
 
@@ -154,7 +154,7 @@ double MapInput::shift(const Place& from, const Place& to) const {
 // Queues a map whose frame has become known or has moved, and sets `trouble` if the map in force is
 // misplaced. octomap_local is not queued again after a move because a new one arrives soon.
 void MapInput::follow_frame(Inbox& inbox) {
-  if (inbox.unplaced && inbox.tried != frames_.heard())
+  if (inbox.unplaced && inbox.tried != frames_.received())
     hand_over(inbox, *std::exchange(inbox.unplaced, std::nullopt));
   inbox.trouble.clear();
   std::unique_lock lock{mutex_};

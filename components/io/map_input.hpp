@@ -125,7 +125,7 @@ class MapInput {
 
  private:
   using MapMessage = std::variant<octomap_msgs::msg::Octomap, nav_msgs::msg::OccupancyGrid>;
-  using HeardMap = Stamped<MapMessage>;
+  using StampedMap = Stamped<MapMessage>;
 
   /// Placement of a map's frame F in the map frame M.
   struct Place {
@@ -136,7 +136,7 @@ class MapInput {
     bool follows = false;  // F is not the map frame, so it may move
   };
   struct Job {
-    std::optional<HeardMap> map = {};  // nullopt: reuse the last map at another place
+    std::optional<StampedMap> map = {};  // nullopt: reuse the last map at another place
     Place place;
   };
 
@@ -148,16 +148,16 @@ class MapInput {
     std::optional<rt::PublisherId> sender = {};  // of the map in force
     bool refused = false;                        // last message came from another publisher
     // Used by the node's thread only:
-    std::optional<Place> place = {};        // place of the last job
-    std::optional<HeardMap> unplaced = {};  // map in an unknown frame
-    std::string refusal = {};               // why the frame is unknown
-    std::uint64_t tried = 0;                // FramesInput::heard() at that time
-    std::string trouble = {};               // why the map in force is misplaced
+    std::optional<Place> place = {};          // place of the last job
+    std::optional<StampedMap> unplaced = {};  // map in an unknown frame
+    std::string refusal = {};                 // why the frame is unknown
+    std::uint64_t tried = 0;                  // FramesInput::received() at that time
+    std::string trouble = {};                 // why the map in force is misplaced
   };
 
   template <class M>
   void subscribe(const rt::Topic<M>& topic, Inbox& inbox);
-  void hand_over(Inbox& inbox, HeardMap map);
+  void hand_over(Inbox& inbox, StampedMap map);
   void hand_over(Inbox& inbox, Job job);
   void follow_frame(Inbox& inbox);
   [[nodiscard]] std::optional<Place> place_of(const std::string& frame, std::string& refusal) const;

@@ -11,7 +11,7 @@ namespace {
 // With a queue, unlike topics::people: if the next list overwrote that of a second publisher, the
 // two would look like one.
 constexpr rt::Topic<tandem_msgs::msg::ObstacleArray> kPeople{
-    topics::people.name, {.depth = 10}, topics::people.hears};
+    topics::people.name, {.depth = 10}, topics::people.accepts};
 
 }  // namespace
 
@@ -23,7 +23,7 @@ ObstacleTracksInput::ObstacleTracksInput(rt::Node& node, const FramesInput& fram
 rt::Interface ObstacleTracksInput::interface() { return {.subscribes = {kPeople}}; }
 
 void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
-  if (two_speak())
+  if (has_two_publishers())
     return node_.log().write_every(1.0, rt::LogLevel::kError, topics::people.name,
                                    "people refused: 2 nodes publish it; give the other robot its "
                                    "own namespace or ROS_DOMAIN_ID, or stop one of them");
@@ -41,10 +41,10 @@ void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
 }
 
 // Compares senders instead of matched publishers, because DDS lists a dead tracker for a while.
-bool ObstacleTracksInput::two_speak() {
+bool ObstacleTracksInput::has_two_publishers() {
   const double now = node_.steady_now();
   const auto sender = people_.sender();
-  if (sender_ && *sender_ != sender && now - sent_ < kTwoSpeak) two_until_ = now + kTwoSpeak;
+  if (sender_ && *sender_ != sender && now - sent_ < kHoldOff) two_until_ = now + kHoldOff;
   sender_ = sender;
   sent_ = now;
   return now < two_until_;

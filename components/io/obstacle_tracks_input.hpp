@@ -14,12 +14,12 @@ namespace tandem {
 /// Subscribes to `people`. Lists in another frame are transformed by `/tf`. A list with an unknown
 /// or empty frame or any invalid ellipse is logged and rejected whole, because dropping one person
 /// could drop the one in the robot's path. Lists are also rejected while two nodes publish them,
-/// and for `kTwoSpeak` after, because each list must contain everybody nearby.
+/// and for `kHoldOff` after, because each list must contain everybody nearby.
 class ObstacleTracksInput {
  public:
   /// Takes a list in M, on the node's thread.
   using Receive = std::function<void(std::vector<Obstacle>)>;
-  static constexpr double kTwoSpeak = 1.0;  ///< [s]
+  static constexpr double kHoldOff = 1.0;  ///< [s]
 
   /// `node` and `frames` must outlive this.
   ObstacleTracksInput(rt::Node& node, const FramesInput& frames, Receive receive);
@@ -30,7 +30,7 @@ class ObstacleTracksInput {
 
  private:
   void take(const tandem_msgs::msg::ObstacleArray& msg);
-  [[nodiscard]] bool two_speak();
+  [[nodiscard]] bool has_two_publishers();
 
   rt::Node& node_;
   const FramesInput& frames_;

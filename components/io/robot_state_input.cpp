@@ -67,14 +67,14 @@ std::optional<Odometry> RobotStateInput::placed(const nav_msgs::msg::Odometry& m
 void RobotStateInput::on_frames() {
   const auto found = frames_.tree().find(frames_.names().map, frames_.names().odom);
   if (!found ||
-      (X_MW_ && X_MW_->heard == found->heard && X_MW_->X_BF.matrix() == found->X_BF.matrix()))
+      (X_MW_ && X_MW_->arrival == found->arrival && X_MW_->X_BF.matrix() == found->X_BF.matrix()))
     return;
   X_MW_ = found;
   const double now = node_.now();
   if (found->is_static())
     localization_.on_static_transform(in_plane(found->X_BF));
   else
-    localization_.on_transform(in_plane(found->X_BF), now, now - found->heard);
+    localization_.on_transform(in_plane(found->X_BF), now, now - found->arrival);
   tell();
 }
 
@@ -90,7 +90,7 @@ std::string RobotStateInput::missing() const {
 
 void RobotStateInput::tell() {
   if (!on_state_) return;
-  if (const auto heard = state()) on_state_(*heard);
+  if (const auto current = state()) on_state_(*current);
 }
 
 double RobotStateInput::lateness(const Stamp& stamp) const {

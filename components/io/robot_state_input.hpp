@@ -40,10 +40,10 @@ class RobotStateInput {
   [[nodiscard]] static rt::Interface interface();
   /// From now on, odometry whose timestamp is older than `usual` [s] on arrival is dated back by
   /// the excess, so that a slow network does not make an old pose look new.
-  void believe_stamps(double usual) { usual_age_ = usual; }
-  /// Calls `heard` with the state, if there is one, after each odometry message and each new
+  void use_stamps(double usual) { usual_age_ = usual; }
+  /// Calls `fn` with the state, if there is one, after each odometry message and each new
   /// map → odom transform.
-  void on_state(std::function<void(const RobotState&)> heard) { on_state_ = std::move(heard); }
+  void on_state(std::function<void(const RobotState&)> fn) { on_state_ = std::move(fn); }
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;
 
@@ -69,7 +69,7 @@ class RobotStateInput {
 
   rt::Node& node_;
   RobotStateParams params_;
-  std::optional<double> usual_age_;  ///< age of odometry on arrival [s]; see believe_stamps()
+  std::optional<double> usual_age_;  ///< age of odometry on arrival [s]; see use_stamps()
   Localization localization_;
   std::string odom_refusal_;       ///< why the last odometry was dropped; empty if it was not
   std::optional<FramePose> X_MW_;  ///< last transform passed to localization_

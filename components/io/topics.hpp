@@ -11,7 +11,7 @@
 
 namespace tandem::topics {
 
-using runtime::Hears;
+using runtime::Accepts;
 using runtime::kDefault;
 using runtime::kLatched;
 using runtime::kSensorData;
@@ -51,7 +51,7 @@ inline constexpr runtime::QoS kStickInput{
 // the map
 /// The finished map.
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_binary{"octomap_binary", kLatched,
-                                                                  Hears::kEvery};
+                                                                  Accepts::kEvery};
 /// What the sensors see around the robot; not latched, because it is soon outdated.
 inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
     "octomap_local", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
@@ -59,10 +59,10 @@ inline constexpr Topic<octomap_msgs::msg::Octomap> octomap_local{
 inline constexpr Topic<tandem_msgs::msg::SensingStatus> sensing_status{
     "sensing_status", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 1}};
 /// The finished map as a grid: for Nav2 and RViz, or from them.
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Hears::kEvery};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Accepts::kEvery};
 /// People with their velocities. Each message must contain everybody nearby.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
-    "people", {.depth = 1}, Hears::kEvery};
+    "people", {.depth = 1}, Accepts::kEvery};
 /// The ellipses that the planner avoids.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
 /// The same, to be looked at.
@@ -71,7 +71,7 @@ inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"o
 // the planner
 /// A goal for the method `goal`, as RViz sends it.
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> goal_pose{"goal_pose", kDefault,
-                                                                  Hears::kEvery};
+                                                                  Accepts::kEvery};
 /// The planner's command.
 inline constexpr Topic<geometry_msgs::msg::Twist> cmd_vel_shared{"cmd_vel_shared", kCommand};
 /// The planned poses.
@@ -103,15 +103,15 @@ inline constexpr auto diagnostics = runtime::every_node::diagnostics;
 
 // the robot
 /// The robot's odometry.
-inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Hears::kEvery};
+inline constexpr Topic<nav_msgs::msg::Odometry> odom{"odom", kDefault, Accepts::kEvery};
 /// Transforms that change, of all publishers.
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf{
-    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Hears::kEvery};
+    "/tf", {runtime::Reliability::kReliable, runtime::Durability::kVolatile, 100}, Accepts::kEvery};
 /// Latched static transforms, one history per publisher.
 inline constexpr Topic<tf2_msgs::msg::TFMessage> tf_static{
     "/tf_static",
     {runtime::Reliability::kReliable, runtime::Durability::kTransientLocal, 100},
-    Hears::kEvery};
+    Accepts::kEvery};
 /// The simulator's true pose and twist, in the map.
 inline constexpr Topic<nav_msgs::msg::Odometry> ground_truth{"ground_truth/odom"};
 /// A laser scanner's scan.
@@ -124,7 +124,7 @@ inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
 inline constexpr auto clock = runtime::every_node::clock;
 /// Where to put the simulated robot.
 inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
-    "initialpose", kDefault, Hears::kEvery};
+    "initialpose", kDefault, Accepts::kEvery};
 
 }  // namespace tandem::topics
 

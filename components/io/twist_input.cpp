@@ -19,7 +19,8 @@ TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist
       stamped_topic_{stamped(topic)},
       check_{node, topic.name, params},
       command_{std::move(command)},
-      plain_{node.create_subscription(topic, qos, [this](const auto& msg) { hear(msg, plain_); })},
+      plain_{
+          node.create_subscription(topic, qos, [this](const auto& msg) { receive(msg, plain_); })},
       stamped_wanted_{
           node.when_published(stamped_topic_, [this, qos] { subscribe_stamped(qos); })} {}
 
@@ -32,7 +33,7 @@ void TwistInput::subscribe_stamped(const rt::QoS& qos) {
   node_.log().info("{} is received as TwistStamped too", stamped_topic_.name);
   stamped_ = node_.create_subscription(stamped_topic_, qos, [this](const auto& msg) {
     if (is_of_robot(msg.header().frame_id()) && check_.in_time(msg.header().stamp()))
-      hear(msg.twist(), stamped_);
+      receive(msg.twist(), stamped_);
   });
 }
 
@@ -47,7 +48,7 @@ bool TwistInput::is_of_robot(const std::string& frame) const {
   return false;
 }
 
-void TwistInput::hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from) {
+void TwistInput::receive(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from) {
   sender_ = from.sender();
   is_stamped_ = &from == &stamped_;
   if (const auto twist = from_msg(msg)) return command_(*twist);

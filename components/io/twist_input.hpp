@@ -50,7 +50,7 @@ class TwistInput {
  private:
   void subscribe_stamped(const rt::QoS& qos);
   [[nodiscard]] bool is_of_robot(const std::string& frame) const;
-  void hear(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from);
+  void receive(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from);
 
   rt::Node& node_;
   rt::Topic<geometry_msgs::msg::TwistStamped> stamped_topic_;

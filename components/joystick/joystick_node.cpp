@@ -106,7 +106,7 @@ void JoystickNode::poll() {
     looked_ = node_.steady_now();  // search later, so that a release is sent first
   }
   const double now = node_.steady_now();
-  if (!device_ && now - looked_ >= kLook) look();
+  if (!device_ && now - looked_ >= kPollPeriod) look();
   const auto raw = device_ ? std::optional{device_->read()} : std::nullopt;
   const auto sample = joystick_.update(raw ? &*raw : nullptr, now);
   if (!sample) return;

@@ -30,9 +30,9 @@ class JoystickNode {
  public:
   using Params = JoystickNodeParams;
 
-  static constexpr double kPoll = 0.005;  // [s]
-  static constexpr double kLook = 0.5;    // [s] between searches for a device
-  static constexpr int kRumble = 300;     // [ms] duration of the rumble unless it is renewed
+  static constexpr double kPoll = 0.005;      // [s]
+  static constexpr double kPollPeriod = 0.5;  // [s] between searches for a device
+  static constexpr int kRumble = 300;         // [ms] duration of the rumble unless it is renewed
 
   explicit JoystickNode(rt::Node& node);
   [[nodiscard]] static rt::Interface interface();

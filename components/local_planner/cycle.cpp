@@ -13,11 +13,12 @@
 namespace tandem {
 namespace {
 
-constexpr double kLeftOut = 0.005;   // [m] violation by a left-out pair that needs a second solve
-constexpr double kTolerated = 0.02;  // [m] slack beyond the start's that is still acceptable
-constexpr double kActive = 1e-3;     // [m] a row with a smaller residual counts as active
-constexpr double kLeastPull = 50.0;  // [1/m] lower bound of the pull that scales the penalty
-constexpr double kAfterwards = 8.0;  // stages beyond the horizon, charged at the final pose
+constexpr double kLeftOut = 0.005;    // [m] violation by a left-out pair that needs a second solve
+constexpr double kTolerated = 0.02;   // [m] slack beyond the start's that is still acceptable
+constexpr double kActive = 1e-3;      // [m] a row with a smaller residual counts as active
+constexpr double kLeastPull = 50.0;   // [1/m] lower bound of the pull that scales the penalty
+constexpr double kSlackWeight = 3.0;  // penalty per metre of slack, in units of that pull
+constexpr double kAfterwards = 8.0;   // stages beyond the horizon, charged at the final pose
 
 // Limits of a speed at one stage. If the command in force lies outside, they are widened to what is
 // reachable by then; `step` is the largest change. The factor 0.9 leaves a nonempty interior.
@@ -126,17 +127,16 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
 }
 
 Ocp problem(const Cycle& cycle, const Forecast& guess) {
-  Ocp ocp{
-      .dt = cycle.params.dt,
-      .half = cycle.params.model == "arc" ? 0.5 * cycle.params.dt : 0.0,
-      .slack_weight = cycle.params.weight_slack *
-                      std::max(kLeastPull, pull(cycle.costs, cycle.start.X_MB, cycle.params.dt)),
-      .gap_v = cycle.params.margin_v,
-      .gap_w = cycle.params.margin_w,
-      .X_MB = cycle.start.X_MB,
-      .command = cycle.start.command,
-      .lag = LagStep::over(cycle.params.dt, lag_of(cycle.params)),
-      .motion = cycle.start.moves};
+  Ocp ocp{.dt = cycle.params.dt,
+          .half = cycle.params.model == "arc" ? 0.5 * cycle.params.dt : 0.0,
+          .slack_weight = kSlackWeight * std::max(kLeastPull, pull(cycle.costs, cycle.start.X_MB,
+                                                                   cycle.params.dt)),
+          .gap_v = cycle.params.margin_v,
+          .gap_w = cycle.params.margin_w,
+          .X_MB = cycle.start.X_MB,
+          .command = cycle.start.command,
+          .lag = LagStep::over(cycle.params.dt, lag_of(cycle.params)),
+          .motion = cycle.start.moves};
   const Twist2& u = cycle.start.command;
   double time = cycle.params.control_period;
   for (int k = 0; k < cycle.params.horizon_steps; ++k, time += cycle.params.dt) {

@@ -57,7 +57,7 @@ bool DelayEstimator::is_excited() const {
 }
 
 // The mean of (1). A merge of both sequences, hence linear in their total length.
-double DelayEstimator::misfit(double delay) const {
+double DelayEstimator::residual(double delay) const {
   double sum = 0.0;
   std::size_t i = 0;
   for (const auto& sample : measured_) {
@@ -71,15 +71,15 @@ double DelayEstimator::misfit(double delay) const {
 
 // The best delay of a grid, refined by the parabola through its neighbours.
 std::optional<double> DelayEstimator::best_delay() const {
-  double best = 0.0, least = misfit(0.0), most = least;
+  double best = 0.0, least = residual(0.0), most = least;
   for (double delay = kGrid; delay < kLongest + 0.5 * kGrid; delay += kGrid) {
-    const double error = misfit(delay);
+    const double error = residual(delay);
     if (error < least) least = error, best = delay;
     most = std::max(most, error);
   }
   if (least > kUnexplained * most) return std::nullopt;
   if (best < kGrid || best > kLongest - kGrid) return best;
-  const double before = misfit(best - kGrid), after = misfit(best + kGrid);
+  const double before = residual(best - kGrid), after = residual(best + kGrid);
   const double curvature = before - 2.0 * least + after;
   return curvature > 0.0 ? best + 0.5 * kGrid * (before - after) / curvature : best;
 }

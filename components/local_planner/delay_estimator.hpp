@@ -39,7 +39,7 @@ class DelayEstimator {
   [[nodiscard]] std::optional<double> delay() const { return delay_; }
 
  private:
-  [[nodiscard]] double misfit(double delay) const;
+  [[nodiscard]] double residual(double delay) const;
   [[nodiscard]] bool is_excited() const;
   [[nodiscard]] std::optional<double> best_delay() const;
 

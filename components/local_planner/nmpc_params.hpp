@@ -48,7 +48,6 @@ struct NmpcParams {
   double margin_w = 0.02;
   // Among people the robot stands more with 0.35 and 0.5, and arrives later with 0.7 and 1.
   double margin_moving = 0.6;
-  double weight_slack = 3.0;
   double disc_overhang = 0.014;
   double disc_radius = 0.0;
   int max_pairs = 6;
@@ -124,8 +123,6 @@ struct NmpcParams {
           "[m] added to the margin for moving obstacles");
     field("margin_v", margin_v, Range{0.0, 2.0}, "[s²/m] the margin grows by this times v²");
     field("margin_w", margin_w, Range{0.0, 2.0}, "[m s²/rad²] the margin grows by this times w²");
-    field("weight_slack", weight_slack, Range{1.0, 1e3},
-          "penalty per metre of margin violation, in units of the reference's gradient");
     field("disc_overhang", disc_overhang, Range{0.002, 1.0},
           "[m] how far the discs that cover the footprint may extend beyond its sides; smaller "
           "values "

@@ -83,7 +83,7 @@ struct Plan {
   PlanStatus status = PlanStatus::kRefused;  ///< how planning ended
   PlanSource source = PlanSource::kBraking;  ///< whose twists these are
   SolverKind solver = SolverKind::kIpopt;    ///< that found the solution, for kSolution
-  Verdict verdict = Verdict::kUnjudged;      ///< the second solver's, for kSolution
+  Verdict verdict = Verdict::kUnverified;    ///< the second solver's, for kSolution
   Twist2 command = {};                       ///< to send now, reachable from the command in force
   double t0 = 0.0;                 ///< when the command acts: the request's t plus the delay [s]
   double dt = 0.25;                ///< [s]

@@ -15,8 +15,8 @@ namespace {
 // and one barrier parameter must suit all of them.
 constexpr double kIntentionScale = 20.0;
 
-// [s] Time constant of the discount on (2) and (3). It moves deviations from the person's wish to
-// the end of the horizon; without it a robot that is blocked far ahead would never start.
+// [s] Time constant of the discount on (2) and (3). It moves deviations from the person's command
+// to the end of the horizon; without it a robot that is blocked far ahead would never start.
 constexpr double kPatience = 2.0;
 
 constexpr double kEases = 0.8;     // a stick below this share of the speed in force asks to brake

@@ -54,7 +54,7 @@ struct Forecast {
 ///                 + C_c|Δu−Δu_u|², with X_u and Δu_u from the forecast (v_u, ω_u reached at the
 ///                 acceleration limits): if nothing blocks, the forecast is the optimum       (2)
 ///                 atan: C_v(v_u−v)² + C_h 2(1 − cos(atan(ω_u/v_u) − atan(ω/v))) + C_c|Δu|²   (3)
-///                 both fade over the horizon: the person's present wish is the most certain
+///                 both fade over the horizon: the person's present command is the most certain
 ///   path          (1) toward a point of the trail slightly ahead of the forecast at that stage,
 ///                 with Q = R diag(along, across) Rᵀ in the frame R of the trail there:
 ///                 contouring and lag error (Lam, Manzie and Good 2010; Liniger, Domahidi and

@@ -30,8 +30,8 @@ double apart(const Pose2& a, const Pose2& b) {
 void FrameTree::Link::remember(const FrameLink& link) {
   X_PC = link.X_PC;
   sender = link.sender;
-  heard = link.heard;
-  const double before = std::exchange(time, link.stamp.value_or(link.heard));
+  arrival = link.arrival;
+  const double before = std::exchange(time, link.stamp.value_or(link.arrival));
   if (link.stamp.has_value() != stamp.has_value() || time < before) past.clear();
   stamp = link.stamp;
   if (!past.empty() && time < past.back().time + kSpacing) return;
@@ -73,7 +73,7 @@ LinkFate FrameTree::add(const FrameLink& link, bool is_static) {
   if (known == links_.end()) {
     if (links_.size() >= kMaxFrames) return LinkFate::kFull;
     known = links_.emplace(child, Link{.parent = std::string{parent}}).first;
-    if (!is_static) known->second.heard = link.heard;
+    if (!is_static) known->second.arrival = link.arrival;
   }
   Link& old = known->second;
   const bool has_two = old.parent != parent;
@@ -84,7 +84,7 @@ LinkFate FrameTree::add(const FrameLink& link, bool is_static) {
       old.parent = parent;
     }
     old.remember(link);
-    if (is_static) old.heard = FramePose::kAlways;
+    if (is_static) old.arrival = FramePose::kAlways;
   }
   return has_two ? LinkFate::kTwoParents : LinkFate::kTaken;
 }
@@ -94,7 +94,7 @@ void FrameTree::note_parents(const std::string& child, const Link& old, const Fr
                          .other = old.parent,
                          .sender = link.sender,
                          .other_sender = old.sender,
-                         .t = link.heard};
+                         .t = link.arrival};
 }
 
 // nullopt for a loop.
@@ -158,7 +158,7 @@ std::optional<FramePose> FrameTree::find(std::string_view base, std::string_view
     return std::nullopt;
   FramePose found{.X_BF = composed(*branches, 0.0)};
   for (const Link* link : branches->moving) {
-    found.heard = std::min(found.heard, link->heard);
+    found.arrival = std::min(found.arrival, link->arrival);
     if (branches->stamp && link->stamp)
       found.drift += link->speed() * std::max(0.0, *branches->stamp - *link->stamp);
   }
@@ -212,7 +212,7 @@ bool FrameTree::is_above(std::string_view frame, std::string_view base) const {
   return false;
 }
 
-bool FrameTree::knows(std::string_view frame) const {
+bool FrameTree::contains(std::string_view frame) const {
   return links_.contains(frame) ||
          std::any_of(links_.begin(), links_.end(),
                      [frame](const auto& link) { return link.second.parent == frame; });
@@ -225,8 +225,8 @@ std::string FrameTree::why_not(std::string_view base, std::string_view frame) co
   const auto down = chain_of(base), up = chain_of(frame);
   if (links_.empty())
     text = "no transform has arrived on /tf or /tf_static";
-  else if (!knows(base) || !knows(frame))
-    text = quoted(knows(base) ? frame : base) + " is not on /tf; frames there: " + listing();
+  else if (!contains(base) || !contains(frame))
+    text = quoted(contains(base) ? frame : base) + " is not on /tf; frames there: " + listing();
   else if (!down || !up)
     text = "the transforms on /tf form a cycle: " + listing();
   else if (root_of(*down, base) != root_of(*up, frame))
@@ -266,7 +266,7 @@ std::string FrameTree::listing() const {
 
 void FrameTree::on_time_jump() {
   for (auto& [child, link] : links_)
-    if (link.is_dynamic()) link.heard = -FramePose::kAlways;
+    if (link.is_dynamic()) link.arrival = -FramePose::kAlways;
   two_parents_.clear();
 }
 

@@ -42,7 +42,7 @@ struct FrameLink {
   std::string_view parent, child;  ///< names, with or without a leading slash
   Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  ///< rotation and translation [m]
   FrameSender sender = {};                                 ///< zeros if unknown
-  double heard = 0.0;                                      ///< arrival time [s]
+  double arrival = 0.0;                                    ///< arrival time [s]
   std::optional<double> stamp;  ///< timestamp of its header [s]; nullopt if it has none
 };
 
@@ -59,12 +59,12 @@ enum class LinkFate {
 struct FramePose {
   static constexpr double kAlways = std::numeric_limits<double>::infinity();  ///< [s]
 
-  Eigen::Isometry3d X_BF;  ///< pose of F in B
-  double heard = kAlways;  ///< arrival of the oldest dynamic link [s]; kAlways: all are static
-  double drift = 0.0;      ///< possible motion between the newest link and the stamp [m]
+  Eigen::Isometry3d X_BF;    ///< pose of F in B
+  double arrival = kAlways;  ///< arrival of the oldest dynamic link [s]; kAlways: all are static
+  double drift = 0.0;        ///< possible motion between the newest link and the stamp [m]
 
   /// Whether only static links join the two frames.
-  [[nodiscard]] bool is_static() const { return heard == kAlways; }
+  [[nodiscard]] bool is_static() const { return arrival == kAlways; }
 };
 
 /// A child that was given two parents, with the publisher of each; the newer one is used.
@@ -78,9 +78,9 @@ struct TwoParents {
 /// one parent, the last one received; two frames are connected if their chains of parents meet;
 /// chains of several dynamic links are composed at the newest stamp that all of them have reached.
 ///
-/// Dynamic links take precedence over static ones of the same child. `heard` and `now` are arrival
-/// times on one clock. Stamps only relate links to each other, so a sender's clock may differ from
-/// this one's.
+/// Dynamic links take precedence over static ones of the same child. `arrival` and `now` are
+/// arrival times on one clock. Stamps only relate links to each other, so a sender's clock may
+/// differ from this one's.
 class FrameTree {
  public:
   static constexpr std::size_t kMaxFrames = 2'000;  ///< frames; further ones are refused
@@ -148,13 +148,13 @@ class FrameTree {
     std::string parent;
     Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();  // newest value
     FrameSender sender = {};
-    double heard = FramePose::kAlways;
+    double arrival = FramePose::kAlways;
     std::optional<double> stamp = {};  // of the newest value
     double time =
         -FramePose::kAlways;       // of the newest value: its stamp, or its arrival without one
     std::deque<Sample> past = {};  // oldest first
 
-    [[nodiscard]] bool is_dynamic() const { return heard != FramePose::kAlways; }
+    [[nodiscard]] bool is_dynamic() const { return arrival != FramePose::kAlways; }
     void remember(const FrameLink& link);
     [[nodiscard]] Eigen::Isometry3d at(double t) const;
     [[nodiscard]] double speed() const;
@@ -183,7 +183,7 @@ class FrameTree {
   [[nodiscard]] static Eigen::Isometry3d composed(const Branches& branches, double ago);
   [[nodiscard]] static std::optional<double> common_stamp(const Chain& links);
   [[nodiscard]] static double first_stamp(const Chain& links);
-  [[nodiscard]] bool knows(std::string_view frame) const;
+  [[nodiscard]] bool contains(std::string_view frame) const;
 
   std::unordered_map<std::string, Link, Hash, std::equal_to<>> links_;  // by child
   std::map<std::string, TwoParents> two_parents_;                       // by child

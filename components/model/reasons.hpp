@@ -170,7 +170,7 @@ struct ReasonText {
       return {"… cannot be placed: …", "publish on /tf where the map's frame is"};
     case Reason::kMapMoved:
       return {"… is being placed anew: …",
-              "wait; if it lasts, let one localiser alone say where the map's frame is"};
+              "wait; if it lasts, let only one localiser publish the map's frame"};
     case Reason::kNotLocalized:
       return {"not localized",
               "publish odom of base_frame, and map → odom on /tf; name the frames with map_frame, "
@@ -215,7 +215,7 @@ struct ReasonText {
       return {"nothing is admissible: braking", "steer to where there is room"};
     case Reason::kEmergencyStop:
       return {"emergency stop",
-              "let every sender of e_stop say false, then call release_emergency_stop"};
+              "let every sender of e_stop publish false, then call release_emergency_stop"};
     case Reason::kLetGoFirst:
       return {"let go of the stick first", "let go of the stick for a second"};
     case Reason::kSteerFirst:

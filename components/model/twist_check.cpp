@@ -40,8 +40,8 @@ void TwistCheck::on_odometry(const Pose2& X_WB, const Twist2& twist, double t) {
   }
   samples_.push_back(sample);
   while (samples_.front().t < t - kLongestWindow - kRounding) samples_.pop_front();
-  v_ = judge(&Sample::forward);
-  w_ = judge(&Sample::turned);
+  v_ = check_windows(&Sample::forward);
+  w_ = check_windows(&Sample::turned);
 }
 
 void TwistCheck::on_command(const Twist2& twist, double t) {
@@ -61,7 +61,7 @@ double TwistCheck::tolerance(double way, double duration) const {
   return 2.0 * bounds_.resolution + std::abs(way) * (bounds_.age / duration + bounds_.slip);  // (1)
 }
 
-TwistCheck::Axis TwistCheck::judge(Ways Sample::*axis) const {
+TwistCheck::Axis TwistCheck::check_windows(Ways Sample::*axis) const {
   Axis out;
   const Sample& newest = samples_.back();
   bool is_shortest = true;
@@ -76,7 +76,7 @@ TwistCheck::Axis TwistCheck::judge(Ways Sample::*axis) const {
     }
     if (way < to.low - before.low - e || way > to.high - before.high + e)
       out.verdict = Verdict::kContradicted;
-    else if (std::abs(way) > 2.0 * e && out.verdict == Verdict::kUnseen)
+    else if (std::abs(way) > 2.0 * e && out.verdict == Verdict::kUndecided)
       out.verdict = Verdict::kConfirmed;
   }
   return out;
@@ -91,7 +91,7 @@ double TwistCheck::duration() const {
   return kLongestWindow;
 }
 
-TwistDoubt TwistCheck::doubt(const Twist2& measured) const {
+TwistError TwistCheck::error(const Twist2& measured) const {
   if (samples_.empty()) return {};
   const double since = samples_.back().t - duration() - bounds_.age - bounds_.command_delay;
   Twist2 lowest, highest;  // of zero and the commands that can have been in force since then
@@ -101,12 +101,12 @@ TwistDoubt TwistCheck::doubt(const Twist2& measured) const {
     lowest = {std::min(lowest.v, twist.v), std::min(lowest.w, twist.w)};
     highest = {std::max(highest.v, twist.v), std::max(highest.w, twist.w)};
   }
-  const Doubt v = doubt_of(v_, measured.v, lowest.v, highest.v, kStill.v);
-  const Doubt w = doubt_of(w_, measured.w, lowest.w, highest.w, kStill.w);
+  const Error v = error_of(v_, measured.v, lowest.v, highest.v, kStill.v);
+  const Error w = error_of(w_, measured.w, lowest.w, highest.w, kStill.w);
   return {{v.below, w.below}, {v.above, w.above}};
 }
 
-TwistCheck::Doubt TwistCheck::doubt_of(const Axis& axis, double measured, double lowest,
+TwistCheck::Error TwistCheck::error_of(const Axis& axis, double measured, double lowest,
                                        double highest, double still) {
   switch (axis.verdict) {
     case Verdict::kConfirmed:
@@ -116,7 +116,7 @@ TwistCheck::Doubt TwistCheck::doubt_of(const Axis& axis, double measured, double
       const double high = std::max(axis.high, highest > 0.0 ? highest : axis.high);
       return {std::max(0.0, measured - low), std::max(0.0, high - measured)};
     }
-    case Verdict::kUnseen:
+    case Verdict::kUndecided:
       if (measured < -still && lowest > -still && highest > 0.0) return {0.0, highest - measured};
       if (measured > still && highest < still && lowest < 0.0) return {measured - lowest, 0.0};
   }

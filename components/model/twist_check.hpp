@@ -19,10 +19,10 @@ struct TwistCheckBounds {
 };
 
 /// How far the true twist may lie below and above the measured one, each ≥ 0 [m/s, rad/s].
-struct TwistDoubt {
+struct TwistError {
   Twist2 below, above;  ///< [m/s], [rad/s]
 
-  bool operator==(const TwistDoubt&) const = default;
+  bool operator==(const TwistError&) const = default;
 };
 
 /// Checks odometry against its poses and the commands that were sent, for v and w separately.
@@ -61,7 +61,7 @@ class TwistCheck {
   void clear();
 
   /// Bounds on the error of the newest twist; zero as long as no odometry was received.
-  [[nodiscard]] TwistDoubt doubt(const Twist2& measured) const;
+  [[nodiscard]] TwistError error(const Twist2& measured) const;
   /// Whether some window contradicts the twist.
   [[nodiscard]] bool is_contradicted() const;
   /// Lowest speed that the poses allow over the shortest window, absolute [m/s, rad/s].
@@ -78,19 +78,19 @@ class TwistCheck {
     Twist2 twist;
     Ways forward, turned;
   };
-  enum class Verdict { kUnseen, kConfirmed, kContradicted };
+  enum class Verdict { kUndecided, kConfirmed, kContradicted };
   // Result of all windows for one component.
   struct Axis {
-    Verdict verdict = Verdict::kUnseen;
+    Verdict verdict = Verdict::kUndecided;
     double low = 0.0, high = 0.0;  // speeds that the poses allow in the shortest window
   };
-  struct Doubt {
+  struct Error {
     double below = 0.0, above = 0.0;
   };
 
-  [[nodiscard]] Axis judge(Ways Sample::*axis) const;
+  [[nodiscard]] Axis check_windows(Ways Sample::*axis) const;
   [[nodiscard]] double tolerance(double way, double duration) const;
-  [[nodiscard]] static Doubt doubt_of(const Axis& axis, double measured, double lowest,
+  [[nodiscard]] static Error error_of(const Axis& axis, double measured, double lowest,
                                       double highest, double still);
   [[nodiscard]] double duration() const;
 

@@ -49,8 +49,8 @@ enum class LookUse {
   kNone,      ///< too few of its beams are usable
 };
 
-/// Judges one sensor. It must see, not merely be alive: what counts is the time of its last usable
-/// look.
+/// Monitors one sensor. It must see, not merely be alive: what counts is the time of its last
+/// usable look.
 ///
 /// A cloud without points is a look, because a filtered depth camera returns nothing for an empty
 /// floor: it shows that the camera is alive, and neither marks nor clears anything. A scan needs
@@ -71,7 +71,7 @@ class SensorWatch {
   /// refused: …", "gives no valid range: …".
   void on_trouble(std::string why, double t);
 
-  /// Judges a look; `composition` summarizes its beams for the reason. Unless the result is kNone,
+  /// Rates a look; `composition` summarizes its beams for the reason. Unless the result is kNone,
   /// call on_taken once the look is in the map, or on_trouble.
   [[nodiscard]] LookUse assess(const WatchedLook& look, const std::string& composition, double t);
   void on_taken(double t);

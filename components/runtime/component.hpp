@@ -14,7 +14,7 @@
 
 namespace tandem::runtime {
 
-/// What a component's module says of it. Parameter checks, permissions and `tandem describe` read
+/// A component as its module describes it. Parameter checks, permissions and `tandem describe` read
 /// this.
 struct ComponentDescription {
   std::string name;                  ///< as registered

@@ -29,23 +29,23 @@ std::string hex(const rtps::GUID_t& guid) {
 }
 
 // A participant's last announcement: its nodes and the owner of each endpoint.
-struct Said {
+struct Announced {
   GraphForm form;
   std::vector<std::string> nodes;
   std::map<std::string, std::string> owner;  // endpoint's GUID → node
 };
 
 template <class Info>
-std::pair<std::string, Said> digest(const Info& info, GraphForm form) {
-  Said said{form, {}, {}};
+std::pair<std::string, Announced> digest(const Info& info, GraphForm form) {
+  Announced announced{form, {}, {}};
   for (const auto& entry : info.node_entities_info_seq()) {
     const std::string name =
         NodeName{entry.node_namespace().c_str(), entry.node_name().c_str()}.full();
-    said.nodes.push_back(name);
+    announced.nodes.push_back(name);
     for (const auto* gids : {&entry.reader_gid_seq(), &entry.writer_gid_seq()})
-      for (const auto& gid : *gids) said.owner[hex(gid.data().begin(), kGuid)] = name;
+      for (const auto& gid : *gids) announced.owner[hex(gid.data().begin(), kGuid)] = name;
   }
-  return {hex(info.gid().data().begin(), kPrefix), std::move(said)};
+  return {hex(info.gid().data().begin(), kPrefix), std::move(announced)};
 }
 
 }  // namespace
@@ -53,12 +53,12 @@ std::pair<std::string, Said> digest(const Info& info, GraphForm form) {
 struct DomainView::State {
   explicit State(std::shared_ptr<NodeCore> node_core)
       : core{std::move(node_core)},
-        reader{core->open_reader({"ros_discovery_info", since_iron.dds_name(), kAll},
-                                 [this](const Bytes& bytes, const auto&) { return hear(bytes); })} {
-  }
+        reader{core->open_reader(
+            {"ros_discovery_info", since_iron.dds_name(), kAll},
+            [this](const Bytes& bytes, const auto&) { return receive(bytes); })} {}
 
   // The two formats differ in length, and each codec accepts only its own length.
-  bool hear(const Bytes& bytes) {
+  bool receive(const Bytes& bytes) {
     SinceIron info;
     Humble old;
     if (since_iron.decode(bytes, &info))
@@ -70,15 +70,15 @@ struct DomainView::State {
     return true;
   }
 
-  void note(std::pair<std::string, Said> entry) {
+  void note(std::pair<std::string, Announced> entry) {
     constexpr std::size_t kMaxParticipants = 10'000;
-    if (said.size() < kMaxParticipants || said.contains(entry.first))
-      said[entry.first] = std::move(entry.second);
+    if (announced.size() < kMaxParticipants || announced.contains(entry.first))
+      announced[entry.first] = std::move(entry.second);
   }
 
   std::shared_ptr<NodeCore> core;
   Codec since_iron{type_ref<SinceIron>()}, humble{type_ref<Humble>()};
-  std::map<std::string, Said> said;  // by participant
+  std::map<std::string, Announced> announced;  // by participant
   std::shared_ptr<Reader> reader;
 };
 
@@ -95,13 +95,13 @@ Domain DomainView::look() const {
     auto& participant = participants[id];
     participant.id = id;
     participant.ours = state_->core->is_own(endpoint.guid);
-    const auto said = state_->said.find(id);
+    const auto announced = state_->announced.find(id);
     std::string node;
-    if (said != state_->said.end()) {
-      participant.form = said->second.form;
-      participant.nodes = said->second.nodes;
-      const auto owner = said->second.owner.find(hex(endpoint.guid));
-      if (owner != said->second.owner.end()) node = owner->second;
+    if (announced != state_->announced.end()) {
+      participant.form = announced->second.form;
+      participant.nodes = announced->second.nodes;
+      const auto owner = announced->second.owner.find(hex(endpoint.guid));
+      if (owner != announced->second.owner.end()) node = owner->second;
     }
     const bool is_topic = endpoint.topic.starts_with("rt/");
     domain.endpoints.push_back({id, std::move(node),

@@ -17,30 +17,31 @@ namespace tandem::runtime {
 /// A topic that a component subscribes to or publishes. Converts from the Topic that is passed to
 /// create_subscription or create_publisher, so that nothing is written twice.
 struct TopicUse {
-  /// `when` says when the component opens it ("static_map: grid"); empty: always.
+  /// `when`: condition under which the component opens it ("static_map: grid"); empty: always.
   template <class M>
   TopicUse(const Topic<M>& topic, std::string when = {})
-      : TopicUse{topic.name, type_ref<M>().name, topic.qos, topic.hears, std::move(when)} {}
+      : TopicUse{topic.name, type_ref<M>().name, topic.qos, topic.accepts, std::move(when)} {}
   /// With another QoS than the topic's.
   template <class M>
   TopicUse(const Topic<M>& topic, const QoS& other_qos, std::string when = {})
-      : TopicUse{topic.name, type_ref<M>().name, other_qos, Hears::kFitting, std::move(when)} {}
+      : TopicUse{topic.name, type_ref<M>().name, other_qos, Accepts::kCompatible, std::move(when)} {
+  }
   /// Every topic of the domain.
-  [[nodiscard]] static TopicUse every() { return {"*", "", kDefault, Hears::kEvery, ""}; }
+  [[nodiscard]] static TopicUse every() { return {"*", "", kDefault, Accepts::kEvery, ""}; }
 
   std::string name;  ///< relative, absolute or private, as in the Topic; "*" for every topic
   std::string type;  ///< "geometry_msgs/msg/Twist"
   QoS qos;           ///< unless parameters (`qos_overrides`) change it
-  Hears hears;       ///< kEvery: also opens weaker subscriptions for publishers that offer less
+  Accepts accepts;   ///< kEvery: also opens weaker subscriptions for publishers that offer less
   std::string condition;  ///< when it is opened; empty: always
 
  private:
-  TopicUse(const char* its_name, const char* its_type, const QoS& its_qos, Hears its_hears,
+  TopicUse(const char* its_name, const char* its_type, const QoS& its_qos, Accepts its_accepts,
            std::string its_condition)
       : name{its_name},
         type{its_type},
         qos{its_qos},
-        hears{its_hears},
+        accepts{its_accepts},
         condition{std::move(its_condition)} {}
 };
 

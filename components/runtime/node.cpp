@@ -38,7 +38,7 @@ AnyPublisher Node::make_publisher(const char* topic, TypeRef type, const QoS& qo
 }
 
 Subscription Node::make_subscription(const char* topic, const QoS& qos, Receiver receiver,
-                                     Hears hears) {
+                                     Accepts accepts) {
   const auto codec = std::make_shared<Codec>(receiver.type);
   auto deliver = [codec, receiver = std::move(receiver)](const Bytes& bytes, const auto&) {
     if (!codec->decode(bytes, receiver.message())) {
@@ -55,7 +55,7 @@ Subscription Node::make_subscription(const char* topic, const QoS& qos, Receiver
   const Endpoint endpoint{
       dds_topic_name(name), codec->dds_name(), tuned(qos), {}, qos_prefix(name, "subscription")};
   auto readers = std::make_shared<ReaderSet>(*core_, endpoint, std::move(deliver));
-  if (hears == Hears::kEvery) readers->hear_every_publisher(tuned);
+  if (accepts == Accepts::kEvery) readers->accept_every_publisher(tuned);
   return {core_, std::move(readers)};
 }
 

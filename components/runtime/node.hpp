@@ -67,11 +67,11 @@ class Node {
     return Publisher<M>{make_publisher(topic.name, type_ref<M>(), qos)};
   }
 
-  /// With Hears::kEvery, also receives from publishers that offer less than the topic's QoS, at
+  /// With Accepts::kEvery, also receives from publishers that offer less than the topic's QoS, at
   /// most 0.1 s after they are discovered.
   template <class M, class Fn>
   [[nodiscard]] Subscription create_subscription(const Topic<M>& topic, Fn fn) {
-    return make_subscription(topic.name, topic.qos, make_receiver<M>(std::move(fn)), topic.hears);
+    return make_subscription(topic.name, topic.qos, make_receiver<M>(std::move(fn)), topic.accepts);
   }
   template <class M, class Fn>
   [[nodiscard]] Subscription create_subscription(const Topic<M>& topic, const QoS& qos, Fn fn) {
@@ -186,7 +186,7 @@ class Node {
  private:
   [[nodiscard]] AnyPublisher make_publisher(const char* topic, TypeRef type, const QoS& qos);
   [[nodiscard]] Subscription make_subscription(const char* topic, const QoS& qos, Receiver receiver,
-                                               Hears hears = Hears::kFitting);
+                                               Accepts accepts = Accepts::kCompatible);
   [[nodiscard]] std::shared_ptr<void> await_publisher(const char* topic, TypeRef type,
                                                       std::function<void()> fn);
   [[nodiscard]] Service make_service(const char* service, Responder responder);

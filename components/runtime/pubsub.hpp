@@ -29,9 +29,9 @@ class ReaderSet;
 class Writer;
 
 /// Which publishers a subscription matches.
-enum class Hears {
-  kFitting,  ///< those whose offer satisfies the topic's QoS
-  kEvery,    ///< all: third-party publishers may offer weaker QoS
+enum class Accepts {
+  kCompatible,  ///< those whose offer satisfies the topic's QoS
+  kEvery,       ///< all: third-party publishers may offer weaker QoS
 };
 
 /// A topic: its name (ROS 2 form), its type, its QoS.
@@ -39,7 +39,7 @@ template <class M>
 struct Topic {
   const char* name;    ///< relative to the node's namespace, unless it begins with / or ~
   QoS qos = kDefault;  ///< of both sides
-  Hears hears = Hears::kFitting;  ///< of its subscriptions
+  Accepts accepts = Accepts::kCompatible;  ///< of its subscriptions
 };
 
 /// What the untyped side of the runtime knows about a message type.

@@ -17,7 +17,7 @@ constexpr std::array<const char*, 3> kLivelinesses{"automatic", "manual by parti
 
 template <std::size_t n>
 void compare(const char* policy, const std::array<const char*, n>& names, int offered,
-             int requested, std::vector<Misfit>& found) {
+             int requested, std::vector<QosMismatch>& found) {
   const auto name = [&](int kind) {
     return names[static_cast<std::size_t>(std::clamp(kind, 0, static_cast<int>(n) - 1))];
   };
@@ -58,8 +58,8 @@ QoS request_for(const std::vector<Policies>& offered, int depth) {
   return qos;
 }
 
-std::vector<Misfit> misfits(const Policies& offered, const Policies& requested) {
-  std::vector<Misfit> found;
+std::vector<QosMismatch> qos_mismatches(const Policies& offered, const Policies& requested) {
+  std::vector<QosMismatch> found;
   compare("reliability", kReliabilities, offered.reliability, requested.reliability, found);
   compare("durability", kDurabilities, offered.durability, requested.durability, found);
   if (offered.deadline > requested.deadline)
@@ -68,12 +68,12 @@ std::vector<Misfit> misfits(const Policies& offered, const Policies& requested) 
   return found;
 }
 
-std::string override_for(const Misfit& misfit, bool at_subscription) {
-  std::string value = at_subscription ? misfit.offered : misfit.requested;
+std::string override_for(const QosMismatch& mismatch, bool at_subscription) {
+  std::string value = at_subscription ? mismatch.offered : mismatch.requested;
   std::replace(value.begin(), value.end(), ' ', '_');
   const bool settable = value == "best_effort" || value == "reliable" || value == "volatile" ||
                         value == "transient_local";
-  return settable ? misfit.policy + ": " + value : "";
+  return settable ? mismatch.policy + ": " + value : "";
 }
 
 }  // namespace tandem::runtime

@@ -55,20 +55,21 @@ struct Policies {
 [[nodiscard]] Policies policies_of(const QoS& qos);
 
 /// A policy whose offered value is weaker than the requested one, as text.
-struct Misfit {
+struct QosMismatch {
   std::string policy, offered, requested;  ///< "reliability", "best_effort", "reliable"
 };
 
 /// The parameter below qos_overrides and the topic's name that resolves the mismatch, for example
 /// "reliability: best_effort", set either at the subscription (`at_subscription`) or at the
 /// publisher. Empty if no parameter does.
-[[nodiscard]] std::string override_for(const Misfit& misfit, bool at_subscription);
+[[nodiscard]] std::string override_for(const QosMismatch& mismatch, bool at_subscription);
 
 /// QoS of a subscription with that depth that is compatible with all of these publishers.
 [[nodiscard]] QoS request_for(const std::vector<Policies>& offered, int depth);
 
 /// The policies in which the offer does not satisfy the request; empty if compatible.
-[[nodiscard]] std::vector<Misfit> misfits(const Policies& offered, const Policies& requested);
+[[nodiscard]] std::vector<QosMismatch> qos_mismatches(const Policies& offered,
+                                                      const Policies& requested);
 
 }  // namespace tandem::runtime
 

@@ -95,7 +95,7 @@ Filtered SafetyFilter::update(const std::optional<RobotState>& state, double now
   const bool drives =
       out.reason != FilterReason::kNoCommand && out.reason != FilterReason::kNotFinite;
   out.twist = !params_.enforce && drives ? out.requested : out.safe;
-  out.doubted = twist_check_.is_contradicted();
+  out.twist_contradicted = twist_check_.is_contradicted();
   out.refused = out.reason < FilterReason::kNoCommand && moves(out.requested) && !moves(out.twist);
   remember(out.twist, now);
   return out;
@@ -188,9 +188,9 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   scene.X_MB = state.X_MB;
   scene.measured_by = std::min(state.t, now);
   scene.start.measured = state.twist;
-  const TwistDoubt doubt = twist_check_.doubt(state.twist);
-  scene.start.below = doubt.below;
-  scene.start.above = doubt.above;
+  const TwistError error = twist_check_.error(state.twist);
+  scene.start.below = error.below;
+  scene.start.above = error.above;
   scene.start.now = now;
   scene.start.sent = sent_;
   scene.map = &map;

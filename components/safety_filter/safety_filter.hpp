@@ -128,7 +128,8 @@ struct Filtered {
   /// Clearance of the outline at the measured pose [m], at most 1; NaN where it was not computed.
   double clearance = std::numeric_limits<double>::quiet_NaN();
   bool refused = false;  ///< the command would move the robot, and no part of it passed
-  bool doubted = false;  ///< odometry's twist contradicts its poses; the filter assumes the worse
+  bool twist_contradicted =
+      false;  ///< odometry's twist contradicts its poses; the filter assumes the worse
 };
 
 /// Last check before the wheels; trusts no upstream node.

@@ -10,7 +10,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kLook = 1.0;  // [s] between two checks for other publishers of cmd_vel
+constexpr double kPollPeriod = 1.0;  // [s] between two checks for other publishers of cmd_vel
 
 // The topic whose silence causes this reason; empty if none does.
 const char* topic_missing(FilterReason reason) {
@@ -50,7 +50,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
   command_.set_frames(params_->input.frames);
   command_.pass_not_finite();  // the core stops and reports the reason
   robot_.on_state([this](const RobotState& state) { filter_.on_state(state, node_.now()); });
-  if (params_->odom_stamped) robot_.believe_stamps(params_->robot.sensor_delay);
+  if (params_->odom_stamped) robot_.use_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)
     people_ = std::make_unique<ObstacleTracksInput>(node, robot_.frames(), [this](auto people) {
       filter_.on_people(std::move(people), node_.now());
@@ -59,7 +59,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
     cmd_vel_stamped_ = node.create_publisher(topics::cmd_vel_stamped);
   else
     cmd_vel_ = node.create_publisher(topics::cmd_vel);
-  looks_ = node.create_wall_timer(kLook, [this] { look_for_others(); });
+  looks_ = node.create_wall_timer(kPollPeriod, [this] { look_for_others(); });
   watchdog_ = node.create_wall_timer(0.4 * params_->filter.control_period, [this] { watch(); });
   time_jump_ = node.on_time_jump([this] { filter_.on_time_jump(node_.now()); });
 }
@@ -67,7 +67,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
 void SafetyFilterNode::update() {
   const Filtered out = next();
   if (out.reason != last_.reason) node_.log().debug("{}", why(out));
-  if (out.doubted)
+  if (out.twist_contradicted)
     node_.log().warn_every(
         5.0,
         "odom's twist contradicts the motion of its poses: braking assumes the worse of the two; "

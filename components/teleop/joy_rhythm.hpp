@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "tandem/model/stamped.hpp"
+
 namespace tandem {
 
 /// A stick whose messages come less often than every `joy_timeout` [s] counts as let go between any
@@ -18,18 +20,16 @@ class JoyRhythm {
   /// Takes a message of the driving stick at t [s]. Returns the gap before it [s] once kGaps in a
   /// row were too long.
   std::optional<double> on_message(bool held, double t) {
-    const double gap = t - t_;
-    const bool too_long = held && held_ && gap > joy_timeout_ && gap < kSilence;
+    const double gap = held_.age(t);
+    const bool too_long = held && held_.value && gap > joy_timeout_ && gap < kSilence;
     gaps_ = too_long ? gaps_ + 1 : 0;
-    held_ = held;
-    t_ = t;
+    held_ = {held, t};
     return gaps_ >= kGaps ? std::optional{gap} : std::nullopt;
   }
 
  private:
   double joy_timeout_;
-  double t_ = 0.0;
-  bool held_ = false;
+  Stamped<bool> held_;  // in the last message
   int gaps_ = 0;
 };
 

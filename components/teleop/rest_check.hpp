@@ -6,6 +6,8 @@
 #include <map>
 #include <string>
 
+#include "tandem/model/stamped.hpp"
+
 namespace tandem {
 
 /// A stick may not drive until its sender has been seen at rest. The check starts again when the
@@ -14,21 +16,21 @@ namespace tandem {
 /// a device that has not reported its axes yet.
 class RestCheck {
  public:
-  static constexpr double kGone = 0.5;  ///< [s] silence after which a sender is gone, not late
+  static constexpr double kSenderTimeout = 0.5;  ///< [s] of silence: gone, not late
 
   /// `timeout`: longest ordinary gap between two samples [s]. `has_deadman`: whether the dead-man
   /// button is used.
   RestCheck(double timeout, bool has_deadman)
-      : silence_{std::max(timeout, kGone)}, has_deadman_{has_deadman} {}
+      : silence_{std::max(timeout, kSenderTimeout)}, has_deadman_{has_deadman} {}
 
   /// Takes a sample from `sender` at time t [s]; returns whether it may drive. `at_rest`: the stick
   /// is at rest; `deadman`: the button is held.
   [[nodiscard]] bool frees(const std::string& sender, bool deadman, bool at_rest, double t) {
     forget_silent(t);
-    Sender& known = senders_[sender];
-    const bool pressed = has_deadman_ && deadman && !known.deadman;
-    known = {at_rest || (known.rested && !pressed), deadman, t};
-    return known.rested;
+    Stamped<Sender>& known = senders_[sender];
+    const bool pressed = has_deadman_ && deadman && !known.value.deadman;
+    known = {{at_rest || (known.value.rested && !pressed), deadman}, t};
+    return known.value.rested;
   }
   /// Call for a sample that arrived too late to be used: the sender is not silent.
   void keep(const std::string& sender, double t) {
@@ -41,18 +43,15 @@ class RestCheck {
  private:
   struct Sender {
     bool rested = false, deadman = false;
-    double t = 0.0;  // [s] time of its last sample
   };
 
   void forget_silent(double t) {
-    std::erase_if(senders_, [&](const auto& known) {
-      return t - known.second.t > silence_ || t < known.second.t;
-    });
+    std::erase_if(senders_, [&](const auto& known) { return !known.second.fresh(t, silence_); });
   }
 
   double silence_;
   bool has_deadman_;
-  std::map<std::string, Sender> senders_;  // only senders that are not silent
+  std::map<std::string, Stamped<Sender>> senders_;  // by their last sample; none is silent
 };
 
 }  // namespace tandem

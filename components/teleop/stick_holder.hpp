@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "tandem/model/stamped.hpp"
+
 namespace tandem {
 
 /// One of several sticks drives: the first that is held, until it is let go, or until it is silent
@@ -17,19 +19,17 @@ class StickHolder {
   /// Takes a sample from `sender` at time t [s]; returns whether it counts. `held`: the stick is
   /// held.
   [[nodiscard]] bool counts(const std::string& sender, bool held, double t) {
-    const bool fresh = t - t_ <= timeout_ && t >= t_;
-    if (held_ && sender != sender_ && (fresh || !held)) return false;
+    const bool fresh = sender_.fresh(t, timeout_);
+    if (held_ && sender != sender_.value && (fresh || !held)) return false;
     held_ = held;
-    sender_ = sender;
-    t_ = t;
+    sender_ = {sender, t};
     return true;
   }
 
  private:
   double timeout_;
   bool held_ = false;
-  std::string sender_;
-  double t_ = 0.0;
+  Stamped<std::string> sender_;  // of the last sample that counted
 };
 
 }  // namespace tandem

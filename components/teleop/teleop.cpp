@@ -122,13 +122,14 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
   const bool was_held = std::exchange(held_, stick.deadman);
   if (!held_) {
     steered_.reset();
-    if (hand_ == Hand::kStick) hand_ = Hand::kNone;
+    if (hand_.value == Hand::kStick) hand_.value = Hand::kNone;
     return was_held ? std::optional<Intent>{Intent{}} : std::nullopt;
   }
   // Without a dead-man, a stick at rest counts as not held.
   const bool steers = params_.deadman_button >= 0 || stick.linear != 0.0 || stick.angular != 0.0;
-  if (!steers && hand_ == Hand::kTwist && is_recent(last_, t)) return std::nullopt;
-  if (steers) steered_ = t;
+  if (!steers && hand_.value == Hand::kTwist && hand_.fresh(t, params_.joy_timeout))
+    return std::nullopt;
+  if (steers) steered_ = {true, t};
   const StickGains& gains = params_.gains;
   lead(Hand::kStick,
        {{gains.leader_scale_linear * stick.linear, gains.leader_scale_angular * stick.angular},
@@ -140,7 +141,7 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
 
 std::optional<Pose2> Teleop::on_twist(const Twist2& twist, const std::optional<Pose2>& X_MB,
                                       double t, const Twist2& measured) {
-  if (steered_ && is_recent(*steered_, t)) return std::nullopt;
+  if (steered_.fresh(t, params_.joy_timeout)) return std::nullopt;
   const Twist2 leader{std::clamp(twist.v, -kFastest.v, kFastest.v),
                       std::clamp(twist.w, -kFastest.w, kFastest.w)};
   const double full = std::abs(params_.gains.scale_linear);
@@ -150,12 +151,12 @@ std::optional<Pose2> Teleop::on_twist(const Twist2& twist, const std::optional<P
 
 // The leader restarts at the robot when another hand takes over and after a silence.
 void Teleop::lead(Hand hand, const Steering& steering, const std::optional<Pose2>& X_MB, double t) {
-  const double before = std::exchange(last_, t);
-  const bool goes_on = std::exchange(hand_, hand) == hand && is_recent(before, t);
+  const auto before = std::exchange(hand_, {hand, t});
+  const bool goes_on = before.value == hand && before.fresh(t, params_.joy_timeout);
   if (!goes_on || !X_MB) X_ML_.reset();
   Steering now = steering;
   now.rests = push_.rests(steering.twist == Twist2{}, t);
-  if (X_MB) drive_leader(now, *X_MB, goes_on ? t - before : 0.0);
+  if (X_MB) drive_leader(now, *X_MB, goes_on ? before.age(t) : 0.0);
 }
 
 // Reversing the stick means that the robot should turn back now, not after the leader has travelled

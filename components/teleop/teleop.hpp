@@ -12,6 +12,7 @@
 #include "tandem/model/reasons.hpp"
 #include "tandem/model/robot.hpp"
 #include "tandem/model/se2.hpp"
+#include "tandem/model/stamped.hpp"
 
 namespace tandem {
 
@@ -157,9 +158,6 @@ class Teleop {
     bool rests = false;
   };
 
-  [[nodiscard]] bool is_recent(double t, double now) const {
-    return 0.0 <= now - t && now - t <= params_.joy_timeout;  // false if the clock was set back
-  }
   void lead(Hand hand, const Steering& steering, const std::optional<Pose2>& X_MB, double t);
   void call_leader_back(double push, const Pose2& X_MB);
   void drive_leader(const Steering& steering, const Pose2& X_MB, double dt);
@@ -171,9 +169,8 @@ class Teleop {
   std::optional<RobotParams> robot_;
   BriefPush push_;
   bool held_ = false;
-  std::optional<double> steered_;  // [s] when a stick last controlled the leader
-  Hand hand_ = Hand::kNone;        // what drives the leader
-  double last_ = 0.0;              // [s] when hand_ last drove it
+  Stamped<bool> steered_;  // a stick controlled the leader
+  Stamped<Hand> hand_;     // what drove the leader last
   std::optional<Pose2> X_ML_;
   bool near_ = false;    // see keep_leader_near()
   double pushed_ = 0.0;  // [1] last strong push; positive is forward

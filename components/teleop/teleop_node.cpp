@@ -92,7 +92,7 @@ bool TeleopNode::may_drive(const sensor_msgs::msg::Joy& msg, const std::string& 
                            const Stick& stick) {
   if (is_empty(msg)) {
     rest_.forget(sender);
-    say(sender, "");
+    report(sender, "");
     return true;
   }
   const JoyCheck joy = check_joy(msg.axes(), msg.buttons(), params_->teleop);
@@ -107,12 +107,12 @@ bool TeleopNode::may_drive(const sensor_msgs::msg::Joy& msg, const std::string& 
                     params_->teleop.axis_range));
   if (!joy.remark.empty())
     node_.log().write_every(kOnce, rt::LogLevel::kWarn, joy.remark, joy.remark);
-  say(sender, trouble);
+  report(sender, trouble);
   return !stick.deadman || (rested && !joy.beyond_range);
 }
 
 // Troubles are kept per sender, so one sender cannot clear another's.
-void TeleopNode::say(const std::string& sender, const std::string& trouble) {
+void TeleopNode::report(const std::string& sender, const std::string& trouble) {
   std_msgs::msg::String msg;
   msg.data(trouble);
   if (!trouble.empty() || troubles_.erase(sender) > 0) status_.publish(msg);

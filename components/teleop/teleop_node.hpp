@@ -55,7 +55,7 @@ class TeleopNode {
   void on_joy(const sensor_msgs::msg::Joy& msg);
   [[nodiscard]] bool may_drive(const sensor_msgs::msg::Joy& msg, const std::string& sender,
                                const Stick& stick);
-  void say(const std::string& sender, const std::string& trouble);
+  void report(const std::string& sender, const std::string& trouble);
   void on_twist(const Twist2& twist);
   void keep_leader_near();
   [[nodiscard]] std::optional<Pose2> robot_pose();

@@ -75,11 +75,6 @@ TEST(Adaptive, DoesNotRateAPersonWhoAsksForNothing) {
   EXPECT_EQ(it.steps({0.0, 0.0}, {0.4, 0.5}, 20.0).performance, 1.0);
 }
 
-TEST(Adaptive, FrozenKeepsItsShare) {
-  Adaptive it{{.frozen = true}};
-  EXPECT_NEAR(it.steps({0.5, 0.0}, {-0.4, 1.0}, 20.0).alpha, 0.3, 1e-9);
-}
-
 TEST(Adaptive, DangerGivesThePlannerFullAuthority) {
   Adaptive it;
   (void)it.steps({0.5, 0.0}, {0.5, 0.0}, 1.0);

@@ -3,7 +3,6 @@
 // Prints quantiles for policy manual and policy shared, the latter with method intention: the
 // leader has to move away from the robot before the robot follows.
 #include <cstdio>
-#include <cstdlib>
 
 #include "benchmark/latency_stick.hpp"
 #include "bringup/system/system.hpp"
@@ -36,7 +35,6 @@ void measure(const char* policy) {
 }  // namespace tandem
 
 int main() {
-  setenv("TANDEM_COMPONENT_PATH", tandem::test::binary_path().c_str(), 0);
   tandem::measure("manual");
   tandem::measure("shared");
 }

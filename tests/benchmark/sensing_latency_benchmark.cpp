@@ -3,12 +3,10 @@
 // as a separate node. Prints quantiles.
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <numbers>
 #include <vector>
 
 #include "bringup/system/system.hpp"
-#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/io/conversions.hpp"
@@ -121,7 +119,4 @@ int measure() {
 }  // namespace
 }  // namespace tandem
 
-int main() {
-  setenv("TANDEM_COMPONENT_PATH", tandem::test::binary_path().c_str(), 0);
-  return tandem::measure();
-}
+int main() { return tandem::measure(); }

@@ -28,7 +28,6 @@ TEST(CyclonePeer, DrivesOurRobotAndReadsItsOdometry) {
 
 TEST(CyclonePeer, SetsAndGetsAParameterOfOurs) {
   const test::NothingDropped nothing_dropped;
-  setenv("TANDEM_COMPONENT_PATH", test::binary_path().c_str(), 1);
   const auto teleop = rt::load_component("teleop", {.name = "teleop", .ns = "/robot"});
   const char* domain = std::getenv("ROS_DOMAIN_ID");
   const auto set = [&](const char* name, const char* value) {

@@ -67,7 +67,8 @@ TEST(Nmpc, GoesDownTheLadderRungByRungWhereNoSolverAnswers) {
     EXPECT_EQ(standing.source, PlanSource::kStanding);
     EXPECT_EQ(standing.command, Twist2{});
     EXPECT_EQ(standing.cost, 0.0);
-    for (const Plan& plan : {rest, braking, standing}) EXPECT_EQ(plan.verdict, Verdict::kUnjudged);
+    for (const Plan& plan : {rest, braking, standing})
+      EXPECT_EQ(plan.verdict, Verdict::kUnverified);
   }
 }
 
@@ -116,7 +117,7 @@ TEST(Nmpc, AGoalIsDrivenToWhetherAStickIsAtRestOrNot) {
 }
 
 // Whatever is planned, the robot stands; only where the filter says that it refuses the plans, for
-// what is near, is that a stalemate.
+// what is near, is that a deadlock.
 TEST(Nmpc, YieldsToThePersonWhileItsPlansAreRefused) {
   for (const auto& [method, refused] :
        {std::pair{Method::kIntention, true}, {Method::kIntention, false}, {Method::kGoal, true}}) {

@@ -60,8 +60,8 @@ TEST(FrameTree, TerminatesOnACycleAndIsBounded) {
 }
 
 FrameLink told(std::string_view parent, std::string_view child, const Eigen::Isometry3d& X_PC,
-               double heard, std::optional<double> stamp = {}) {
-  return {parent, child, X_PC, {}, heard, stamp};
+               double arrival, std::optional<double> stamp = {}) {
+  return {parent, child, X_PC, {}, arrival, stamp};
 }
 
 double x_of(const FrameTree& tree, std::string_view base, std::string_view frame,
@@ -90,12 +90,12 @@ TEST(FrameTree, TheOldestDynamicLinkOfAChainDecidesItsAge) {
   tree.set_static(told("a", "b", placed_at(1.0, 0.0, 0.0), 1.0));
   tree.set(told("b", "odom", placed_at(1.0, 0.0, 0.0), 2.0));
   tree.set(told("odom", "base_link", placed_at(1.0, 0.0, 0.0), 0.5));
-  EXPECT_EQ(tree.find("map", "odom")->heard, 2.0);
-  EXPECT_EQ(tree.find("map", "a")->heard, 3.0);
-  EXPECT_EQ(tree.find("map", "base_link")->heard, 0.5);
+  EXPECT_EQ(tree.find("map", "odom")->arrival, 2.0);
+  EXPECT_EQ(tree.find("map", "a")->arrival, 3.0);
+  EXPECT_EQ(tree.find("map", "base_link")->arrival, 0.5);
   EXPECT_TRUE(tree.find("a", "b")->is_static());
   tree.set(told("b", "odom", placed_at(1.0, 0.0, 0.0), 5.0));
-  EXPECT_EQ(tree.find("map", "odom")->heard, 3.0);
+  EXPECT_EQ(tree.find("map", "odom")->arrival, 3.0);
 }
 
 // A localiser publishes map → base_link; the wheels publish base_link → odom at twice the rate.
@@ -138,7 +138,7 @@ TEST(FrameTree, AStaticLinkHoldsUntilADynamicOneArrives) {
   tree.set_static(told("map", "odom", placed_at(1.0, 0.0, 0.0), 0.0));
   EXPECT_TRUE(tree.find("map", "odom")->is_static());
   tree.set(told("map", "odom", placed_at(2.0, 0.0, 0.0), 1.0));
-  EXPECT_EQ(tree.find("map", "odom")->heard, 1.0);
+  EXPECT_EQ(tree.find("map", "odom")->arrival, 1.0);
   EXPECT_EQ(tree.set_static(told("map", "odom", placed_at(1.0, 0.0, 0.0), 2.0)), LinkFate::kTaken);
   EXPECT_EQ(x_of(tree, "map", "odom"), 2.0);
 }
@@ -203,7 +203,7 @@ TEST(FrameTree, DynamicTransformsHaveNoAgeAfterTheClockJumpedBack) {
   tree.set(told("map", "odom", placed_at(1.0, 0.0, 0.0), 100.0));
   tree.set_static(told("odom", "fixed", placed_at(1.0, 0.0, 0.0), 100.0));
   tree.on_time_jump();
-  EXPECT_LT(tree.find("map", "odom")->heard, 0.0);
+  EXPECT_LT(tree.find("map", "odom")->arrival, 0.0);
   EXPECT_TRUE(tree.find("odom", "fixed")->is_static());
 }
 

@@ -37,9 +37,9 @@ class Rider {
     }
   }
   [[nodiscard]] bool was_contradicted() const { return contradicted_; }
-  [[nodiscard]] double lowest() const { return said_.v - check_.doubt(said_).below.v; }
-  [[nodiscard]] double highest() const { return said_.v + check_.doubt(said_).above.v; }
-  [[nodiscard]] TwistDoubt doubt() const { return check_.doubt(said_); }
+  [[nodiscard]] double lowest() const { return said_.v - check_.error(said_).below.v; }
+  [[nodiscard]] double highest() const { return said_.v + check_.error(said_).above.v; }
+  [[nodiscard]] TwistError error() const { return check_.error(said_); }
   TwistCheck& check() { return check_; }
 
  private:
@@ -109,8 +109,8 @@ TEST(TwistCheck, SeesATurnRateOfTheWrongSign) {
   Rider rider(10.0, 0.01, 0.0, [](auto& twist, auto&) { return Twist2{twist.v, -twist.w}; });
   rider.drive({0.3, 0.8}, 0.6);
   EXPECT_TRUE(rider.check().is_contradicted());
-  EXPECT_GE(rider.doubt().above.w, 1.6);
-  EXPECT_EQ(rider.doubt().above.v, 0.0);
+  EXPECT_GE(rider.error().above.w, 1.6);
+  EXPECT_EQ(rider.error().above.v, 0.0);
 }
 
 // The check by poses needs a window of time; until then the commands are compared.
@@ -123,7 +123,7 @@ TEST(TwistCheck, DoubtsATwistAgainstTheCommandUntilThePosesDecide) {
   Rider honestly(50.0, 0.0, std::numbers::pi, honest);
   honestly.drive({}, 1.0);
   honestly.drive({0.8, 0.0}, 0.02);
-  EXPECT_EQ(honestly.doubt(), TwistDoubt{});
+  EXPECT_EQ(honestly.error(), TwistError{});
 }
 
 TEST(TwistCheck, ComparesNothingAcrossASilence) {

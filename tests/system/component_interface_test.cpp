@@ -76,7 +76,7 @@ class Describer {
       add({{rt::ros_name(rt::dds_topic_name(resolved(use.name))), use.type, writes,
             use.qos.reliability, use.qos.durability},
            use.condition,
-           use.hears == rt::Hears::kEvery});
+           use.accepts == rt::Accepts::kEvery});
   }
 
   void add(const rt::ServiceUse& use) {

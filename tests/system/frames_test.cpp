@@ -10,6 +10,7 @@
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
 #include "system/wall_map.hpp"
@@ -339,7 +340,7 @@ TEST_F(FramesOverDds, TheDoctorListsTheFramesThatThereAre) {
   EXPECT_NE(said.find("map → odom_combined"), std::string::npos) << said;
   EXPECT_NE(said.find("/tester"), std::string::npos) << said;
   const std::string reason = "not localized: `odom` is not on /tf";
-  const auto found = said.find("the safety filter stands: " + reason);
+  const auto found = said.find("the safety filter stops the robot: " + reason);
   EXPECT_NE(found, std::string::npos) << said;
   EXPECT_EQ(said.find(reason), said.rfind(reason)) << "once: " << said;
 }

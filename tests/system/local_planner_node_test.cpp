@@ -229,5 +229,14 @@ TEST_F(LeaderOverDds, ALeaderWithALateStampCountsAsSilent) {
   EXPECT_TRUE(wait_until_standing(Reason::kLeaderSilent));
 }
 
+TEST_F(OneComponent, AParameterOutOfRangeStopsTheStartAndNamesIt) {
+  try {
+    (void)rt::load_component("local_planner", options("local_planner", {{"v_max", "99.0"}}));
+    FAIL() << "started";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("v_max"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace tandem::test

@@ -88,5 +88,11 @@ TEST_F(MapServerOverDds, ABrokenFileEndsTheProgramWithOneLineThatNamesIt) {
                             "copy it again or rebuild the map\n");
 }
 
+TEST_F(OneComponent, AMapThatIsMissingStopsTheStart) {
+  EXPECT_THROW(
+      (void)rt::load_component("map_server", options("map_server", {{"map", "/no/such.bt"}})),
+      std::runtime_error);
+}
+
 }  // namespace
 }  // namespace tandem::test

@@ -9,7 +9,6 @@
 #include <map>
 #include <string>
 
-#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/io/conversions.hpp"
@@ -34,8 +33,6 @@ inline rt::NodeOptions options(const std::string& name, const Values& parameters
 
 class OneComponent : public ::testing::Test {
  protected:
-  OneComponent() { setenv("TANDEM_COMPONENT_PATH", binary_path().c_str(), 1); }
-
   [[nodiscard]] static rt::RunningComponent load(const std::string& name, const Values& values) {
     return rt::load_component(name, options(name, values));
   }

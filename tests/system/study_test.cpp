@@ -95,7 +95,7 @@ TEST_F(StudyProgram, ResumesAfterAKillWithoutLosingADriveAndEndsWithTheSameResul
   EXPECT_LT(kept, kDrives);
   const test::CapturedLog log;
   ASSERT_EQ(run({study(), "--out", out("killed")}), 0);
-  EXPECT_EQ(log.lines(std::to_string(kept) + " made before"), 1) << log.text();
+  EXPECT_EQ(log.lines(std::to_string(kept) + " already finished"), 1) << log.text();
   EXPECT_EQ(lines("killed"), kDrives);
   EXPECT_EQ(drives("killed"), drives("whole"));
 }

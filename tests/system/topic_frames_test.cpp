@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/captured_log.hpp"
+#include "support/paths.hpp"
 #include "support/point_cloud.hpp"
 #include "system/one_component.hpp"
 #include "system/wall_map.hpp"

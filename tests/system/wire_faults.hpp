@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "support/captured_log.hpp"
-#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim.hpp"
@@ -85,7 +84,6 @@ class WireDrive {
         X_MO_{draw(0.6, 0.9), draw(-0.6, 0.6), draw(-1.0, 1.0)},
         sim_{sim_params(), robot(), std::make_shared<const StaticMap>(slice(room({}), {})), seed},
         stick_{draw(0.3, 0.8), draw(-0.15, 0.15)} {
-    setenv("TANDEM_COMPONENT_PATH", binary_path().c_str(), 1);
     start_ = {draw(-0.7, 0.7), draw(-0.7, 0.7), draw(-std::numbers::pi, std::numbers::pi)};
     sim_.reset(start_, seed);
     open();

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/teleop/teleop.hpp"
-#include "tandem/teleop/joy_rhythm.hpp"
-#include "tandem/teleop/rest_check.hpp"
-#include "tandem/teleop/stick_holder.hpp"
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,124 +10,6 @@ namespace tandem {
 namespace {
 
 constexpr Pose2 kOrigin{};
-
-// True if a stick that is held and publishes every `period` is found to be too slow.
-bool is_too_seldom(double period) {
-  JoyRhythm rhythm{0.12};
-  bool found = false;
-  for (int i = 1; i <= 20; ++i) found = rhythm.on_message(true, i * period).has_value();
-  return found;
-}
-
-TEST(JoyRhythm, DistinguishesAStickThatPublishesTooRarelyFromASilentOne) {
-  EXPECT_TRUE(is_too_seldom(0.2));
-  EXPECT_FALSE(is_too_seldom(0.05));
-  EXPECT_FALSE(is_too_seldom(2.0));
-  JoyRhythm rhythm{0.12};
-  for (int i = 1; i <= 20; ++i) EXPECT_FALSE(rhythm.on_message(i % 4 == 0, i * 0.2));
-}
-
-TEST(ReadStick, MapsAxesAndButtonsAsTheThesisDoes) {
-  const std::array<float, 4> axes{0.25f, 1.0f, 0.0f, 0.0f};
-  const std::array<int, 2> buttons{1, 0};
-  const Stick stick = read_stick(axes, buttons, {.gains = {.deadzone = 0.0}});
-  EXPECT_NEAR(stick.linear, 1.0, 1e-6);
-  EXPECT_NEAR(stick.angular, 0.25, 1e-6);
-  EXPECT_TRUE(stick.deadman);
-  EXPECT_FALSE(stick.end);
-}
-
-TEST(ReadStick, TakesMissingOrNonFiniteInputAsRest) {
-  const std::array<float, 2> axes{std::numeric_limits<float>::quiet_NaN(),
-                                  std::numeric_limits<float>::infinity()};
-  const Stick stick = read_stick(axes, {}, {});
-  EXPECT_EQ(stick.linear, 0.0);
-  EXPECT_EQ(stick.angular, 0.0);
-  EXPECT_FALSE(stick.deadman);
-}
-
-// The axis that drives forward.
-double forward(float value, const TeleopParams& params = {}) {
-  const std::array<float, 2> axes{0.0f, value};
-  return read_stick(axes, {}, params).linear;
-}
-
-TEST(ReadStick, ClampsAnAxisThatExceedsItsTravelByALittle) {
-  EXPECT_EQ(forward(1.0f), 1.0);
-  EXPECT_EQ(forward(1.05f), 1.0);
-  EXPECT_EQ(forward(-1.05f), -1.0);
-}
-
-// LUCI publishes −100 … 100; read as −1 … 1, a value of 5 would mean full speed.
-TEST(ReadStick, DrivesNothingByAnAxisOfAnotherRangeUntilItIsTold) {
-  for (const float value : {1.06f, -1.06f, 5.0f, 100.0f}) EXPECT_EQ(forward(value), 0.0) << value;
-  const TeleopParams luci{.axis_range = 100.0, .gains = {.deadzone = 0.0}};
-  EXPECT_NEAR(forward(5.0f, luci), 0.05, 1e-6);
-  EXPECT_EQ(forward(-100.0f, luci), -1.0);
-  EXPECT_EQ(forward(105.0f, luci), 1.0);
-  EXPECT_EQ(forward(106.0f, luci), 0.0);
-}
-
-JoyCheck check_of(const std::vector<float>& axes, const std::vector<int>& buttons,
-                  const TeleopParams& params = {}) {
-  return check_joy(axes, buttons, params);
-}
-
-TEST(CheckJoy, SaysWhetherTheStickIsSeenAtRest) {
-  EXPECT_TRUE(check_of({0.0f, 0.04f}, {1, 0}).at_rest);
-  EXPECT_FALSE(check_of({0.0f, 0.06f}, {1, 0}).at_rest);
-  EXPECT_FALSE(check_of({-0.06f, 0.0f}, {1, 0}).at_rest);
-  EXPECT_FALSE(check_of({}, {1, 0}).at_rest) << "no axis was seen";
-  EXPECT_TRUE(check_of({0.0f}, {1, 0}).at_rest) << "one that is not there moves nothing";
-  EXPECT_FALSE(check_of({0.0f, std::numeric_limits<float>::quiet_NaN()}, {1, 0}).at_rest);
-  EXPECT_TRUE(check_of({4.0f, 4.0f}, {1, 0}, {.axis_range = 100.0}).at_rest);
-}
-
-TEST(CheckJoy, NamesWhatIsMissingOrInvalid) {
-  EXPECT_EQ(check_of({0.0f, 1.0f}, {1, 0}).trouble, "");
-  EXPECT_EQ(check_of({0.0f, 1.0f}, {1, 0}).remark, "");
-  EXPECT_EQ(check_of({0.0f}, {1, 0}).trouble, "joy has no axis 1 (axis_linear)");
-  EXPECT_EQ(check_of({0.0f, 0.0f}, {}).trouble, "joy has no button 0 (deadman_button)");
-  EXPECT_EQ(check_of({0.0f, 0.0f}, {1}).remark, "joy has no button 1 (end_button)");
-  const TeleopParams no_buttons{.deadman_button = -1, .end_button = -1};
-  EXPECT_EQ(check_of({0.0f, 0.0f}, {}, no_buttons).trouble, "");
-  EXPECT_EQ(check_of({0.0f, 0.0f}, {}, no_buttons).remark, "");
-  EXPECT_EQ(check_of({0.0f, 5.0f}, {1, 0}).trouble, "axis 1 of joy is beyond axis_range");
-  EXPECT_TRUE(check_of({0.0f, 5.0f}, {1, 0}).beyond_range);
-  EXPECT_FALSE(check_of({0.0f, 1.05f}, {1, 0}).beyond_range);
-  const float inf = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(check_of({0.0f, inf}, {1, 0}).trouble, "axis 1 of joy is not finite");
-  EXPECT_FALSE(check_of({0.0f, inf}, {1, 0}).beyond_range);
-}
-
-TEST(JoyValues, AreReadBackAsTheStickWhateverTheParameters) {
-  const TeleopParams params{.axis_linear = 4,
-                            .axis_angular = 3,
-                            .deadman_button = 5,
-                            .axis_range = 100.0,
-                            .gains = {.deadzone = 0.0}};
-  const auto joy = joy_values({0.5, -0.25, true, false}, params);
-  const Stick stick = read_stick(joy.axes, joy.buttons, params);
-  EXPECT_EQ(stick.linear, 0.5);
-  EXPECT_EQ(stick.angular, -0.25);
-  EXPECT_TRUE(stick.deadman);
-  EXPECT_FALSE(stick.end);
-}
-
-TEST(JoyValues, DriveForwardWhereADeviceOfOthersIsTurnedRound) {
-  const TeleopParams params{.gains = {.scale_linear = -0.8, .scale_angular = -0.8}};
-  const auto joy = joy_values({1.0, 1.0, true, false}, params);
-  Teleop teleop{params};
-  const auto intent = teleop.on_stick(read_stick(joy.axes, joy.buttons, params), kOrigin, 0.0);
-  ASSERT_TRUE(intent);
-  EXPECT_GT(intent->twist.v, 0.0);
-  EXPECT_GT(intent->twist.w, 0.0);
-}
-
-TEST(JoyValues, NameOnlyExistingButtons) {
-  const auto joy = joy_values({1.0, 1.0, true, false}, {.deadman_button = -1, .end_button = -1});
-  EXPECT_TRUE(joy.buttons.empty());
-}
 
 TEST(Teleop, IsSilentWhileTheDeadManIsReleased) {
   Teleop teleop{{}};
@@ -313,8 +190,6 @@ TEST(Teleop, HasNoLeaderWhileTheRobotIsNotLocalised) {
   EXPECT_NEAR(intent->twist.v, 0.8, 1e-12);
 }
 
-// --- somebody who has no stick here ------------------------------------------------------------
-
 TEST(Teleop, LeaderFollowsAnotherPublishersCommand) {
   Teleop teleop{{}};
   const Pose2 X_MB{2.0, 1.0, 0.0};
@@ -365,131 +240,6 @@ TEST(Teleop, AStickThatLiesThereReleasedDisturbsNoCommand) {
     }
     EXPECT_NEAR(X_ML->x, 0.5 * 0.95, 1e-9) << deadman;
   }
-}
-
-// --- whose stick it is, and whether it drives --------------------------------------------------
-
-TEST(StickHolder, FollowsThePublisherThatHolds) {
-  StickHolder holder{0.5};
-  EXPECT_TRUE(holder.counts("pad", false, 0.0));
-  EXPECT_TRUE(holder.counts("page", true, 0.1));
-  EXPECT_FALSE(holder.counts("pad", false, 0.2)) << "lies on the table";
-  EXPECT_FALSE(holder.counts("pad", true, 0.3)) << "comes second";
-  EXPECT_TRUE(holder.counts("page", true, 0.4));
-  EXPECT_TRUE(holder.counts("page", false, 0.5));
-  EXPECT_TRUE(holder.counts("pad", true, 0.6));
-  EXPECT_TRUE(holder.counts("page", true, 1.2)) << "the pad has been silent for too long";
-}
-
-TEST(StickHolder, AnIdleStickDoesNotReleaseOneThatFellSilent) {
-  StickHolder holder{0.5};
-  EXPECT_TRUE(holder.counts("page", true, 0.0));
-  EXPECT_FALSE(holder.counts("pad", false, 9.0));
-  EXPECT_TRUE(holder.counts("page", false, 9.1));
-  EXPECT_TRUE(holder.counts("pad", false, 9.2));
-}
-
-class SeenAtRest : public testing::Test {
- protected:
-  static constexpr bool kUp = false, kDown = true;        // the dead-man
-  static constexpr bool kPushed = false, kAtRest = true;  // the stick
-
-  // What comes of the same sample for `duration` [s] at 20 Hz.
-  bool frees(bool deadman, bool at_rest, double duration = 0.05) {
-    bool free = false;
-    for (const double end = t_ + duration - 1e-9; t_ < end; t_ += 0.05)
-      free = check_.frees("pad", deadman, at_rest, t_);
-    return free;
-  }
-
-  RestCheck check_{TeleopParams{}.joy_timeout, true};
-  double t_ = 10.0;
-};
-
-// A pad that has not reported yet, or a stick that is tilted where it lies.
-TEST_F(SeenAtRest, AStickThatNeverWasDrivesNothing) {
-  EXPECT_FALSE(frees(kUp, kPushed, 2.0));
-  EXPECT_FALSE(frees(kDown, kPushed, 5.0));
-  EXPECT_TRUE(frees(kDown, kAtRest));
-  EXPECT_TRUE(frees(kDown, kPushed, 5.0));
-}
-
-TEST_F(SeenAtRest, AStickThatIsPushedBeforeTheDeadManMustComeToRestFirst) {
-  EXPECT_TRUE(frees(kUp, kAtRest, 1.0));
-  (void)frees(kUp, kPushed, 1.0);
-  EXPECT_FALSE(frees(kDown, kPushed, 2.0));
-  EXPECT_TRUE(frees(kDown, kAtRest));
-  EXPECT_TRUE(frees(kDown, kPushed, 2.0));
-}
-
-TEST_F(SeenAtRest, DeadManAndAxisAtOnceAreNoPushFromRest) {
-  (void)frees(kUp, kAtRest, 1.0);
-  EXPECT_FALSE(frees(kDown, kPushed));
-}
-
-// The page, `tandem teleop` and the simulated driver behave like this.
-TEST_F(SeenAtRest, OneSampleAtRestBeforeEachPressIsEnough) {
-  for (int press = 0; press < 3; ++press) {
-    EXPECT_TRUE(frees(kDown, kAtRest));
-    EXPECT_TRUE(frees(kDown, kPushed, 1.0));
-    (void)frees(kUp, kAtRest, 0.15);
-    t_ += 5.0;  // it says nothing while nobody holds it
-  }
-}
-
-TEST_F(SeenAtRest, ASilentPublisherMustBeSeenAgain) {
-  (void)frees(kDown, kAtRest);
-  ASSERT_TRUE(frees(kDown, kPushed, 1.0));
-  t_ += RestCheck::kGone;
-  EXPECT_FALSE(frees(kDown, kPushed, 2.0));
-  EXPECT_TRUE(frees(kDown, kAtRest));
-}
-
-TEST_F(SeenAtRest, SamplesThatAreLateAreNoSilence) {
-  (void)frees(kDown, kAtRest);
-  t_ += 0.4;  // several were lost
-  EXPECT_TRUE(frees(kDown, kPushed));
-}
-
-TEST_F(SeenAtRest, SamplesThatComeTooLateToCountAreNoSilence) {
-  (void)frees(kDown, kAtRest);
-  for (double t = 0.0; t < 2.0; t += 0.05) check_.keep("pad", t_ += 0.05);
-  EXPECT_TRUE(frees(kDown, kPushed));
-  t_ += 2.0;
-  check_.keep("pad", t_);
-  EXPECT_FALSE(frees(kDown, kPushed)) << "it was silent before";
-}
-
-TEST_F(SeenAtRest, ADisconnectedPublisherMustBeSeenAgain) {
-  (void)frees(kDown, kAtRest);
-  check_.forget("pad");
-  EXPECT_FALSE(frees(kDown, kPushed));
-}
-
-TEST_F(SeenAtRest, OneSenderAtRestFreesNoOther) {
-  (void)frees(kDown, kAtRest);
-  EXPECT_FALSE(check_.frees("other", kDown, kPushed, t_));
-}
-
-TEST_F(SeenAtRest, WhatWasSeenBeforeTheClockWasSetBackDoesNotCount) {
-  (void)frees(kDown, kAtRest);
-  t_ -= 5.0;
-  EXPECT_FALSE(frees(kDown, kPushed));
-}
-
-TEST_F(SeenAtRest, WithoutADeadManOnceIsEnough) {
-  check_ = RestCheck{0.12, false};
-  EXPECT_FALSE(frees(kDown, kPushed, 2.0));
-  EXPECT_TRUE(frees(kDown, kAtRest));
-  (void)frees(kUp, kPushed, 1.0);
-  EXPECT_TRUE(frees(kDown, kPushed, 1.0));
-}
-
-// The dead zone is the user's setting.
-TEST_F(SeenAtRest, AStickThatRestsOffItsCentreNeedsALargerDeadZone) {
-  const std::vector<float> axes{0.0f, 0.08f};
-  EXPECT_FALSE(frees(kDown, check_of(axes, {1, 0}).at_rest));
-  EXPECT_TRUE(frees(kDown, check_of(axes, {1, 0}, {.gains = {.deadzone = 0.1}}).at_rest));
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ Row row_of(const rt::TopicUse& use) {
 
 Row row_of_subscription(const rt::TopicUse& use) {
   Row row = row_of(use);
-  if (use.hears == rt::Hears::kEvery && !use.type.empty()) row[2] += ", or weaker";
+  if (use.accepts == rt::Accepts::kEvery && !use.type.empty()) row[2] += ", or weaker";
   return row;
 }
 

@@ -187,36 +187,39 @@ void add_map_command(CLI::App& program) {
   };
 
   CLI::App* const build_it =
-      add("build", "Make an OctoMap (.bt) from a description or from Nav2's map", build);
+      add("build", "Make an OctoMap (.bt) from a map description or a Nav2 map", build);
   build_it
       ->add_option("description", options->input,
-                   "map description (.yaml), map of Nav2's map_server (.yaml), or a BARN world: "
+                   "map description or map of Nav2's map_server (.yaml), or a BARN world: "
                    "worlds.json#17")
       ->required();
-  build_it->add_option("-o,--output", options->output, "file to write; default: beside it, .bt");
+  build_it->add_option("-o,--output", options->output,
+                       "output file; default: the input's path, ending in .bt");
 
-  build_it->add_option("--height", options->wall_height, "[m] of the walls of a map of Nav2's")
+  build_it
+      ->add_option("--height", options->wall_height, "[m] height of the walls made from a Nav2 map")
       ->check(CLI::Range(1e-3, 100.0))
       ->capture_default_str();
 
   CLI::App* const clutter = add("clutter", "Make a random, passable clutter world", make_clutter);
-  clutter->add_option("--seed", options->seed, "another seed, another world")
-      ->capture_default_str();
-  clutter->add_option("-o,--output", options->output, "file to write; default: clutter_SEED.bt");
+  clutter->add_option("--seed", options->seed, "seed of the world")->capture_default_str();
+  clutter->add_option("-o,--output", options->output, "output file; default: clutter_SEED.bt");
   options->clutter.visit(OptionAdder{*clutter});
 
-  CLI::App* const info = add("info", "Say what a map holds", print_info);
+  CLI::App* const info =
+      add("info", "Print extent, resolution and cell counts of a map", print_info);
   info->add_option("map", options->input,
-                   "OctoMap (.bt, .ot), Nav2's map (.yaml) or description (.yaml, worlds.json#17)")
+                   "OctoMap (.bt, .ot), Nav2 map or map description (.yaml), or worlds.json#17")
       ->required();
   options->slice.visit(OptionAdder{*info});
 
   CLI::App* const draw = add("render", "Draw a map as a PNG", render);
   draw->add_option("map", options->input,
-                   "OctoMap (.bt, .ot), Nav2's map (.yaml) or description (.yaml, worlds.json#17)")
+                   "OctoMap (.bt, .ot), Nav2 map or map description (.yaml), or worlds.json#17")
       ->required();
-  draw->add_option("-o,--output", options->output, "file to write; default: beside it, .png");
-  draw->add_option("--size", options->size, "[pixels] of the longer side")
+  draw->add_option("-o,--output", options->output,
+                   "output file; default: the input's path, ending in .png");
+  draw->add_option("--size", options->size, "[pixels] length of the longer side")
       ->check(CLI::Range(200, 8000))
       ->capture_default_str();
   draw->add_flag("--shapes", options->shapes, "draw the circles and ellipses fitted to it");

@@ -38,7 +38,7 @@ bool is_same(const Grid& a, const Grid& b) {
          a.cells == b.cells;
 }
 
-// Messages that older recordings hold without their last field, `reason_code`.
+// Messages whose last field, `reason_code`, is missing in older recordings.
 template <class M>
 concept HasReasonCode = requires(M& msg) {
   msg.reason_code();
@@ -65,11 +65,12 @@ class Replay {
         drive_{drive} {
     has_truth_ = find(topics::ground_truth.name) != nullptr;
     if (!has_truth_ && find(topics::odom.name) == nullptr)
-      throw std::runtime_error(recording_ + ": neither " + full(topics::ground_truth.name) +
-                               " nor " + full(topics::odom.name) + " is in it" + hint());
+      throw std::runtime_error(recording_ + ": contains neither " +
+                               full(topics::ground_truth.name) + " nor " + full(topics::odom.name) +
+                               hint());
     if (find(topics::cmd_vel_user.name) == nullptr && find(topics::planner_status.name) == nullptr)
-      throw std::runtime_error(recording_ + ": no " + full(topics::cmd_vel_user.name) +
-                               " is in it, so nobody drives" + hint());
+      throw std::runtime_error(recording_ + ": contains no " + full(topics::cmd_vel_user.name) +
+                               ", so there is no drive to measure" + hint());
     listen();
   }
 
@@ -85,7 +86,7 @@ class Replay {
   [[nodiscard]] std::string full(const std::string& topic) const {
     return topic.starts_with('/') ? topic : name_space_ + "/" + topic;
   }
-  [[nodiscard]] std::string hint() const { return "; --namespace names a robot's"; }
+  [[nodiscard]] std::string hint() const { return "; use --namespace for a robot in a namespace"; }
 
   [[nodiscard]] const BagTopic* find(const char* topic) const {
     for (const auto& recorded : bag_.topics())
@@ -114,8 +115,8 @@ class Replay {
     if (recorded && is_same(slice(*recorded, map_.slice), slice(*load_map(map_.map), map_.slice)))
       return;
     rt::Logger{"tandem"}.warn(
-        "{}: the map in {} is not {}, in which this measures; name the drive's with --seed or "
-        "--map",
+        "{}: the map recorded on {} differs from {}, which is used for the measures; select the "
+        "drive's map with --seed or --map",
         recording_, full(topics::octomap_binary.name), map_.map);
   }
 
@@ -184,9 +185,9 @@ void require_seed(const Scenario& scenario, const MetricsRequest& request) {
   const bool many_worlds = is_family(request.map.empty() ? scenario.map : request.map);
   if (request.seed != 0 || (!many_worlds && scenario.goals.empty())) return;
   throw std::invalid_argument(
-      request.scenario + ": the seed says " +
+      request.scenario + ": the seed determines " +
       (many_worlds ? "in which of its worlds" : "to which of its goals") +
-      " the robot drove; name it with --seed (`seed` in a result of `tandem scenario` or `study`)");
+      " the robot drove; give it with --seed (`seed` in a result of `tandem scenario` or `study`)");
 }
 
 DriveOptions options_of(const MetricsRequest& request) {
@@ -212,8 +213,8 @@ void run(const MetricsRequest& request) {
   Replay{request, parameters_of<MapServerParams>(system, "map_server"), drive}.run();
   if (!drive.driving())
     throw std::runtime_error(request.recording +
-                             ": nobody drives in it; record cmd_vel_user (Twist or TwistStamped), "
-                             "or planner/status where the method is goal");
+                             ": contains no drive; record cmd_vel_user (Twist or TwistStamped), or "
+                             "planner/status for the method goal");
   const DriveResult result = drive.log().result;
   if (!request.json.empty()) {
     std::ofstream out{request.json};
@@ -228,29 +229,31 @@ void run(const MetricsRequest& request) {
 void add_metrics_command(CLI::App& app) {
   auto* command = app.add_subcommand("metrics", "Measure a drive from a recording");
   auto request = std::make_shared<MetricsRequest>();
-  command->add_option("recording", request->recording, "what `tandem record` or ros2 bag wrote")
+  command
+      ->add_option("recording", request->recording,
+                   "recording of `tandem record` or `ros2 bag record`")
       ->required()
       ->check(CLI::ExistingPath);
   command
       ->add_option("--scenario", request->scenario,
-                   "scenario file: the map, the robot, the goal and the time allowed")
+                   "scenario file, which gives map, robot, goal and time limit")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("--method", request->method, "name in the result (default: the scenario's)");
-  command->add_option(
-      "--driver", request->driver,
-      "who sat at the stick, as `tandem scenario` names them: a name in the result");
+  command->add_option("--method", request->method,
+                      "method's name in the result; default: the scenario's");
+  command->add_option("--driver", request->driver,
+                      "driver's name in the result, as in `tandem scenario`");
   command
       ->add_option("--seed", request->seed,
-                   "the drive's: says which world or goal it was where the scenario has many")
+                   "seed of the drive; required if the scenario has several worlds or goals")
       ->check(CLI::PositiveNumber);
-  command->add_option("--map", request->map, "the drive's, where it was another map file")
+  command->add_option("--map", request->map, "map file of the drive, if it was not the scenario's")
       ->check(CLI::ExistingFile);
-  command->add_option("--namespace", request->name_space, "the robot's, as /a");
-  command->add_option("--json", request->json, "write the measures to this file too");
+  command->add_option("--namespace", request->name_space, "namespace of the robot, as /a");
+  command->add_option("--json", request->json, "also write the measures to this file");
   command->footer(
-      "What takes other drives to measure, as time_ratio and barn_score, is null: see `tandem "
-      "study`. The exit status says whether it could be measured, not what came of it.");
+      "Measures that compare with other drives, such as time_ratio and barn_score, are null; see "
+      "`tandem study`. The exit status reports only whether the drive could be measured.");
   command->callback([request] { run(*request); });
 }
 

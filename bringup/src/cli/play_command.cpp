@@ -38,15 +38,15 @@ class Player {
       wanted_.push_back(rt::expand_name(name, {"/", "tandem_play"}));
       if (std::none_of(topics_.begin(), topics_.end(),
                        [&](const BagTopic& topic) { return topic.name == wanted_.back(); }))
-        throw std::invalid_argument(request.path + " holds no " + wanted_.back());
+        throw std::invalid_argument(request.path + ": contains no " + wanted_.back());
     }
     for (const auto& topic : topics_)
-      publishers_.push_back(wants(topic.name) ? publisher_of(topic) : std::nullopt);
+      publishers_.push_back(is_wanted(topic.name) ? publisher_of(topic) : std::nullopt);
   }
 
   // Plays the recording; returns the number of messages sent.
   long play() {
-    wait(request_.wait, [this] { return heard(); });
+    wait(request_.wait, [this] { return all_matched(); });
     do {
       play_once();
     } while (request_.loop && !node_.stopped());
@@ -54,7 +54,7 @@ class Player {
   }
 
  private:
-  [[nodiscard]] bool wants(const std::string& topic) const {
+  [[nodiscard]] bool is_wanted(const std::string& topic) const {
     return wanted_.empty() || std::find(wanted_.begin(), wanted_.end(), topic) != wanted_.end();
   }
 
@@ -63,13 +63,13 @@ class Player {
     try {
       return node_.create_generic_publisher(topic.name, topic.type, topic.qos);
     } catch (const std::exception& error) {
-      node_.log().warn("does not play {} [{}]: {}", topic.name, topic.type, error.what());
+      node_.log().warn("cannot play {} [{}]: {}", topic.name, topic.type, error.what());
       return std::nullopt;
     }
   }
 
   // Whether every played topic has a matched subscription.
-  [[nodiscard]] bool heard() const {
+  [[nodiscard]] bool all_matched() const {
     return std::all_of(publishers_.begin(), publishers_.end(), [](const auto& publisher) {
       return !publisher || publisher->matched() > 0;
     });
@@ -103,8 +103,9 @@ class Player {
   void warn_of_gap(const BagReader& bag) {
     if (bag.skipped() <= skipped_) return;
     skipped_ = bag.skipped();
-    node_.log().warn("skips a gap of {:.1f} days in the stamps: was the clock set meanwhile?",
-                     static_cast<double>(skipped_) / kDay);
+    node_.log().warn(
+        "skipping a gap of {:.1f} days in the timestamps: was the clock set meanwhile?",
+        static_cast<double>(skipped_) / kDay);
   }
 
   rt::Node& node_;
@@ -123,7 +124,7 @@ void play(const PlayRequest& request, const std::vector<std::string>& ros_args) 
   rt::install_signal_handlers();
   rt::Node node{rt::with_arguments({.name = "tandem_play"}, arguments)};
   Player player{node, request};
-  node.log().info("plays {}", request.path);
+  node.log().info("playing {}", request.path);
   std::printf("%ld messages sent\n", player.play());
 }
 
@@ -133,21 +134,22 @@ void add_play_command(CLI::App& app) {
   auto request = std::make_shared<PlayRequest>();
   auto* command =
       app.add_subcommand("play", "Play a recording of `tandem record` or `ros2 bag record`");
-  command->add_option("recording", request->path, "its folder, its .db3 or its .db3.zstd")
+  command
+      ->add_option("recording", request->path, "folder of the recording, or its .db3 or .db3.zstd")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option("--topics", request->topics, "only these");
-  command->add_option("--rate", request->rate, "times as fast")
+  command->add_option("--topics", request->topics, "topics to play; default: all");
+  command->add_option("--rate", request->rate, "playing speed relative to the recording")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
   command
       ->add_option("--wait", request->wait,
-                   "[s] at most, until every topic has a subscription, before it begins")
+                   "[s] longest wait at the start for a subscription to every topic")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  command->add_flag("--loop", request->loop, "again and again, until Ctrl-C");
+  command->add_flag("--loop", request->loop, "repeat until Ctrl-C");
   command->allow_extras();
-  command->footer("Takes ROS 2's --ros-args -r from:=to.");
+  command->footer("Accepts ROS 2's --ros-args -r from:=to.");
   command->callback([request, command] { play(*request, command->remaining()); });
 }
 

@@ -19,9 +19,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kLook = 0.1;    // [s] between searches for new topics
-constexpr double kCommit = 1.0;  // [s] between commits; a crash loses at most this much
-constexpr int kDepth = 1000;     // messages of one topic that can wait to be written
+constexpr double kPollPeriod = 0.1;  // [s] between searches for new topics
+constexpr double kCommit = 1.0;      // [s] between commits; a crash loses at most this much
+constexpr int kDepth = 1000;         // messages of one topic that can wait to be written
 
 // rosbag2's default name.
 std::string default_folder() {
@@ -42,13 +42,13 @@ class Recorder {
       : node_{node}, bag_{folder}, wanted_{std::move(wanted)} {
     for (auto& name : wanted_) name = rt::expand_name(name, {"/", "tandem_record"});
     look();
-    looking_ = node.create_wall_timer(kLook, [this] { look(); });
+    looking_ = node.create_wall_timer(kPollPeriod, [this] { look(); });
     committing_ = node.create_wall_timer(kCommit, [this] { bag_.commit(); });
   }
 
   [[nodiscard]] std::int64_t messages() const { return bag_.messages(); }
   [[nodiscard]] std::size_t topics() const { return recorded_.size(); }
-  [[nodiscard]] std::vector<std::string> unheard() const {
+  [[nodiscard]] std::vector<std::string> unpublished() const {
     std::vector<std::string> names;
     for (const auto& name : wanted_)
       if (std::none_of(recorded_.begin(), recorded_.end(),
@@ -58,7 +58,7 @@ class Recorder {
   }
 
  private:
-  [[nodiscard]] bool wants(const rt::TopicInfo& topic) const {
+  [[nodiscard]] bool is_wanted(const rt::TopicInfo& topic) const {
     if (topic.publishers.empty()) return false;
     if (wanted_.empty()) return !is_hidden(topic.name);
     return std::find(wanted_.begin(), wanted_.end(), topic.name) != wanted_.end();
@@ -73,7 +73,7 @@ class Recorder {
   void look() {
     for (const auto& topic : node_.topics()) {
       const Key key{topic.name, topic.type};
-      if (!wants(topic) || recorded_.contains(key) || refused_.contains(key)) continue;
+      if (!is_wanted(topic) || recorded_.contains(key) || refused_.contains(key)) continue;
       const rt::QoS qos = rt::request_for(topic.publishers, kDepth);
       if (subscribe(key, qos)) add(key, qos);
     }
@@ -90,7 +90,7 @@ class Recorder {
           });
       return true;
     } catch (const std::exception& error) {
-      node_.log().warn("does not record {} [{}]: {}", name, type, error.what());
+      node_.log().warn("cannot record {} [{}]: {}", name, type, error.what());
       recorded_.erase(key);
       refused_.insert(key);
       return false;
@@ -100,7 +100,7 @@ class Recorder {
   void add(const Key& key, rt::QoS offered) {
     offered.depth = rt::kDefault.depth;
     recorded_.at(key).id = bag_.add_topic({key.first, key.second, offered});
-    node_.log().info("records {} [{}]", key.first, key.second);
+    node_.log().info("recording {} [{}]", key.first, key.second);
   }
 
   rt::Node& node_;
@@ -115,9 +115,9 @@ void record(const std::string& folder, const std::vector<std::string>& topics) {
   rt::install_signal_handlers();
   rt::Node node{"tandem_record"};
   Recorder recorder{node, folder, topics};
-  node.log().info("records into {} until Ctrl-C", folder);
+  node.log().info("recording into {} until Ctrl-C", folder);
   node.spin();
-  for (const auto& name : recorder.unheard()) node.log().warn("nobody published {}", name);
+  for (const auto& name : recorder.unpublished()) node.log().warn("no program published {}", name);
   std::printf("%lld messages of %zu topics in %s\n", static_cast<long long>(recorder.messages()),
               recorder.topics(), folder.c_str());
 }
@@ -130,10 +130,11 @@ void add_record_command(CLI::App& app) {
     std::vector<std::string> topics;
   };
   auto request = std::make_shared<Request>();
-  auto* command = app.add_subcommand(
-      "record", "Record topics until Ctrl-C, as rosbag2 does (SQLite), playable by either");
-  command->add_option("topics", request->topics, "names; none: every topic that is not hidden");
-  command->add_option("-o,--output", request->folder, "folder (default: rosbag2_<date>)");
+  auto* command =
+      app.add_subcommand("record", "Record topics until Ctrl-C in rosbag2's format (SQLite)");
+  command->add_option("topics", request->topics,
+                      "topics to record; default: every topic that is not hidden");
+  command->add_option("-o,--output", request->folder, "output folder; default: rosbag2_<date>");
   command->callback([request] {
     record(request->folder.empty() ? default_folder() : request->folder, request->topics);
   });

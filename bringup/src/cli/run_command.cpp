@@ -20,11 +20,12 @@ void add_run_command(CLI::App& app, int& status) {
   };
   auto request = std::make_shared<Request>();
   auto* run = app.add_subcommand("run", "Compose the components of a system and run them");
-  run->add_option("file", request->file, "system file, or the name of one of Tandem's")->required();
-  run->add_option("--only", request->only, "run only the nodes of these names");
+  run->add_option("file", request->file, "system file, or name of a system that comes with Tandem")
+      ->required();
+  run->add_option("--only", request->only, "run only the nodes with these names");
   run->add_flag("--separate", request->separate, "one process per component");
   run->allow_extras();  // --ros-args …
-  run->footer("Takes ROS 2's --ros-args -r from:=to -p key:=value --params-file FILE.");
+  run->footer("Accepts ROS 2's --ros-args -r from:=to -p key:=value --params-file FILE.");
   run->callback([request, run, &status] {
     status = run_system(find_file(request->file, "systems"), request->only, request->separate,
                         run->remaining());

@@ -172,25 +172,30 @@ int run(const ScenarioRequest& request) {
 }  // namespace
 
 void add_scenario_command(CLI::App& app, int& status) {
-  auto* command = app.add_subcommand("scenario", "Drive scenario files and check what must hold");
+  auto* command = app.add_subcommand("scenario", "Drive scenarios and check their expectations");
   auto request = std::make_shared<ScenarioRequest>();
-  command->add_option("files", request->files, "scenario files, or names of Tandem's")->required();
+  command
+      ->add_option("files", request->files,
+                   "scenario files, or names of scenarios that come with Tandem")
+      ->required();
   command->add_option(
       "--method", request->method,
-      "one of those below, or all: those that the scenario lists. Default: the scenario's");
+      "a method below, or all: each that the scenario lists; default: the scenario's");
   command->add_option(
       "--driver", request->driver,
-      "who sits at the stick: navigator, pointer, script, reckless, adversary, replay, each "
-      "with modifiers after +, as navigator+tremor: one_sided, over_correction, tremor, "
-      "quantised, pulses, dropouts. Default: the scenario's");
-  command->add_option("--recording", request->recording, "what driver replay plays")
+      "simulated person: navigator, pointer, script, reckless, adversary or replay, each with "
+      "optional "
+      "modifiers after +, as navigator+tremor: one_sided, over_correction, tremor, quantised, "
+      "pulses, dropouts; default: the scenario's");
+  command->add_option("--recording", request->recording, "recording for the driver replay")
       ->check(CLI::ExistingPath);
-  command->add_option("--recording-topic", request->recording_topic,
-                      "full name of its topic with the stick, if there are several, as /a/joy");
+  command->add_option(
+      "--recording-topic", request->recording_topic,
+      "full name of the recorded joystick topic, as /a/joy; needed if there are several");
   auto* seed = command->add_option("--seed", request->seed,
                                    "seed of the simulated person; default: the scenario's");
-  command->add_option("--seeds", request->seeds, "a range of seeds, A-B")->excludes(seed);
-  command->add_option("--map", request->map, "another map file: OctoMap or YAML")
+  command->add_option("--seeds", request->seeds, "all seeds from A to B, as A-B")->excludes(seed);
+  command->add_option("--map", request->map, "map file (OctoMap or YAML) instead of the scenario's")
       ->check(CLI::ExistingFile);
   command->add_option("--json", request->json, "write all results to this file");
   command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")
@@ -198,10 +203,11 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_flag("--dds", request->dds, "the real nodes over DDS (default)");
   command->add_flag("--lockstep", request->lockstep,
                     "the same cores without DDS, deterministic and faster than real time");
-  command->add_option("--speed", request->speed, "over DDS: simulated per real time; default 1");
+  command->add_option("--speed", request->speed,
+                      "over DDS: simulated time per real time; default: 1");
   command->add_flag("--no-filter", request->no_filter,
-                    "the safety filter only watches: what does the method do alone?");
-  command->add_option("--jobs", request->jobs, "in lockstep: processes side by side")
+                    "the safety filter does not intervene, which shows the method alone");
+  command->add_option("--jobs", request->jobs, "with --lockstep: number of parallel processes")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--quiet", request->quiet, "no progress line");

@@ -65,9 +65,8 @@ Permissions composed_permissions(const std::vector<SystemNode>& nodes) {
     names += (names.empty() ? "" : ", ") + full_name(node);
   }
   std::printf(
-      "One process has one set of permissions: each of %s may do what all of them may.\n"
-      "For permissions of their own leave the enclave's name out, and run them by "
-      "--separate.\n",
+      "These nodes share a process and therefore the permissions of all of them: %s.\n"
+      "For separate permissions, omit the enclave's name and run the nodes with --separate.\n",
       names.c_str());
   return all;
 }
@@ -89,12 +88,12 @@ Enclaves enclaves_of(const CreateRequest& request) {
     if (request.enclaves.empty()) return separate_enclaves(nodes);
     if (request.enclaves.size() > 1)
       throw std::invalid_argument(
-          "--system with several enclaves: name one for all of its nodes "
-          "in one process, or none for one each");
+          "--system takes at most one enclave: name one for all nodes in one process, or none for "
+          "an enclave for each node");
     return {{request.enclaves.front(), composed_permissions(nodes)}};
   }
   if (request.enclaves.empty())
-    throw std::invalid_argument("name an enclave, or a system file by --system");
+    throw std::invalid_argument("name an enclave, or give a system file with --system");
   Enclaves all;
   for (const auto& enclave : request.enclaves)
     all[enclave] =
@@ -107,10 +106,11 @@ void warn_of_domain(const std::filesystem::path& keystore, int domain) {
   std::ifstream file{keystore / "enclaves" / "governance.xml"};
   const std::string text{std::istreambuf_iterator<char>{file}, {}};
   if (text.find(fmt::format("<id>{}</id>", domain)) == std::string::npos)
-    std::fprintf(stderr,
-                 "tandem: enclaves/governance.xml does not name domain %d, ROS_DOMAIN_ID of this "
-                 "shell; these enclaves are for that one\n",
-                 domain);
+    std::fprintf(
+        stderr,
+        "tandem: enclaves/governance.xml does not list domain %d (ROS_DOMAIN_ID), for which "
+        "these enclaves were created\n",
+        domain);
 }
 
 void print_drivers(const Enclaves& enclaves) {
@@ -128,7 +128,7 @@ void require_choice(const CreateRequest& request) {
     if (const auto file = request.keystore / ("enclaves" + enclave) / "permissions.p7s";
         std::filesystem::exists(file))
       throw std::invalid_argument(file.string() +
-                                  " is there already; say what the enclave may do by --system, "
+                                  " already exists; give the enclave's permissions with --system, "
                                   "--publish, --subscribe or --call, or remove its folder");
 }
 
@@ -158,15 +158,17 @@ void add_security_command(CLI::App& app) {
   auto* security = app.add_subcommand("security", "Keys and permissions for DDS Security");
   security->require_subcommand(1);
   auto* command = security->add_subcommand(
-      "create", "Make a keystore as `ros2 security` does, and enclaves in it");
+      "create", "Create a keystore like that of `ros2 security`, and enclaves in it");
   auto request = std::make_shared<CreateRequest>();
-  command->add_option("keystore", request->keystore, "its folder")->required();
-  command->add_option("enclaves", request->enclaves, "/NAME; all topics, unless options say less");
-  auto* system = command
-                     ->add_option("--system", request->system,
-                                  "system file: permissions of what its components use, an enclave "
-                                  "/NODE each, or one for all if one is named")
-                     ->check(CLI::ExistingFile);
+  command->add_option("keystore", request->keystore, "folder of the keystore")->required();
+  command->add_option("enclaves", request->enclaves,
+                      "/NAME of each; may use all topics unless options restrict it");
+  auto* system =
+      command
+          ->add_option("--system", request->system,
+                       "system file: its nodes' permissions, in an enclave /NODE for each "
+                       "node, or in the named enclave for all nodes")
+          ->check(CLI::ExistingFile);
   command->add_option("--only", request->only, "only these nodes of the system")->needs(system);
   for (auto& [name, list, what] :
        {std::tuple{"--publish", &request->publish, "topics that the enclaves may publish"},
@@ -174,9 +176,9 @@ void add_security_command(CLI::App& app) {
         std::tuple{"--call", &request->call, "services that they may call"}})
     command->add_option(name, *list, what)->excludes(system);
   command->footer(
-      "The domain is ROS_DOMAIN_ID. The program of an enclave with --publish, --subscribe or "
-      "--call has a node of the enclave's name. Certificates hold for ten years; expired ones are "
-      "made anew.");
+      "The domain is ROS_DOMAIN_ID. A program in an enclave with --publish, --subscribe or --call "
+      "must give its node the enclave's name. Certificates are valid for ten years; expired ones "
+      "are replaced.");
   command->callback([request] { create(*request); });
 }
 

@@ -59,17 +59,18 @@ void make_drives(const Study& study, StudyFolder& folder, const StudyRequest& re
   const Shard shard = read_shard(request.shard);
   const auto todo = missing(study, folder, shard);
   const std::size_t all = (study.drives.size() + shard.count - shard.index) / shard.count;
-  std::fprintf(stderr, "%s: %zu drives%s by %u processes%s\n", study.name.c_str(), all,
-               shard.count > 1 ? " of this shard" : "", request.jobs,
-               todo.size() < all ? fmt::format(", {} made before", all - todo.size()).c_str() : "");
+  std::fprintf(
+      stderr, "%s: %zu drives%s in %u processes%s\n", study.name.c_str(), all,
+      shard.count > 1 ? " of this shard" : "", request.jobs,
+      todo.size() < all ? fmt::format(", {} already finished", all - todo.size()).c_str() : "");
   const auto builds = folder.builds();
   const std::size_t others =
       folder.finished().size() - (builds.contains(this_build()) ? builds.at(this_build()) : 0);
   if (others > 0)
     std::fprintf(
         stderr,
-        "%s: %zu finished drives, %zu of them by another build of tandem, which may differ "
-        "from those made now; for a study by one build name another folder\n",
+        "%s: %zu finished drives, %zu of them by another build of tandem, whose results may "
+        "differ; for a study by a single build, choose another folder\n",
         folder.path().c_str(), folder.finished().size(), others);
   Lockstep lockstep;  // each worker process gets its own copy by fork
   ProgressBar bar{all, all - todo.size(), "drives"};
@@ -110,7 +111,7 @@ void write_results(const StudyFolder& folder, const StudyRequest& request) {
 
 void run(const StudyRequest& request) {
   if (request.study.empty())
-    throw std::invalid_argument("study: name a study file, as bringup/studies/quick.yaml");
+    throw std::invalid_argument("study: give a study file, for example bringup/studies/quick.yaml");
   if (request.out.empty()) throw std::invalid_argument("study: --out DIR is missing");
   (void)read_shard(request.shard);
   const Study study = load_study(find_file(request.study, "studies"));
@@ -126,8 +127,9 @@ void merge(const StudyRequest& request) {
   for (const auto& from : request.folders) {
     studies.push_back(read_study(from));
     if (studies.back() != studies.front())
-      throw std::invalid_argument(from + " and " + request.folders.front() +
-                                  " hold different studies; merge shards of one");
+      throw std::invalid_argument(
+          from + " and " + request.folders.front() +
+          " contain different studies; only shards of one study can be merged");
   }
   StudyFolder folder{request.merged, studies.front()};
   for (const auto& from : request.folders) {
@@ -148,14 +150,16 @@ void add_study_command(CLI::App& app) {
   auto request = std::make_shared<StudyRequest>();
   auto* command = app.add_subcommand(
       "study", "Drive scenarios × methods × drivers × seeds, and report; resumes where it stopped");
-  command->add_option("study", request->study, "study file, or the name of one of Tandem's");
+  command->add_option("study", request->study,
+                      "study file, or name of a study that comes with Tandem");
   command->add_option("--out", request->out, "folder of the results");
-  command->add_option("--jobs", request->jobs, "processes side by side")
+  command->add_option("--jobs", request->jobs, "number of parallel processes")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--shard", request->shard, "i/n: only each n-th drive from the i-th on");
+  command->add_option("--shard", request->shard,
+                      "i/n: only every n-th drive, beginning with the i-th");
   command->add_flag("--no-report", request->no_report, "JSON and CSV only");
-  auto* merging = command->add_subcommand("merge", "Bring the shards of a study together");
+  auto* merging = command->add_subcommand("merge", "Merge the shards of a study");
   merging->add_option("out", request->merged, "folder of the results")->required();
   merging->add_option("folders", request->folders, "folders of the shards")
       ->required()

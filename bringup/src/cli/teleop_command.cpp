@@ -110,8 +110,8 @@ class KeyboardTeleop {
     // is pressed. The first sample of a press therefore has zero axes. It may be lost, so zeros are
     // also sent while arbitration reports that it has not seen the stick at rest.
     if (!sent_held_) pressed_ = now;
-    const bool unheard = now - pressed_ <= kPress && mode_.fresh(now, kFresh) && refused_;
-    const bool goes_on = std::exchange(sent_held_, stick.has_value()) && !unheard;
+    const bool must_rest = now - pressed_ <= kPress && mode_.fresh(now, kFresh) && refused_;
+    const bool goes_on = std::exchange(sent_held_, stick.has_value()) && !must_rest;
     const auto keys = goes_on ? stick.value_or(TerminalKeys::Stick{}) : TerminalKeys::Stick{};
     const auto joy = joy_values(
         {.linear = keys.linear, .angular = keys.angular, .deadman = stick.has_value()}, *layout_);
@@ -156,7 +156,7 @@ class KeyboardTeleop {
 
   void show() const {
     const double now = node_.steady_now();
-    const auto fresh = [now](const auto& heard) { return heard.fresh(now, kFresh); };
+    const auto fresh = [now](const auto& value) { return value.fresh(now, kFresh); };
     std::string line = said_.empty() ? "" : said_ + " | ";
     line += fresh(speed_) ? fmt::format("{:.2f} m/s {:.2f} rad/s", no_minus(speed_.value.v),
                                         no_minus(speed_.value.w))

@@ -62,8 +62,8 @@ std::optional<Stick> stick_in(const BagMessage& message, const std::string& type
 void require_recording(const std::string& path) {
   if (!is_recording(path))
     throw std::runtime_error(path +
-                             ": is no recording; name a folder that `tandem record` or rosbag2 "
-                             "wrote, or the .db3 in it");
+                             ": not a recording; expected a folder written by `tandem record` or "
+                             "rosbag2, or its .db3");
 }
 
 // The joystick recording of every topic that contains one.
@@ -100,17 +100,17 @@ Recording recorded_stick(const std::string& path, const TeleopParams& teleop,
   std::vector<std::string> all, called;
   for (const auto& [name, stick] : sticks) all.push_back(name);
   if (!topic.empty())
-    throw std::runtime_error(path + ": nobody is at the stick on " + topic +
-                             (all.empty() ? "" : "; there is " + listed(all)));
+    throw std::runtime_error(path + ": contains no joystick input on " + topic +
+                             (all.empty() ? "" : "; there is some on " + listed(all)));
   for (const char* name : {"joy", "cmd_vel_user"}) {
     std::copy_if(all.begin(), all.end(), std::back_inserter(called),
                  [&](const auto& full) { return is_called(full, name); });
     if (called.size() == 1) return sticks.at(called.front());
     if (called.size() > 1)  // for example one joystick for each of two robots
-      throw std::runtime_error(path + ": somebody is at the stick on " + listed(called) +
-                               "; choose by `recording_topic` or --recording-topic");
+      throw std::runtime_error(path + ": contains joystick input on " + listed(called) +
+                               "; select one with `recording_topic` or --recording-topic");
   }
-  throw std::runtime_error(path + ": nobody is at the stick; record joy or cmd_vel_user");
+  throw std::runtime_error(path + ": contains no joystick input; record joy or cmd_vel_user");
 }
 
 }  // namespace tandem

@@ -31,7 +31,7 @@ using rt::GraphForm;
 
 constexpr double kClockJump = 0.05;  // [s]
 
-std::string who(const DomainEndpoint& endpoint) {
+std::string description(const DomainEndpoint& endpoint) {
   return endpoint.node.empty() ? "a program that is no ROS 2 node (participant " +
                                      endpoint.participant.substr(0, 16) + "…)"
                                : endpoint.node;
@@ -47,52 +47,53 @@ void for_each_pair(const Domain& domain, Function function) {
 
 // A node with two subscriptions on a topic, of different types or profiles, receives through the
 // matching one.
-bool heard_otherwise(const Domain& domain, const DomainEndpoint& writer,
-                     const DomainEndpoint& reader) {
+bool receives_otherwise(const Domain& domain, const DomainEndpoint& writer,
+                        const DomainEndpoint& reader) {
   return std::any_of(domain.endpoints.begin(), domain.endpoints.end(), [&](const auto& other) {
     return !other.writes && other.node == reader.node && other.topic == writer.topic &&
-           other.type == writer.type && rt::misfits(writer.policies, other.policies).empty();
+           other.type == writer.type && rt::qos_mismatches(writer.policies, other.policies).empty();
   });
 }
 
 // Suggests the QoS override parameter if there is one; rclcpp's nodes have it too if they allow
 // overrides.
-std::string mend(const DomainEndpoint& endpoint, const rt::Misfit& misfit) {
-  const std::string value = rt::override_for(misfit, !endpoint.writes);
+std::string remedy_at(const DomainEndpoint& endpoint, const rt::QosMismatch& mismatch) {
+  const std::string value = rt::override_for(mismatch, !endpoint.writes);
   if (value.empty())
-    return endpoint.writes ? "let the publisher offer " + misfit.requested
-                           : "let the subscription request " + misfit.offered;
+    return endpoint.writes ? "let the publisher offer " + mismatch.requested
+                           : "let the subscription request " + mismatch.offered;
   return "set qos_overrides." + endpoint.topic +
-         (endpoint.writes ? ".publisher." : ".subscription.") + value + " at " + who(endpoint);
+         (endpoint.writes ? ".publisher." : ".subscription.") + value + " at " +
+         description(endpoint);
 }
 
 void examine_qos(const Domain& domain, std::vector<Finding>& found) {
   for_each_pair(domain, [&](const auto& writer, const auto& reader) {
-    if (writer.type != reader.type || heard_otherwise(domain, writer, reader)) return;
-    for (const auto& misfit : rt::misfits(writer.policies, reader.policies))
-      found.push_back({writer.topic + ": " + who(writer) + " offers " + misfit.policy + " " +
-                           misfit.offered + ", " + who(reader) + " requests " + misfit.requested +
-                           ": no message passes",
-                       mend(reader, misfit) + ", or " + mend(writer, misfit)});
+    if (writer.type != reader.type || receives_otherwise(domain, writer, reader)) return;
+    for (const auto& mismatch : rt::qos_mismatches(writer.policies, reader.policies))
+      found.push_back({writer.topic + ": " + description(writer) + " offers " + mismatch.policy +
+                           " " + mismatch.offered + ", " + description(reader) + " requests " +
+                           mismatch.requested + ": no messages are delivered",
+                       remedy_at(reader, mismatch) + ", or " + remedy_at(writer, mismatch)});
   });
 }
 
 void examine_types(const Domain& domain, std::vector<Finding>& found) {
-  std::set<std::string> said;
+  std::set<std::string> reported;
   for_each_pair(domain, [&](const auto& writer, const auto& reader) {
     const bool hashes_differ = !writer.type_hash.empty() && !reader.type_hash.empty() &&
                                writer.type_hash != reader.type_hash;
     Finding finding;
-    if (writer.type != reader.type && !heard_otherwise(domain, writer, reader))
-      finding = {writer.topic + ": " + who(writer) + " sends " + writer.type + ", " + who(reader) +
-                     " takes " + reader.type + ": no message passes",
+    if (writer.type != reader.type && !receives_otherwise(domain, writer, reader))
+      finding = {writer.topic + ": " + description(writer) + " sends " + writer.type + ", " +
+                     description(reader) + " takes " + reader.type + ": no messages are delivered",
                  "remap one of them, or let both use one type"};
     else if (writer.type == reader.type && hashes_differ)
-      finding = {writer.topic + ": " + who(writer) + " and " + who(reader) + " mean different " +
-                     writer.type + " (" + writer.type_hash.substr(0, 15) + "…, " +
-                     reader.type_hash.substr(0, 15) + "…)",
+      finding = {writer.topic + ": " + description(writer) + " and " + description(reader) +
+                     " use different versions of " + writer.type + " (" +
+                     writer.type_hash.substr(0, 15) + "…, " + reader.type_hash.substr(0, 15) + "…)",
                  "build both with one version of the message package"};
-    if (!finding.what.empty() && said.insert(finding.what).second) found.push_back(finding);
+    if (!finding.what.empty() && reported.insert(finding.what).second) found.push_back(finding);
   });
 }
 
@@ -122,7 +123,7 @@ void examine_nodes(const Domain& domain, std::vector<Finding>& found) {
   if (domain.malformed > 0)
     found.push_back(
         {std::to_string(domain.malformed) + " samples of ros_discovery_info could not be read",
-         "find out who sends them: no release of ROS 2 does"});
+         "find the program that sends them; no release of ROS 2 does"});
 }
 
 // A base executes the latest command, from any publisher.
@@ -130,7 +131,7 @@ void examine_commands(const Domain& domain, std::vector<Finding>& found) {
   std::map<std::string, std::vector<std::string>> writers;
   for (const auto& endpoint : domain.endpoints)
     if (endpoint.writes && (endpoint.topic == "/cmd_vel" || endpoint.topic.ends_with("/cmd_vel")))
-      writers[endpoint.topic].push_back(who(endpoint));
+      writers[endpoint.topic].push_back(description(endpoint));
   for (const auto& [topic, names] : writers) {
     if (names.size() < 2) continue;
     std::string all;
@@ -146,7 +147,7 @@ void examine_company(const Domain& domain, std::vector<Finding>& found) {
   const bool alone = std::all_of(domain.participants.begin(), domain.participants.end(),
                                  [](const auto& participant) { return participant.ours; });
   if (alone)
-    found.push_back({"nobody else is on this domain",
+    found.push_back({"no other program is on this domain",
                      "compare ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE "
                      "here and there; between hosts UDP multicast must pass, or ROS_STATIC_PEERS "
                      "name the other"});
@@ -165,11 +166,12 @@ class ClockWatch {
   void examine(std::vector<Finding>& found) const {
     const double jump = offset() - start_;
     if (std::abs(jump) > kClockJump)
-      found.push_back({fmt::format("the system clock jumped by {:+.3f} s", jump),
-                       "let chrony or ntpd slew it; stamped commands are judged by it"});
+      found.push_back(
+          {fmt::format("the system clock jumped by {:+.3f} s", jump),
+           "let chrony or ntpd slew it; the age of stamped commands is computed with it"});
     if (back_ > 0.0)
-      found.push_back({fmt::format("/clock ran back by {:.3f} s", back_),
-                       "one simulator or one player on the domain, not two"});
+      found.push_back({fmt::format("/clock jumped back by {:.3f} s", back_),
+                       "run only one simulator or player on the domain"});
   }
 
  private:
@@ -201,24 +203,24 @@ class FrameWatch {
       std::printf("  %-40s %-10s %s\n", printable(parent + " → " + child).c_str(),
                   is_static ? "/tf_static" : "/tf", printable(sender_name(domain, sender)).c_str());
     });
-    if (frames_.heard() == 0) std::printf("  nobody publishes /tf or /tf_static\n");
+    if (frames_.received() == 0) std::printf("  nobody publishes /tf or /tf_static\n");
   }
 
   void examine(std::vector<Finding>& found) const {
     if (const auto two = frames_.two_parents(); !two.empty())
       found.push_back({two, "let one of the two stop publishing it (publish_tf: false)"});
     if (!lost_.empty())
-      found.push_back(
-          {"the safety filter stands: " + lost_ + "; the frames are " + frames_.tree().listing(),
-           "start a localiser that publishes map → odom, or name the frames with "
-           "map_frame, odom_frame and base_frame; map_is_odom: true without one"});
+      found.push_back({"the safety filter stops the robot: " + lost_ + "; the frames are " +
+                           frames_.tree().listing(),
+                       "start a localiser that publishes map → odom, or name the frames with "
+                       "map_frame, odom_frame and base_frame; map_is_odom: true without one"});
   }
 
  private:
   static std::string sender_name(const Domain& domain, const FrameSender& sender) {
     const std::string id = FramesInput::id_of(sender);
     for (const auto& endpoint : domain.endpoints)
-      if (endpoint.id == id) return who(endpoint);
+      if (endpoint.id == id) return description(endpoint);
     return id;
   }
 
@@ -314,8 +316,8 @@ int visit(double duration) {
     found.push_back(
         {"this list may be incomplete: a discovery server tells a client only about the "
          "participants it communicates with",
-         "make it a SUPER_CLIENT by a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as ROS 2's own "
-         "tools need it"});
+         "make this program a SUPER_CLIENT with a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as for "
+         "ROS 2's own tools"});
   clock.examine(found);
   frames.examine(found);
   for (auto& finding : examine(diagnoses, found)) found.push_back(std::move(finding));
@@ -361,8 +363,8 @@ std::vector<std::string> stale_segments(const std::string& folder, const std::st
 void add_doctor_command(CLI::App& app, int& status) {
   auto duration = std::make_shared<double>(3.0);
   auto* command = app.add_subcommand(
-      "doctor", "Show who is on the domain and what does not fit; exit status 1 if anything");
-  command->add_option("--wait", *duration, "[s] to look and listen")
+      "doctor", "Show the domain's nodes and topics, and report problems; exit status 1 if any");
+  command->add_option("--wait", *duration, "[s] time to observe the domain")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
   command->callback([duration, &status] { status = visit(*duration); });

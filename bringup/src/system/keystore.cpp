@@ -75,13 +75,13 @@ void make_link(const fs::path& target, const fs::path& link) {
 std::string pem_of(EVP_PKEY& key) {
   const Bio bio{BIO_new(BIO_s_mem())};
   require(PEM_write_bio_PKCS8PrivateKey(bio.get(), &key, nullptr, nullptr, 0, nullptr, nullptr),
-          "a key cannot be written");
+          "cannot encode a key");
   return text_of(*bio);
 }
 
 std::string pem_of(X509& certificate) {
   const Bio bio{BIO_new(BIO_s_mem())};
-  require(PEM_write_bio_X509(bio.get(), &certificate), "a certificate cannot be written");
+  require(PEM_write_bio_X509(bio.get(), &certificate), "cannot encode a certificate");
   return text_of(*bio);
 }
 
@@ -101,7 +101,8 @@ void write_identity(const Identity& identity, const fs::path& certificate, const
 void set_random_serial(X509& certificate) {
   constexpr int kBits = 159;  // positive in at most 20 octets, the limit for serial numbers
   const Number number{BN_new()};
-  require(BN_rand(number.get(), kBits, BN_RAND_TOP_ANY, BN_RAND_BOTTOM_ANY), "no random number");
+  require(BN_rand(number.get(), kBits, BN_RAND_TOP_ANY, BN_RAND_BOTTOM_ANY),
+          "cannot generate a random number");
   BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(&certificate));
 }
 
@@ -109,7 +110,7 @@ void set_subject(X509& certificate, const std::string& common_name) {
   require(X509_NAME_add_entry_by_txt(X509_get_subject_name(&certificate), "CN", MBSTRING_UTF8,
                                      reinterpret_cast<const unsigned char*>(common_name.data()),
                                      static_cast<int>(common_name.size()), -1, 0),
-          "no certificate can be made for " + common_name);
+          "cannot create a certificate for " + common_name);
 }
 
 void set_constraints(X509& certificate, const char* constraints) {
@@ -121,8 +122,9 @@ void set_constraints(X509& certificate, const char* constraints) {
 // Without an authority the certificate is self-signed and may act as an authority.
 Identity make_identity(const std::string& common_name, const Validity& validity,
                        const Identity* authority) {
-  Identity made{Key{require(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"), "no key")},
-                Certificate{require(X509_new(), "no certificate")}};
+  Identity made{
+      Key{require(EVP_PKEY_Q_keygen(nullptr, nullptr, "EC", "P-256"), "cannot generate a key")},
+      Certificate{require(X509_new(), "cannot create a certificate")}};
   X509& certificate = *made.certificate;
   constexpr long kVersion3 = 2;
   X509_set_version(&certificate, kVersion3);
@@ -134,7 +136,7 @@ Identity make_identity(const std::string& common_name, const Validity& validity,
   const Identity& issuer = authority == nullptr ? made : *authority;
   X509_set_issuer_name(&certificate, X509_get_subject_name(issuer.certificate.get()));
   set_constraints(certificate, authority == nullptr ? "critical,CA:TRUE,pathlen:1" : "CA:FALSE");
-  require(X509_sign(&certificate, issuer.key.get(), EVP_sha256()), "no certificate can be signed");
+  require(X509_sign(&certificate, issuer.key.get(), EVP_sha256()), "cannot sign a certificate");
   return made;
 }
 
@@ -147,13 +149,13 @@ std::string signed_document(const std::string& document, const Identity& authori
   const Bio to_sign = input(), to_copy = input(), output{BIO_new(BIO_s_mem())};
   const rt::openssl::Signature signature{require(
       PKCS7_sign(authority.certificate.get(), authority.key.get(), nullptr, to_sign.get(), kFlags),
-      "a document cannot be signed")};
+      "cannot sign a document")};
   require(SMIME_write_PKCS7(output.get(), signature.get(), to_copy.get(), kFlags),
-          "a signature cannot be written");
+          "cannot encode a signature");
   return text_of(*output);
 }
 
-// "name.xml", and signed "name.p7s".
+// Writes the document as name.xml and, signed, as name.p7s.
 void write_document(const fs::path& folder, const char* name, const std::string& document,
                     const Identity& authority) {
   write_file(folder / (std::string{name} + ".xml"), document, kPublic);
@@ -198,7 +200,7 @@ bool is_good(X509& certificate, const Identity& authority) {
 
 std::time_t seconds_of(const ASN1_TIME* time) {
   std::tm parts{};
-  require(ASN1_TIME_to_tm(time, &parts), "a certificate's time is none");
+  require(ASN1_TIME_to_tm(time, &parts), "invalid time in a certificate");
   return timegm(&parts);
 }
 
@@ -234,7 +236,7 @@ void create_keystore(const fs::path& keystore, int domain) {
 void create_enclave(const fs::path& keystore, const std::string& enclave,
                     const Permissions& permissions, int domain, const Validity& validity) {
   if (!rt::is_full_name(enclave))
-    throw std::invalid_argument("'" + enclave + "' is no enclave: write /a or /a/b");
+    throw std::invalid_argument("'" + enclave + "' is not an enclave name; write /a or /a/b");
   const fs::path folder = keystore / "enclaves" / enclave.substr(1);
   make_folder(folder);
   for (const char* authority : kAuthorities) {

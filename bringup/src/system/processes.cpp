@@ -18,7 +18,7 @@ namespace tandem {
 namespace {
 
 constexpr double kPatience = 2.0;      // [s] between SIGTERM and SIGKILL
-constexpr double kLook = 0.05;         // [s] between checks for ended children
+constexpr double kPollPeriod = 0.05;   // [s] between checks for ended children
 constexpr double kHealthyStart = 5.0;  // [s] exiting earlier indicates a configuration error
 constexpr double kStarted = -1.0;      // [s] start time that marks a pending process as started
 
@@ -115,7 +115,7 @@ void Processes::start_pending() {
 
 int Processes::run() {
   while (!children_.empty() || !pending_.empty()) {
-    if (rt::wait_for_shutdown(kLook)) return died_ ? 1 : 0;
+    if (rt::wait_for_shutdown(kPollPeriod)) return died_ ? 1 : 0;
     start_pending();
     const std::size_t before = children_.size();
     reap(false);

@@ -95,10 +95,10 @@ void warn_of_strangers(const System& system, const rt::RosArguments& arguments) 
   }
   for (const auto& file : files)
     for (const auto& section : rt::sections_for_nobody(file, names))
-      rt::Logger{"tandem"}.warn("{}: {} has no node '{}': what the file says of it is of no effect",
+      rt::Logger{"tandem"}.warn("{}: {} has no node '{}'; the file's entry for it has no effect",
                                 section.origin, system.path, section.name);
   for (const auto& name : rt::strangers_in(arguments, nodes))
-    rt::Logger{"tandem"}.warn("--ros-args: {} has no node '{}': its rules are of no effect",
+    rt::Logger{"tandem"}.warn("--ros-args: {} has no node '{}'; its rules have no effect",
                               system.path, name);
 }
 

@@ -41,14 +41,14 @@ PublishRelay::PublishRelay(rt::Node& node, double max_age)
     : node_{node}, max_age_{max_age}, joy_{node.create_publisher(topics::joy)} {
   const auto& full = node.fully_qualified_name();
   namespace_ = full.substr(0, full.rfind('/'));
-  inlets_[namespace_ + "/" + topics::joy.name] = {
+  inputs_[namespace_ + "/" + topics::joy.name] = {
       rt::type_ref<sensor_msgs::msg::Joy>().name, true,
       [this](ClientId, const auto& bytes) { return publish_joy(bytes); }};
   open(topics::cmd_vel_user, true);
   open(topics::goal_pose, true);
   open(topics::initial_pose, true);
   open(topics::end_sim, true);
-  inlets_[namespace_ + "/" + topics::e_stop.name] = {
+  inputs_[namespace_ + "/" + topics::e_stop.name] = {
       // everybody may stop the robot
       rt::type_ref<std_msgs::msg::Bool>().name, false,
       [this](ClientId, const auto& bytes) { return publish_stop(bytes); }, "cdr", true};
@@ -75,13 +75,13 @@ void PublishRelay::open(const rt::Topic<M>& topic, bool drives) {
     (*publisher)->publish(*message);
     return Outcome::kPublished;
   };
-  inlets_[namespace_ + "/" + topic.name] = {rt::type_ref<M>().name, drives, std::move(publish)};
+  inputs_[namespace_ + "/" + topic.name] = {rt::type_ref<M>().name, drives, std::move(publish)};
 }
 
 void PublishRelay::open_own(
     const std::string& topic, const std::string& type,
     std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> take) {
-  inlets_[topic] = {type, false, std::move(take), "json"};
+  inputs_[topic] = {type, false, std::move(take), "json"};
 }
 
 std::string PublishRelay::advertise(ClientId client, const foxglove::Advertise& request) {
@@ -90,25 +90,25 @@ std::string PublishRelay::advertise(ClientId client, const foxglove::Advertise& 
   return complaints.text();
 }
 
-std::string PublishRelay::advertise(std::map<std::uint32_t, const Inlet*>& channels,
+std::string PublishRelay::advertise(std::map<std::uint32_t, const InputTopic*>& channels,
                                     const foxglove::Advertise::One& wanted) {
   const auto& [channel, topic, encoding, short_type] = wanted;
   const std::string type = encoding == "cdr" ? full_type(short_type) : short_type;
-  const auto inlet = inlets_.find(topic.starts_with("/") ? topic : namespace_ + "/" + topic);
-  if (inlet == inlets_.end()) return "web clients may not publish " + topic.substr(0, 100);
-  if (encoding != inlet->second.encoding || type != inlet->second.type)
-    return topic + " takes " + inlet->second.type + " in " + inlet->second.encoding;
+  const auto input = inputs_.find(topic.starts_with("/") ? topic : namespace_ + "/" + topic);
+  if (input == inputs_.end()) return "web clients may not publish " + topic.substr(0, 100);
+  if (encoding != input->second.encoding || type != input->second.type)
+    return topic + " takes " + input->second.type + " in " + input->second.encoding;
   if (channels.size() >= kMaxChannels)
     return "at most " + std::to_string(kMaxChannels) + " channels";
-  channels[channel] = &inlet->second;
+  channels[channel] = &input->second;
   return {};
 }
 
 std::vector<std::string> PublishRelay::urgent_prefixes(ClientId client) const {
   std::vector<std::string> prefixes;
   if (const auto found = channels_.find(client); found != channels_.end())
-    for (const auto& [channel, inlet] : found->second)
-      if (inlet->urgent) prefixes.push_back(foxglove::message_prefix(channel));
+    for (const auto& [channel, input] : found->second)
+      if (input->urgent) prefixes.push_back(foxglove::message_prefix(channel));
   return prefixes;
 }
 

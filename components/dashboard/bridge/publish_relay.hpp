@@ -47,7 +47,7 @@ class PublishRelay {
   void release_stick();
 
  private:
-  struct Inlet {
+  struct InputTopic {
     std::string type;
     bool drives;
     std::function<Outcome(ClientId, const std::vector<std::uint8_t>&)> publish;
@@ -57,7 +57,7 @@ class PublishRelay {
 
   template <class M>
   void open(const rt::Topic<M>& topic, bool drives);
-  [[nodiscard]] std::string advertise(std::map<std::uint32_t, const Inlet*>& channels,
+  [[nodiscard]] std::string advertise(std::map<std::uint32_t, const InputTopic*>& channels,
                                       const foxglove::Advertise::One& wanted);
   [[nodiscard]] Outcome publish_joy(const std::vector<std::uint8_t>& bytes);
   [[nodiscard]] Outcome publish_stop(const std::vector<std::uint8_t>& bytes);
@@ -65,8 +65,8 @@ class PublishRelay {
   rt::Node& node_;
   double max_age_;
   std::string namespace_;  // "" or "/a"
-  std::map<std::string, Inlet> inlets_;
-  std::map<ClientId, std::map<std::uint32_t, const Inlet*>> channels_;
+  std::map<std::string, InputTopic> inputs_;
+  std::map<ClientId, std::map<std::uint32_t, const InputTopic*>> channels_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   std::optional<rt::Publisher<std_msgs::msg::Bool>> stop_;
   bool stop_pressed_ = false;

@@ -51,16 +51,16 @@ void ServiceRelay::look(const std::set<ClientId>& clients) {
   });
   if (!come.empty()) web_.send_text(clients, foxglove::advertise_services(come));
   if (!gone.empty()) web_.send_text(clients, foxglove::unadvertise_services(gone));
-  if (!come.empty() || !gone.empty()) greeting_.reset();
+  if (!come.empty() || !gone.empty()) announcement_.reset();
 }
 
-void ServiceRelay::greet(ClientId client) {
-  if (!greeting_) {
+void ServiceRelay::announce_all(ClientId client) {
+  if (!announcement_) {
     std::vector<foxglove::Service> all;
     for (const auto& [name, relayed] : relayed_) all.push_back(relayed.service);
-    greeting_ = body_of(foxglove::advertise_services(all));
+    announcement_ = body_of(foxglove::advertise_services(all));
   }
-  web_.answer(client, {true, {}, greeting_, true});
+  web_.answer(client, {true, {}, announcement_, true});
 }
 
 const ServiceRelay::Relayed* ServiceRelay::find(std::uint32_t service) const {

@@ -28,7 +28,7 @@ class ServiceRelay {
                std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own);
 
   void look(const std::set<ClientId>& clients);
-  void greet(ClientId client);
+  void announce_all(ClientId client);
   void forget(ClientId client) { waiting_.erase(client); }
 
   /// Whether the service with that id only reads, or is the own one: such services are open to
@@ -57,7 +57,8 @@ class ServiceRelay {
   std::function<std_srvs::srv::Trigger::Response(ClientId)> on_own_;
   std::map<std::string, Relayed> relayed_;  // by name
   std::map<ClientId, int> waiting_;
-  std::shared_ptr<const std::vector<std::uint8_t>> greeting_;  // cached until the services change
+  std::shared_ptr<const std::vector<std::uint8_t>>
+      announcement_;  // cached until the services change
   std::uint32_t last_id_ = 1;
 };
 

@@ -54,17 +54,17 @@ void TopicRelay::look(const std::set<ClientId>& clients) {
   });
   if (!come.empty()) web_.send_text(clients, foxglove::advertise(come));
   if (!gone.empty()) web_.send_text(clients, foxglove::unadvertise(gone));
-  if (!come.empty() || !gone.empty()) greeting_.reset();
+  if (!come.empty() || !gone.empty()) announcement_.reset();
   rest();
 }
 
-void TopicRelay::greet(ClientId client) {
-  if (!greeting_) {
+void TopicRelay::announce_all(ClientId client) {
+  if (!announcement_) {
     std::vector<foxglove::Channel> all;
     for (const auto& [key, relayed] : relayed_) all.push_back(relayed.channel);
-    greeting_ = body_of(foxglove::advertise(all));
+    announcement_ = body_of(foxglove::advertise(all));
   }
-  web_.answer(client, {true, {}, greeting_, true});
+  web_.answer(client, {true, {}, announcement_, true});
 }
 
 void TopicRelay::forget(ClientId client) {
@@ -192,7 +192,7 @@ void TopicRelay::rest() {
   }
 }
 
-void TopicRelay::tell(ClientId client, std::uint32_t channel, const std::string& payload) {
+void TopicRelay::send_own(ClientId client, std::uint32_t channel, const std::string& payload) {
   const Relayed* const own = find(channel);
   if (own == nullptr) return;
   const auto body = body_of(payload);

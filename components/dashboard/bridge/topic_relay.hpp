@@ -16,19 +16,19 @@
 namespace tandem {
 
 /// Offers each topic whose type is in the IDL as a channel, and subscribes to those that a client
-/// wants.
+/// requests.
 class TopicRelay {
  public:
   static constexpr std::size_t kMaxSubscriptions = 500;  // limit per client and per request
   static constexpr int kMaxOfOne = 4;                    // limit per client and channel
   static constexpr double kRest = 5.0;  // [s] delay before an unused subscription is removed
 
-  /// `own`: channels that are not topics and are filled by tell(); they get the first ids.
+  /// `own`: channels that are not topics and are filled by send_own(); they get the first ids.
   TopicRelay(rt::Node& node, WebServer& web, std::vector<foxglove::Channel> own);
 
   /// Announces topics that were added or removed to the clients.
   void look(const std::set<ClientId>& clients);
-  void greet(ClientId client);
+  void announce_all(ClientId client);
   void forget(ClientId client);
   /// A client may subscribe to a channel several times, because parts of a page work independently.
   void subscribe(ClientId client, const foxglove::Subscribe& request);
@@ -37,7 +37,7 @@ class TopicRelay {
   void listen_to_next();
 
   /// Sends a message on an own channel, if the client subscribes to it.
-  void tell(ClientId client, std::uint32_t channel, const std::string& payload);
+  void send_own(ClientId client, std::uint32_t channel, const std::string& payload);
 
  private:
   using Body = std::shared_ptr<const std::vector<std::uint8_t>>;
@@ -68,7 +68,7 @@ class TopicRelay {
   WebServer& web_;
   std::map<std::pair<std::string, std::string>, Relayed> relayed_;       // by topic and type
   std::map<ClientId, std::map<std::uint32_t, std::uint32_t>> channels_;  // by subscription
-  Body greeting_;  // all channels; cached until they change
+  Body announcement_;  // all channels; cached until they change
   std::uint32_t last_id_ = 0;
 };
 

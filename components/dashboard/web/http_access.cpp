@@ -115,9 +115,9 @@ std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
       !has_word(params.allowed_origins, origin, ' '))
     return Refusal{"pages from " + origin + " may not connect (allowed_origins)"};
   if (!rules.token.empty()) {
-    const std::string said = query_value(text_of(request.target()), "token");
-    if (!same_secret(said, rules.token))
-      return Refusal{"the token is missing or wrong (?token=...)", !said.empty()};
+    const std::string given = query_value(text_of(request.target()), "token");
+    if (!same_secret(given, rules.token))
+      return Refusal{"the token is missing or wrong (?token=...)", !given.empty()};
   }
   if (!has_word(field(http::field::sec_websocket_protocol), rules.subprotocol, ','))
     return Refusal{"the subprotocol " + rules.subprotocol + " is not offered"};

@@ -67,7 +67,7 @@ class Surroundings {
   std::vector<double> margins_;        // [m]
 };
 
-struct Candidate {
+struct NearPair {
   double clearance;
   Pair pair;
 };
@@ -80,19 +80,19 @@ std::vector<std::vector<Pair>> nearest_pairs(const Body& body, std::span<const O
   const Surroundings around{body, obstacles, limits};
   const auto count = static_cast<std::size_t>(limits.max_pairs);
   std::vector<std::vector<Pair>> all;
-  std::vector<Candidate> nearest;
+  std::vector<NearPair> nearest;
   for (std::size_t k = 0; k < X_MB.size(); ++k) {
     nearest.clear();
     double most = limits.reach;  // [m] a pair must be closer than this to be kept
     around.closer_than(most, X_MB[k], around.time(k), [&](double clearance, const Pair& pair) {
-      const auto is_nearer = [](double c, const Candidate& other) { return c < other.clearance; };
+      const auto is_nearer = [](double c, const NearPair& other) { return c < other.clearance; };
       const auto place = std::upper_bound(nearest.begin(), nearest.end(), clearance, is_nearer);
       nearest.insert(place, {clearance, pair});
       if (nearest.size() > count) nearest.pop_back();
       if (nearest.size() == count) most = nearest.back().clearance;
     });
     all.emplace_back();
-    for (const Candidate& candidate : nearest) all.back().push_back(candidate.pair);
+    for (const NearPair& near : nearest) all.back().push_back(near.pair);
   }
   return all;
 }

@@ -62,8 +62,8 @@ const char* name(SolverKind kind) {
 
 const char* name(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kUnjudged:
-      return "unjudged";
+    case Verdict::kUnverified:
+      return "unverified";
     case Verdict::kConfirmed:
       return "confirmed";
     case Verdict::kDisagreement:

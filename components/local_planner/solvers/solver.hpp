@@ -9,7 +9,7 @@ namespace tandem {
 struct Answer {
   Solution solution = {};  ///< iterations of all solvers; iteration_time of Ipopt if it ran
   SolverKind by = SolverKind::kIpopt;  ///< solver of `solution`: kIpopt or kStructured
-  Verdict verdict = Verdict::kUnjudged;
+  Verdict verdict = Verdict::kUnverified;
   int effort = 0;  ///< computing effort, in Ipopt iterations
 };
 

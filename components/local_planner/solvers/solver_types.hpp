@@ -44,7 +44,7 @@ enum class SolverKind {
 
 /// Agreement of the two solvers of kCertified.
 enum class Verdict {
-  kUnjudged,     ///< no second solver ran, or it was interrupted
+  kUnverified,   ///< no second solver ran, or it was interrupted
   kConfirmed,    ///< both found the same optimum
   kDisagreement  ///< they did not, or the structured solver did not converge
 };

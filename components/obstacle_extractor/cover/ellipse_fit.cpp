@@ -80,7 +80,7 @@ bool is_within(const Obstacle& shape, const FreeSpace& space, const Excess& most
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const Eigen::Vector2d reach{std::hypot(c * shape.a, s * shape.b),
                               std::hypot(s * shape.a, c * shape.b)};
-  if (!space.knows(shape.p_MO - reach, shape.p_MO + reach)) return false;
+  if (!space.is_known(shape.p_MO - reach, shape.p_MO + reach)) return false;
   const Eigen::Vector2d half{shape.a, shape.b};
   const int rings = std::max(1, static_cast<int>(std::ceil(shape.b / kRing)));
   for (int ring = rings; ring > 0; --ring)

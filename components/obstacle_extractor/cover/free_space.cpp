@@ -121,7 +121,7 @@ double FreeSpace::gap_at(const FreeRegions& places, int x, int y) const {
          v * ((1.0 - u) * gap(ix, iy + 1) + u * gap(ix + 1, iy + 1));
 }
 
-bool FreeSpace::knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
+bool FreeSpace::is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {
   return (low.array() >= low_.array()).all() && (high.array() <= high_.array()).all();
 }
 

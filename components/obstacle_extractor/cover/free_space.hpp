@@ -45,7 +45,7 @@ class FreeSpace {
   [[nodiscard]] double taken_by(const Obstacle& shape, double most = kAll) const;
 
   /// Whether the box lies in the window; outside of it the free space is not known.
-  [[nodiscard]] bool knows(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
+  [[nodiscard]] bool is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
  private:
   void find_useless();

@@ -10,22 +10,23 @@ namespace {
 
 constexpr double kPeriod = 0.1;  // [s] between checks for discovery changes
 
-std::string counted(const std::vector<Misfit>& misfits, bool peer_writes) {
+std::string counted(const std::vector<QosMismatch>& mismatches, bool peer_writes) {
   std::string text;
-  for (const auto& misfit : misfits)
-    text += fmt::format(
-        "{}{}: {} {}, this node {} {}", text.empty() ? "" : "; ", misfit.policy,
-        peer_writes ? "it offers" : "it requests", peer_writes ? misfit.offered : misfit.requested,
-        peer_writes ? "requests" : "offers", peer_writes ? misfit.requested : misfit.offered);
+  for (const auto& mismatch : mismatches)
+    text += fmt::format("{}{}: {} {}, this node {} {}", text.empty() ? "" : "; ", mismatch.policy,
+                        peer_writes ? "it offers" : "it requests",
+                        peer_writes ? mismatch.offered : mismatch.requested,
+                        peer_writes ? "requests" : "offers",
+                        peer_writes ? mismatch.requested : mismatch.offered);
   return text;
 }
 
 // The parameters to set at this node; empty if they cannot resolve every mismatch.
-std::string remedy(const std::vector<Misfit>& misfits, const std::string& parameter,
+std::string remedy(const std::vector<QosMismatch>& mismatches, const std::string& parameter,
                    bool peer_writes) {
   std::string text;
-  for (const auto& misfit : misfits) {
-    const std::string value = override_for(misfit, peer_writes);
+  for (const auto& mismatch : mismatches) {
+    const std::string value = override_for(mismatch, peer_writes);
     if (parameter.empty() || value.empty()) return {};
     text += fmt::format("{} {}.{}", text.empty() ? "; set" : " and", parameter, value);
   }
@@ -86,9 +87,9 @@ void PeerWatch::notify(Request& request, const std::vector<KnownEndpoint>& known
   for (const auto& peer : known) {
     if (!fits_request(peer, request.topic, request.type)) continue;
     publishers.insert(peer.guid);
-    if (!request.told.contains(peer.guid)) fresh.push_back(peer.policies);
+    if (!request.reported.contains(peer.guid)) fresh.push_back(peer.policies);
   }
-  request.told = std::move(publishers);
+  request.reported = std::move(publishers);
   for (const auto& offered : fresh) request.fn(offered);
 }
 
@@ -108,7 +109,7 @@ void PeerWatch::check(const std::vector<KnownEndpoint>& known, double now) {
 
 // One compatible endpoint of the node is enough: /e_stop, for example, has two readers.
 void PeerWatch::check(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
-  std::vector<Misfit> worst;
+  std::vector<QosMismatch> worst;
   std::string mended;
   const Own* other_type = nullptr;
   for (const auto& own : own_) {
@@ -119,7 +120,8 @@ void PeerWatch::check(const KnownEndpoint& peer, const std::vector<KnownEndpoint
       continue;
     }
     const Policies policies = policies_of(own.endpoint.qos);
-    worst = peer.writes ? misfits(peer.policies, policies) : misfits(policies, peer.policies);
+    worst = peer.writes ? qos_mismatches(peer.policies, policies)
+                        : qos_mismatches(policies, peer.policies);
     if (worst.empty()) return;
     mended = remedy(worst, own.endpoint.parameter, peer.writes);
   }
@@ -130,14 +132,14 @@ void PeerWatch::check(const KnownEndpoint& peer, const std::vector<KnownEndpoint
   if (!worst.empty())
     log_.warn("{}: a {} has incompatible QoS, {} ({}){}", topic, who, effect,
               counted(worst, peer.writes), mended);
-  else if (other_type != nullptr && !hears_other_type(peer, known))
+  else if (other_type != nullptr && !receives_other_type(peer, known))
     log_.warn("{}: a {} of {} does not fit this node's {}: {}", topic, who, ros_type(peer.type),
               ros_type(other_type->endpoint.type), effect);
 }
 
 // A process may have one endpoint per type on the same topic.
-bool PeerWatch::hears_other_type(const KnownEndpoint& peer,
-                                 const std::vector<KnownEndpoint>& known) const {
+bool PeerWatch::receives_other_type(const KnownEndpoint& peer,
+                                    const std::vector<KnownEndpoint>& known) const {
   return std::any_of(known.begin(), known.end(), [&](const KnownEndpoint& beside) {
     return same_process(beside.guid, peer.guid) && beside.writes == peer.writes &&
            beside.topic == peer.topic && beside.type != peer.type &&

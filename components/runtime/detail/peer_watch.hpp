@@ -50,15 +50,15 @@ class PeerWatch {
   struct Request {
     std::string topic, type;
     std::function<void(const Policies&)> fn;
-    std::set<rtps::GUID_t> told;  // publishers already passed to fn
+    std::set<rtps::GUID_t> reported;  // publishers already passed to fn
   };
 
   void notify_requests(const std::vector<KnownEndpoint>& known);
   static void notify(Request& request, const std::vector<KnownEndpoint>& known);
   void check(const std::vector<KnownEndpoint>& known, double now);
   void check(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known);
-  [[nodiscard]] bool hears_other_type(const KnownEndpoint& peer,
-                                      const std::vector<KnownEndpoint>& known) const;
+  [[nodiscard]] bool receives_other_type(const KnownEndpoint& peer,
+                                         const std::vector<KnownEndpoint>& known) const;
 
   const Discovery& discovery_;
   Logger& log_;

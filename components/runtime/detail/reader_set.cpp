@@ -15,7 +15,7 @@ int strength(const Policies& requested) { return requested.reliability + request
 std::size_t strongest_fit(const std::vector<Policies>& requested, const Policies& offered) {
   std::size_t best = requested.size();
   for (std::size_t i = 0; i < requested.size(); ++i) {
-    if (!misfits(offered, requested[i]).empty()) continue;
+    if (!qos_mismatches(offered, requested[i]).empty()) continue;
     if (best == requested.size() || strength(requested[i]) > strength(requested[best])) best = i;
   }
   return best;
@@ -64,7 +64,7 @@ void ReaderSet::open(const QoS& qos) {
   readers_.push_back(node_.open_reader(endpoint, std::move(deliver)));
 }
 
-void ReaderSet::hear_every_publisher(std::function<QoS(const QoS&)> tuned) {
+void ReaderSet::accept_every_publisher(std::function<QoS(const QoS&)> tuned) {
   publishers_wanted_ = node_.peers().each_publisher(
       endpoint_.topic, endpoint_.type,
       [this, tuned = std::move(tuned)](const Policies& publisher) { open_for(publisher, tuned); });
@@ -73,7 +73,7 @@ void ReaderSet::hear_every_publisher(std::function<QoS(const QoS&)> tuned) {
 // Additional readers are volatile, so that each matches every publisher that a more demanding
 // reader matches. Parameters may rule out a compatible QoS; PeerWatch then reports the mismatch.
 void ReaderSet::open_for(const Policies& publisher, const std::function<QoS(const QoS&)>& tuned) {
-  if (misfits(publisher, route_->requested.front()).empty()) return;
+  if (qos_mismatches(publisher, route_->requested.front()).empty()) return;
   QoS weaker = endpoint_.qos;
   weaker.durability = Durability::kVolatile;
   if (publisher.reliability < 1) weaker.reliability = Reliability::kBestEffort;
@@ -82,7 +82,7 @@ void ReaderSet::open_for(const Policies& publisher, const std::function<QoS(cons
   const bool is_open = std::any_of(
       route_->requested.begin(), route_->requested.end(),
       [&](const Policies& requested) { return strength(requested) == strength(wanted); });
-  if (!is_open && misfits(publisher, wanted).empty()) open(qos);
+  if (!is_open && qos_mismatches(publisher, wanted).empty()) open(qos);
 }
 
 void ReaderSet::close() {

@@ -17,7 +17,7 @@ class NodeCore;
 [[nodiscard]] PublisherId to_id(const rtps::GUID_t& guid);
 [[nodiscard]] rtps::GUID_t to_guid(const PublisherId& id);
 
-/// The readers of one subscription. There is one, unless hear_every_publisher() opens others for
+/// The readers of one subscription. There is one, unless accept_every_publisher() opens others for
 /// publishers that offer less than it requests. Less demanding readers also match publishers that
 /// offer more, so each publisher is delivered only by the most demanding reader that its QoS
 /// matches: no message arrives twice, and reliable publishers are still received reliably.
@@ -26,7 +26,7 @@ class ReaderSet {
   ReaderSet(NodeCore& node, Endpoint endpoint, Reader::Deliver deliver);
 
   /// `tuned` applies the node's qos_overrides to a QoS.
-  void hear_every_publisher(std::function<QoS(const QoS&)> tuned);
+  void accept_every_publisher(std::function<QoS(const QoS&)> tuned);
   void close();
 
   [[nodiscard]] int matched() const;

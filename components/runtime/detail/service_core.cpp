@@ -63,8 +63,8 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
 double Server::send_replies(double now) {
   for (Reply& reply : replies_) send(reply);
   std::erase_if(replies_, [now](const Reply& reply) {
-    const bool heard = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
-    return heard || now >= reply.deadline;  // a client that has left would not receive it
+    const bool is_reachable = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
+    return is_reachable || now >= reply.deadline;  // a client that has left would not receive it
   });
   return replies_.empty() ? kForever : now + kRetry;
 }

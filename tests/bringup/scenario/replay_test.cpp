@@ -124,8 +124,9 @@ TEST_F(Replay, ExplainsWhatItExpectsWhenGivenAFileThatIsNotARecording) {
     (void)recorded_stick(test::source_path("bringup/scenarios/forest_task2.yaml"), {});
     FAIL() << "read";
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string{error.what()}.find("forest_task2.yaml: is no recording; name a folder"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string{error.what()}.find("forest_task2.yaml: not a recording; expected a folder"),
+        std::string::npos)
         << error.what();
   }
 }

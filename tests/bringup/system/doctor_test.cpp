@@ -57,7 +57,7 @@ TEST(Doctor, AcceptsAMismatchIfASecondSubscriptionMatches) {
 TEST(Doctor, FindsTypesAndHashesThatDiffer) {
   auto sick = domain();
   sick.endpoints[1].type_hash = "h2";
-  EXPECT_TRUE(finds(examine(sick), "mean different nav_msgs/msg/Odometry"));
+  EXPECT_TRUE(finds(examine(sick), "use different versions of nav_msgs/msg/Odometry"));
   sick.endpoints[1].type = "nav_msgs/msg/Path";
   EXPECT_TRUE(finds(examine(sick), "/robot sends nav_msgs/msg/Path, /tandem takes"));
   sick = domain();
@@ -92,7 +92,7 @@ TEST(Doctor, SaysThatNobodyIsThere) {
   auto lonely = domain();
   lonely.participants.pop_back();
   lonely.endpoints.pop_back();
-  EXPECT_TRUE(finds(examine(lonely), "nobody else"));
+  EXPECT_TRUE(finds(examine(lonely), "no other program"));
 }
 
 diagnostic_msgs::msg::DiagnosticArray word(const std::string& name, std::uint8_t level,
@@ -172,7 +172,9 @@ TEST(Doctor, ReportsOnceWhatSeveralNodesReportOrWasAlreadyFound) {
   add(diagnoses, word("shared_dwa", 1, "not localized: `odom` is not on /tf"));
   EXPECT_EQ(examine(diagnoses).size(), 2U);
   const std::vector<Finding> found{
-      {"the safety filter stands: not localized: `odom` is not on /tf; the frames are none", ""}};
+      {"the safety filter stops the robot: not localized: `odom` is not on /tf; the frames are "
+       "none",
+       ""}};
   EXPECT_EQ(examine(diagnoses, found).size(), 1U);
 }
 

@@ -119,7 +119,8 @@ bool confirm_each_other(const Ocp& ocp, const Solution& ours, const Solution& th
 // restarted from the other's result.
 TEST(RiccatiSolver, AgreesWithIpopt) {
   RiccatiSolver solver;
-  int agree = 0, better = 0, worse = 0, asked_again = 0, unjudged = 0, unexplained = 0, missed = 0;
+  int agree = 0, better = 0, worse = 0, asked_again = 0, unverified = 0, unexplained = 0,
+      missed = 0;
   for (unsigned seed = 10000; seed < 10000 + samples(700, 40); ++seed)
     for_each_begin(seed, [&](Begin begin, const StartingPoint& start) {
       const Ocp& ocp = start.ocp;
@@ -133,7 +134,7 @@ TEST(RiccatiSolver, AgreesWithIpopt) {
       const double a = cost(ocp, ours.point.z), b = cost(ocp, theirs.point.z);
       const char* verdict = nullptr;
       if (!is_optimal(ocp, ours) || !is_optimal(ocp, theirs)) {
-        ++unjudged;
+        ++unverified;
         verdict = "not judged";
       } else if (are_same(ocp, ours, theirs)) {
         ++agree;
@@ -149,13 +150,13 @@ TEST(RiccatiSolver, AgreesWithIpopt) {
       if (verdict != nullptr)
         std::printf("seed %u %s: %g and %g %s\n", seed, name(begin), a, b, verdict);
     });
-  const int all = agree + better + worse + unjudged;
+  const int all = agree + better + worse + unverified;
   std::printf(
       "%d problems: %d agree, another minimum: better %d, worse %d; asked again %d, not judged "
       "%d\n",
-      all, agree, better, worse, asked_again, unjudged);
+      all, agree, better, worse, asked_again, unverified);
   EXPECT_EQ(unexplained, 0);
-  EXPECT_EQ(unjudged, 0);
+  EXPECT_EQ(unverified, 0);
   EXPECT_EQ(missed, 0) << "constraints";
   EXPECT_LE(asked_again, all * 0.001);
   EXPECT_LE(worse, all * 0.03);

@@ -61,7 +61,7 @@ TEST(Solver, AnAnswerInTimeIsNotHeldBackByALateConfirmation) {
   const SolveLimits limits{.deadline = std::chrono::steady_clock::now() + std::chrono::seconds(5),
                            .iteration_time = 60.0};
   const Answer answer = certified.solve(start.ocp, start.guess, limits);
-  EXPECT_EQ(answer.verdict, Verdict::kUnjudged);
+  EXPECT_EQ(answer.verdict, Verdict::kUnverified);
   EXPECT_EQ(answer.by, SolverKind::kStructured);
   EXPECT_EQ(answer.solution.status, SolveStatus::kConverged);
 }
@@ -76,7 +76,7 @@ TEST(Solver, PlanTellsWhoseSolutionItIsAndWhetherItIsConfirmed) {
     EXPECT_EQ(plan.solver, by_ipopt ? SolverKind::kIpopt : SolverKind::kStructured);
     EXPECT_EQ(plan.confirmed, params.solver == "certified" ? 1 : 0);  // the winner
     EXPECT_EQ(plan.verdict,
-              params.solver == "certified" ? Verdict::kConfirmed : Verdict::kUnjudged);
+              params.solver == "certified" ? Verdict::kConfirmed : Verdict::kUnverified);
     EXPECT_EQ(plan.disagreements, 0);
   }
   params.solver = "simplex";

@@ -5,56 +5,17 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <memory>
-#include <random>
 #include <vector>
 
-#include "tandem/map/static_map.hpp"
+#include "obstacle_extractor/cover/room.hpp"
 
-namespace tandem {
+namespace tandem::test {
 namespace {
 
 constexpr FitLimits kLoose{.excess = {9.0, 9.0, 9.0}, .price = 9.0, .circle_bonus = 0.0};
 
-// A room of 6 m × 6 m with some occupied cells in it, and the corners of these.
-struct Room {
-  explicit Room(const std::vector<CellIndex>& occupied) {
-    constexpr int kCells = 120;
-    Grid grid{0.05, {0.0, 0.0}, kCells, kCells, std::vector<Cell>(kCells * kCells, Cell::kFree)};
-    Points corners;
-    for (const auto& [ix, iy] : occupied) {
-      grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
-      for (const double x : {0.05 * ix, 0.05 * (ix + 1)})
-        for (const double y : {0.05 * iy, 0.05 * (iy + 1)}) corners.push_back({x, y});
-    }
-    hull = convex_hull(corners);
-    map = std::make_unique<StaticMap>(std::move(grid));
-    places = std::make_unique<FreeRegions>(*map, 0.42);
-    space = std::make_unique<FreeSpace>(*map, *places, CellRect{0, 0, kCells, kCells}, 0);
-  }
-  [[nodiscard]] EllipseFit fit(const FitLimits& limits = kLoose) const {
-    return fit_ellipse(hull, *space, limits);
-  }
-
-  Points hull;
-  std::unique_ptr<StaticMap> map;
-  std::unique_ptr<FreeRegions> places;
-  std::unique_ptr<FreeSpace> space;
-};
-
-// From one cell to a wall of 2 m, at any angle, 1 to 4 cells thick.
-std::vector<CellIndex> random_wall(unsigned seed) {
-  std::mt19937 random{seed};
-  std::uniform_real_distribution<double> angle{0.0, 3.14}, length{0.0, 2.0};
-  const double turn = angle(random), end = length(random);
-  const double thick = 0.05 * static_cast<double>(1 + random() % 4);
-  std::vector<CellIndex> cells;
-  for (double s = 0.0; s <= end; s += 0.02)
-    for (double across = 0.0; across < thick; across += 0.02)
-      cells.push_back(
-          {static_cast<int>((3.0 + s * std::cos(turn) - across * std::sin(turn)) / 0.05),
-           static_cast<int>((3.0 + s * std::sin(turn) + across * std::cos(turn)) / 0.05)});
-  return cells;
+EllipseFit fit_in(const Room& room, const FitLimits& limits = kLoose) {
+  return fit_ellipse(room.hull, *room.space, limits);
 }
 
 // 1 on the outline.
@@ -69,7 +30,7 @@ TEST(EllipseFit, ContainsEveryCellOfAnyWall) {
     for (const double price : {9.0, 0.1, 0.0}) {
       FitLimits limits = kLoose;
       limits.price = price;
-      const EllipseFit fit = room.fit(limits);
+      const EllipseFit fit = fit_in(room, limits);
       EXPECT_GE(fit.shape.a, fit.shape.b) << seed;
       EXPECT_GT(fit.shape.b, 0.0) << seed;
       for (const auto& corner : room.hull) EXPECT_LE(inside(fit.shape, corner), 1.0) << seed;
@@ -80,7 +41,7 @@ TEST(EllipseFit, ContainsEveryCellOfAnyWall) {
 TEST(EllipseFit, TakesNoMoreThanTheCircleAndWhatItReports) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Room room(random_wall(seed));
-    const EllipseFit fit = room.fit();
+    const EllipseFit fit = fit_in(room);
     ASSERT_TRUE(fit.found) << seed;
     EXPECT_NEAR(fit.taken, room.space->taken_by(fit.shape), 1e-9) << seed;
     const Circle circle = smallest_circle(room.hull);
@@ -96,7 +57,7 @@ TEST(EllipseFit, ABonusMakesTheCircleOfASquareTheChoice) {
   const Room room(square);
   FitLimits limits = kLoose;
   limits.circle_bonus = 1.0;
-  const EllipseFit fit = room.fit(limits);
+  const EllipseFit fit = fit_in(room, limits);
   EXPECT_EQ(fit.shape.a, fit.shape.b);
   EXPECT_NEAR(fit.shape.a, 0.2 * std::sqrt(2.0), 1e-6);
 }
@@ -104,7 +65,7 @@ TEST(EllipseFit, ABonusMakesTheCircleOfASquareTheChoice) {
 TEST(EllipseFit, AWallIsCoveredFlat) {
   std::vector<CellIndex> wall;
   for (int i = 0; i < 60; ++i) wall.push_back({30 + i, 60});
-  const EllipseFit fit = Room(wall).fit();
+  const EllipseFit fit = fit_in(Room(wall));
   EXPECT_LT(fit.shape.b, 0.15);
   EXPECT_GT(fit.shape.a, 1.5);
   EXPECT_LT(fit.shape.a, 2.2);
@@ -120,11 +81,11 @@ TEST(EllipseFit, FindsNothingWhereNoShapeIsWithinTheLimits) {
   dear.price = -1.0;
   shallow.excess = {0.0, 0.0, 0.0};
   for (const FitLimits& limits : {dear, shallow}) {
-    const EllipseFit fit = room.fit(limits);
+    const EllipseFit fit = fit_in(room, limits);
     EXPECT_FALSE(fit.found);
     EXPECT_EQ(fit.shape.a, fit.shape.b) << "a circle";
   }
 }
 
 }  // namespace
-}  // namespace tandem
+}  // namespace tandem::test

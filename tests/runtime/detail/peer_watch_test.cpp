@@ -27,12 +27,12 @@ void let_pass(double seconds, rt::Node& node) {
   ASSERT_FALSE(spin_until([] { return false; }, seconds, node));
 }
 
-TEST(Misfits, AreThePoliciesOfWhichTooLittleIsOffered) {
+TEST(QosMismatches, AreThePoliciesOfWhichTooLittleIsOffered) {
   const rt::Policies best_effort{}, reliable{.reliability = 1},
       latched{.reliability = 1, .durability = 1};
-  EXPECT_TRUE(rt::misfits(latched, best_effort).empty());
-  EXPECT_TRUE(rt::misfits(reliable, reliable).empty());
-  const auto found = rt::misfits(best_effort, latched);
+  EXPECT_TRUE(rt::qos_mismatches(latched, best_effort).empty());
+  EXPECT_TRUE(rt::qos_mismatches(reliable, reliable).empty());
+  const auto found = rt::qos_mismatches(best_effort, latched);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].policy, "reliability");
   EXPECT_EQ(found[0].offered, "best effort");
@@ -42,11 +42,11 @@ TEST(Misfits, AreThePoliciesOfWhichTooLittleIsOffered) {
   EXPECT_EQ(found[1].requested, "transient local");
 }
 
-TEST(Misfits, KnowDeadlineAndLiveliness) {
+TEST(QosMismatches, KnowDeadlineAndLiveliness) {
   const rt::Policies ours{};
-  EXPECT_EQ(rt::misfits(ours, {.deadline = 0.1}).at(0).policy, "deadline");
-  EXPECT_EQ(rt::misfits(ours, {.liveliness = 2}).at(0).policy, "liveliness");
-  EXPECT_TRUE(rt::misfits({.deadline = 0.1, .liveliness = 2}, ours).empty());
+  EXPECT_EQ(rt::qos_mismatches(ours, {.deadline = 0.1}).at(0).policy, "deadline");
+  EXPECT_EQ(rt::qos_mismatches(ours, {.liveliness = 2}).at(0).policy, "liveliness");
+  EXPECT_TRUE(rt::qos_mismatches({.deadline = 0.1, .liveliness = 2}, ours).empty());
 }
 
 TEST(PeerWatch, ReportsIncompatibleQosOnce) {

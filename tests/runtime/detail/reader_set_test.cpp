@@ -18,8 +18,8 @@ using std_msgs::msg::Float64;
 using test::spin_until;
 
 constexpr double kPatience = 10.0;  // [s]
-constexpr rt::Topic<Float64> kStream{"stream", rt::kDefault, rt::Hears::kEvery};
-constexpr rt::Topic<Float64> kKept{"kept", rt::kLatched, rt::Hears::kEvery};
+constexpr rt::Topic<Float64> kStream{"stream", rt::kDefault, rt::Accepts::kEvery};
+constexpr rt::Topic<Float64> kKept{"kept", rt::kLatched, rt::Accepts::kEvery};
 constexpr rt::QoS kDurable{rt::Reliability::kBestEffort, rt::Durability::kTransientLocal, 1};
 
 Float64 number(double value) {
@@ -29,7 +29,7 @@ Float64 number(double value) {
 }
 
 // Two nodes: one subscribes to the publishers of the other.
-class HearsEvery : public ::testing::Test {
+class AcceptsEvery : public ::testing::Test {
  protected:
   auto hear(const rt::Topic<Float64>& topic) {
     return receiver_.create_subscription(topic,
@@ -51,7 +51,7 @@ class HearsEvery : public ::testing::Test {
   std::vector<double> got_;
 };
 
-TEST_F(HearsEvery, KindOfPublisherOfAStream) {
+TEST_F(AcceptsEvery, KindOfPublisherOfAStream) {
   const auto subscription = hear(kStream);
   double value = 0.0;
   for (const rt::QoS& qos : {rt::kDefault, rt::kBestEffort(1), rt::kLatched, kDurable}) {
@@ -60,7 +60,7 @@ TEST_F(HearsEvery, KindOfPublisherOfAStream) {
   }
 }
 
-TEST_F(HearsEvery, KindOfPublisherOfALatchedTopic) {
+TEST_F(AcceptsEvery, KindOfPublisherOfALatchedTopic) {
   const auto subscription = hear(kKept);
   double value = 0.0;
   for (const rt::QoS& qos : {rt::kDefault, rt::kBestEffort(1), rt::kLatched, kDurable}) {
@@ -69,13 +69,13 @@ TEST_F(HearsEvery, KindOfPublisherOfALatchedTopic) {
   }
 }
 
-TEST_F(HearsEvery, PublisherThatWasThereBefore) {
+TEST_F(AcceptsEvery, PublisherThatWasThereBefore) {
   const auto publisher = sender_.create_publisher(kStream, rt::kBestEffort(1));
   const auto subscription = hear(kStream);
   EXPECT_TRUE(is_heard(publisher, 1.0));
 }
 
-TEST_F(HearsEvery, LatchedMessagePublishedEarlier) {
+TEST_F(AcceptsEvery, LatchedMessagePublishedEarlier) {
   const auto publisher = sender_.create_publisher(kKept);
   publisher.publish(number(1.0));
   const auto subscription = hear(kKept);
@@ -83,7 +83,7 @@ TEST_F(HearsEvery, LatchedMessagePublishedEarlier) {
 }
 
 // Three readers all receive what the reliable and the latched publisher send.
-TEST_F(HearsEvery, MessageOnceAndInOrder) {
+TEST_F(AcceptsEvery, MessageOnceAndInOrder) {
   const auto subscription = hear(kKept);
   const rt::QoS deep{rt::Reliability::kReliable, rt::Durability::kTransientLocal, 100};
   const auto weak = sender_.create_publisher(kKept, rt::kBestEffort(100));
@@ -106,14 +106,14 @@ TEST_F(HearsEvery, MessageOnceAndInOrder) {
   }
 }
 
-TEST_F(HearsEvery, PublisherOnlyWhereTheTopicSaysSo) {
+TEST_F(AcceptsEvery, PublisherOnlyWhereTheTopicSaysSo) {
   const auto subscription =
       receiver_.create_subscription(rt::Topic<Float64>{"stream"}, [](const auto&) {});
   const auto weak = sender_.create_publisher(kStream, rt::kBestEffort(1));
   EXPECT_FALSE(spin_until([&] { return weak.matched() > 0; }, 0.5, receiver_, sender_));
 }
 
-TEST_F(HearsEvery, NothingAfterItIsClosed) {
+TEST_F(AcceptsEvery, NothingAfterItIsClosed) {
   auto subscription = hear(kStream);
   const auto weak = sender_.create_publisher(kStream, rt::kBestEffort(1));
   ASSERT_TRUE(is_heard(weak, 1.0));
@@ -124,7 +124,7 @@ TEST_F(HearsEvery, NothingAfterItIsClosed) {
 }
 
 // A parameter that requests reliable samples excludes all others; the log says how to change it.
-TEST(HearsEveryUnless, ParametersForbidIt) {
+TEST(AcceptsEveryUnless, ParametersForbidIt) {
   test::CapturedLog log;
   rt::NodeOptions options{.name = "strict"};
   options.parameters.values["qos_overrides./stream.subscription.reliability"] = {"reliable",
@@ -140,7 +140,7 @@ TEST(HearsEveryUnless, ParametersForbidIt) {
   EXPECT_EQ(weak.matched(), 0);
 }
 
-TEST_F(HearsEvery, SampleWithItsSenderAndNumber) {
+TEST_F(AcceptsEvery, SampleWithItsSenderAndNumber) {
   const auto subscription = hear(kStream);
   EXPECT_EQ(subscription.sequence(), 0U);
   const auto first = sender_.create_publisher(kStream), second = sender_.create_publisher(kStream);
@@ -159,7 +159,7 @@ TEST_F(HearsEvery, SampleWithItsSenderAndNumber) {
   EXPECT_EQ(senders[1], senders[5]);
 }
 
-TEST_F(HearsEvery, WhetherASenderIsStillThere) {
+TEST_F(AcceptsEvery, WhetherASenderIsStillThere) {
   const auto subscription = hear(kStream);
   auto publisher = sender_.create_publisher(kStream);
   ASSERT_TRUE(is_heard(publisher, 1.0));

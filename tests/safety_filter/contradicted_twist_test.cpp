@@ -170,7 +170,7 @@ TEST(DoubtedTwist, NeverOccursWithHonestOdometry) {
     for (int i = 0; i < 400; ++i) {
       const double side = (i / 60) % 2 ? 0.4 : -0.3;
       const Filtered out = loop.push({side, uniform(random, -0.5, 0.5)});
-      EXPECT_FALSE(out.doubted) << wire.period << ' ' << wire.step << ' ' << i;
+      EXPECT_FALSE(out.twist_contradicted) << wire.period << ' ' << wire.step << ' ' << i;
     }
   }
 }
@@ -199,7 +199,7 @@ TEST(DoubtedTwist, IsNotCausedByLocaliserCorrections) {
             {0.015 * i - 3.0 + corrected, 0.0, 0.0}, {0.3, 0.0}, t, Pose2{0.015 * i, 0.0, 0.0}},
         t);
     EXPECT_EQ(out.reason, FilterReason::kClear);
-    EXPECT_FALSE(out.doubted);
+    EXPECT_FALSE(out.twist_contradicted);
   }
 }
 

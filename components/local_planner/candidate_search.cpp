@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/local_planner/candidate_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tandem {
+namespace {
+
+constexpr double kSurprise = 0.3;  // [m], [rad] deviation that makes the last solution useless
+constexpr double kExplores = 0.3;  // share of the budget within which other guesses may start
+// A motion from another guess replaces the last plan if its value is below this share of the last
+// plan's; the second factor holds if the last plan is poor.
+constexpr double kBetter = 0.9;
+constexpr double kBetterThanPoor = 0.98;
+
+double seconds_since(CandidateSearch::Clock::time_point start) {
+  return std::chrono::duration<double>(CandidateSearch::Clock::now() - start).count();
+}
+
+}  // namespace
+
+CandidateSearch::CandidateSearch(SolverKind kind)
+    : explorer_{kind == SolverKind::kCertified ? SolverKind::kStructured : kind} {
+  if (kind == SolverKind::kCertified) verifier_.emplace(kind);
+}
+
+Candidate CandidateSearch::find(const Cycle& cycle, Clock::time_point started) {
+  started_ = started;
+  effort_ = {};
+  budgeted_iterations_ = 0;
+  if (last_ && !is_continued(cycle)) last_.reset();
+  Candidate best = first_candidate(cycle);
+  explore(cycle, best);
+  certify(cycle, best);
+  return best;
+}
+
+void CandidateSearch::reset() {
+  last_.reset();
+  timeouts_ = 0;
+  turn_ = 0;
+}
+
+// Whether the last solution is recent and the robot is where it predicted.
+bool CandidateSearch::is_continued(const Cycle& cycle) const {
+  if (!(elapsed(cycle) >= 0.0 && elapsed(cycle) < kLongestReuse)) return false;
+  const Pose2 expected = shifted_start(*last_, elapsed(cycle));
+  return (expected.position() - cycle.start.X_MB.position()).norm() < kSurprise &&
+         std::abs(wrap_angle(expected.theta - cycle.start.X_MB.theta)) < kSurprise;
+}
+
+SolveLimits CandidateSearch::solve_limits(const NmpcParams& params) const {
+  SolveLimits limits{.iteration_time = iteration_time_, .iterations = params.max_iterations};
+  if (params.iteration_budget > 0)
+    limits.iterations =
+        std::clamp(params.iteration_budget - budgeted_iterations_, 1, params.max_iterations);
+  if (params.time_budget > 0.0)
+    limits.deadline = started_ + std::chrono::duration_cast<Clock::duration>(
+                                     std::chrono::duration<double>(params.time_budget - kReserve));
+  return limits;
+}
+
+// Whether another solve is expected to finish within that share of the budget.
+bool CandidateSearch::has_time_for_another(const NmpcParams& params, double share) const {
+  if (params.iteration_budget > 0 && budgeted_iterations_ >= share * params.iteration_budget)
+    return false;
+  if (params.time_budget <= 0.0) return true;
+  return seconds_since(started_) + 1.2 * solve_time_ < share * (params.time_budget - kReserve);
+}
+
+Candidate CandidateSearch::solve(Solver& solver, const Cycle& cycle, Ocp ocp,
+                                 const Iterate& guess) {
+  const auto before = Clock::now();
+  Answer answer = solver.solve(ocp, guess, solve_limits(cycle.params));
+  Solution& solution = answer.solution;
+  ++effort_.solves;
+  effort_.iterations += solution.iterations;
+  budgeted_iterations_ += answer.effort;
+  effort_.confirmed += answer.verdict == Verdict::kConfirmed ? 1 : 0;
+  effort_.disagreements += answer.verdict == Verdict::kDisagreement ? 1 : 0;
+  // Smoothed and bounded, so that one preempted iteration cannot keep later solves from starting.
+  // A solve that had no time for an iteration lets the estimate decay.
+  iteration_time_ = std::min(0.7 * iteration_time_ + 0.3 * solution.iteration_time,
+                             0.1 * cycle.params.time_budget);
+  const double took = seconds_since(before);
+  solve_time_ = solve_time_ > 0.0 ? 0.8 * solve_time_ + 0.2 * took : took;
+  if (solution.status == SolveStatus::kFailed) solution.point = guess;
+
+  Forecast motion;
+  for (std::size_t k = 0; k < ocp.stages.size(); ++k)
+    motion.twist.push_back(twist_of(ocp, solution.point.z, k));
+  Candidate out = rate(cycle, std::move(ocp), motion);
+  out.solution = std::move(solution);
+  out.solver = answer.by;
+  out.verdict = answer.verdict;
+  return out;
+}
+
+// Solves from a guess, and again if the solution violates the margin of a pair left out.
+Candidate CandidateSearch::attempt(const Cycle& cycle, const Forecast& guess, bool warm) {
+  Ocp ocp = problem(cycle, guess);
+  const Iterate point =
+      warm ? warm_start(*last_, elapsed(cycle), ocp) : cold_start(ocp, within_limits(ocp, guess));
+  Candidate out = solve(explorer_, cycle, std::move(ocp), point);
+  if (out.solution.status == SolveStatus::kFailed || !left_out_a_pair(out) ||
+      !has_time_for_another(cycle.params, 1.0))
+    return out;
+  ocp = problem(cycle, out.motion);
+  const Solved so_far{out.ocp, out.solution.point, cycle.start.t0};
+  return solve(explorer_, cycle, ocp, warm_start(so_far, 0.0, ocp));
+}
+
+Candidate CandidateSearch::first_candidate(const Cycle& cycle) {
+  ++effort_.guesses;
+  if (!last_) return attempt(cycle, cold_guess(cycle), false);
+  const Ocp ocp = problem(cycle, cycle.nominal);
+  Candidate out = attempt(cycle, shifted_motion(*last_, elapsed(cycle), ocp), true);
+  const bool failed = out.solution.status == SolveStatus::kFailed ||
+                      out.solution.status == SolveStatus::kTimeout || !is_clear(cycle, out);
+  if (!failed || !has_time_for_another(cycle.params, 1.0)) return out;
+  ++effort_.guesses;
+  Candidate cold = attempt(cycle, cold_guess(cycle), false);
+  const bool wins = is_clear(cycle, cold) && (!is_clear(cycle, out) || cold.value < out.value);
+  return wins ? cold : out;
+}
+
+// Solves from other guesses while time permits. The last plan is replaced only by a clearly better
+// motion, so that the robot does not alternate between two ways of nearly equal value.
+void CandidateSearch::explore(const Cycle& cycle, Candidate& best) {
+  if (cycle.params.extra_guesses == 0) return;
+  const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
+  const bool poor = !usable || is_poor(cycle, best);
+  const double to_beat = usable ? (poor ? kBetterThanPoor : kBetter) * best.value : kUnbounded;
+  const unsigned arcs = static_cast<unsigned>(cycle.params.extra_guesses) * (poor ? 3 : 1);
+  std::optional<Candidate> found;
+  std::vector<Forecast> others = other_guesses(cycle, turn_, arcs);
+  effort_.guesses += static_cast<int>(others.size());
+  for (const Forecast& guess : most_promising_first(cycle, std::move(others))) {
+    if (!has_time_for_another(cycle.params, kExplores)) break;
+    Candidate other = attempt(cycle, guess, false);
+    const bool wins = other.solution.status != SolveStatus::kFailed &&
+                      other.value < (found ? found->value : to_beat);
+    if (wins && is_clear(cycle, other)) found = std::move(other);
+  }
+  turn_ += arcs;
+  if (found) best = std::move(*found);
+}
+
+// Solves again from the best solution with the verifier, which compares both solvers' results.
+void CandidateSearch::certify(const Cycle& cycle, Candidate& best) {
+  if (!verifier_) return;
+  Candidate verified = solve(*verifier_, cycle, best.ocp, best.solution.point);
+  best.verdict = verified.verdict;
+  if (is_clear(cycle, verified) || !is_clear(cycle, best)) best = std::move(verified);
+}
+
+void CandidateSearch::remember(const Cycle& cycle, const Candidate& best) {
+  const SolveStatus status = best.solution.status;
+  timeouts_ = status == SolveStatus::kTimeout ? timeouts_ + 1 : 0;
+  if (status != SolveStatus::kFailed && timeouts_ < 3)
+    last_ = Solved{best.ocp, best.solution.point, cycle.start.t0};
+  else
+    last_.reset();
+}
+
+bool CandidateSearch::is_usable(const Cycle& cycle, const Candidate& best) const {
+  if (best.solution.status == SolveStatus::kFailed || !is_clear(cycle, best)) return false;
+  if (best.solution.status != SolveStatus::kTimeout || !last_) return true;
+  const Forecast before = shifted_motion(*last_, elapsed(cycle), best.ocp);
+  return best.cost <= rate(cycle, best.ocp, before).cost;
+}
+
+}  // namespace tandem

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A web server with one client, for tests of the relays' answers.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include <string>
+
+#include "tandem/dashboard/web/foxglove_protocol.hpp"
+#include "tandem/dashboard/web/web_server.hpp"
+#include "tandem/runtime/time.hpp"
+
+namespace tandem::test {
+
+inline constexpr double kTimeout = 10.0;  // [s]
+
+/// Connects on construction.
+class PageClient {
+ public:
+  PageClient() {
+    namespace websocket = boost::beast::websocket;
+    stream_.next_layer().connect(
+        {boost::asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(web_.port())});
+    stream_.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+      request.set(boost::beast::http::field::sec_websocket_protocol, foxglove::kSubprotocol);
+    }));
+    stream_.handshake("127.0.0.1:" + std::to_string(web_.port()), "/");
+    for (const double end = rt::steady_seconds() + kTimeout; rt::steady_seconds() < end;)
+      if (const auto joined = web_.next(Lane::kJoined)) {
+        id_ = joined->client;
+        return;
+      }
+    ADD_FAILURE() << "the server did not report the client";
+  }
+
+  [[nodiscard]] WebServer& web() { return web_; }
+  [[nodiscard]] ClientId id() const { return id_; }
+  /// Whether (a part of) a frame has arrived.
+  [[nodiscard]] bool has_frame() { return stream_.next_layer().available() > 0; }
+  /// The next frame, binary or text. Waits for it, so the relay must have sent it before.
+  [[nodiscard]] std::string read() {
+    boost::beast::flat_buffer frame;
+    stream_.read(frame);
+    return boost::beast::buffers_to_string(frame.data());
+  }
+  [[nodiscard]] foxglove::json read_json() { return foxglove::json::parse(read()); }
+
+ private:
+  WebServer web_{{.port = 0}, foxglove::kSubprotocol, {}, [](const std::string&) {}};
+  boost::asio::io_context io_;
+  boost::beast::websocket::stream<boost::asio::ip::tcp::socket> stream_{io_};
+  ClientId id_ = 0;
+};
+
+}  // namespace tandem::test

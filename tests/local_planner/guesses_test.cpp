@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tests the guesses that pass what blocks the nominal trajectory, or stop before it.
+#include "tandem/local_planner/guesses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tandem/model/diff_drive.hpp"
+
+namespace tandem {
+namespace {
+
+constexpr double kRadius = 0.3;  // [m] of the robot, one disc
+constexpr PairLimits kLimits{.margin = 0.05, .dt = 0.25};
+const RobotParams kRobot{};
+
+Body disc() { return {{}, {{{0.0, 0.0}, kRadius}}, true}; }
+
+// Straight ahead from the origin at this speed.
+Forecast straight(double v, std::size_t stages = 12) {
+  Forecast motion{std::vector<Twist2>(stages, Twist2{v, 0.0}), {Pose2{}}};
+  for (const Twist2& twist : motion.twist)
+    motion.X_MB.push_back(integrate(motion.X_MB.back(), twist, kLimits.dt));
+  return motion;
+}
+
+Obstacle pillar(double x, double y = 0.0) { return {.p_MO = {x, y}, .a = 0.2, .b = 0.2}; }
+
+TEST(PointsBeside, AreNoneIfNothingBlocks) {
+  EXPECT_TRUE(points_beside(straight(0.8), disc(), std::vector{pillar(1.0, 2.0)}, kLimits).empty());
+}
+
+TEST(PointsBeside, LieLeftAndRightOfAPoleAndClearOfIt) {
+  const std::vector obstacles{pillar(1.5)};
+  const auto points = points_beside(straight(0.8), disc(), obstacles, kLimits);
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_GT(points[0].y(), 0.0);
+  EXPECT_LT(points[1].y(), 0.0);
+  for (const auto& p : points) {
+    const double gap = (p - obstacles[0].p_MO).norm() - obstacles[0].a - kRadius;
+    EXPECT_GE(gap, kLimits.margin);
+    EXPECT_LE(gap, kLimits.margin + 0.2) << "no farther than needed";
+  }
+}
+
+TEST(PointsBeside, LeaveOutASideWithoutRoom) {
+  const Obstacle wall{
+      .p_MO = {1.5, 2.2}, .a = 2.4, .b = 0.2, .angle = 0.5 * std::numbers::pi};  // y −0.2 … 4.6
+  const auto points = points_beside(straight(0.8), disc(), std::vector{wall}, kLimits);
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_LT(points[0].y(), 0.0);
+}
+
+TEST(PointsBeside, AreClearOfAMovingObstacleWhenTheRobotGetsThere) {
+  Obstacle person = pillar(1.5, -1.2);
+  person.v_MO = {0.0, 0.8};  // in the robot's path 1.5 s later
+  const auto points = points_beside(straight(0.8), disc(), std::vector{person}, kLimits);
+  ASSERT_FALSE(points.empty());
+  for (const auto& p : points) EXPECT_GT((p - Eigen::Vector2d(1.5, 0.0)).norm(), kRadius);
+}
+
+TEST(StoppedInTime, AClearMotionIsUnchanged) {
+  const Forecast motion = straight(0.8);
+  const Forecast out =
+      stopped_in_time(motion, disc(), std::vector{pillar(1.0, 2.0)}, kLimits, kRobot);
+  EXPECT_EQ(out.twist, motion.twist);
+}
+
+TEST(StoppedInTime, EndsBeforeTheObstacleAndBrakesNoHarderThanTheRobotCan) {
+  const std::vector obstacles{pillar(1.7)};
+  const Forecast motion = straight(0.6);
+  const Forecast out = stopped_in_time(motion, disc(), obstacles, kLimits, kRobot);
+  const auto ends = std::span(out.X_MB).subspan(1);
+  EXPECT_EQ(first_miss(disc(), obstacles, ends, kLimits), ends.size());
+  EXPECT_EQ(out.twist.front(), motion.twist.front());
+  EXPECT_EQ(out.twist.back(), Twist2{});
+  for (std::size_t k = 1; k < out.twist.size(); ++k)
+    EXPECT_LE(out.twist[k - 1].v - out.twist[k].v, kRobot.a_max * kLimits.dt + 1e-12) << k;
+}
+
+TEST(StoppedInTime, BrakesAfterTheFirstTwistIfItIsTooLate) {
+  const Forecast motion = straight(0.8);
+  const Forecast out = stopped_in_time(motion, disc(), std::vector{pillar(0.7)}, kLimits, kRobot);
+  EXPECT_EQ(out.twist[0], motion.twist[0]);
+  EXPECT_NEAR(out.twist[1].v, 0.8 - kRobot.a_max * kLimits.dt, 1e-12);
+}
+
+TEST(IsStuck, StandingIsStuckAndTheNominalTrajectoryIsNot) {
+  PlanRequest request{.method = Method::kIntention};
+  const Forecast nominal = straight(0.5);
+  EXPECT_TRUE(is_stuck(request, nominal, straight(0.0), 3.0, kRobot));
+  EXPECT_FALSE(is_stuck(request, nominal, nominal, 3.0, kRobot));
+}
+
+TEST(IsStuck, WhereThePersonHardlyMovesNothingIsStuck) {
+  PlanRequest request{.method = Method::kIntention};
+  EXPECT_FALSE(is_stuck(request, straight(0.05), straight(0.0), 3.0, kRobot));
+}
+
+TEST(IsStuck, TowardALeaderPartOfTheRobotsSpeedIsEnough) {
+  PlanRequest request{.method = Method::kLeader, .X_MG = {5.0, 0.0, 0.0}};
+  EXPECT_TRUE(is_stuck(request, straight(0.8), straight(0.1), 3.0, kRobot));
+  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.2), 3.0, kRobot));
+  request.X_MG.x = 0.2;
+  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.0), 3.0, kRobot)) << "it is there";
+}
+
+}  // namespace
+}  // namespace tandem
