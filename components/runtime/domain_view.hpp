@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tandem/runtime/node.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -38,7 +39,7 @@ struct Domain {
 };
 
 /// Collects while its node spins. Received samples are validated and their number is bounded.
-class DomainView {
+class TANDEM_EXPORT DomainView {
  public:
   explicit DomainView(Node& node);
   ~DomainView();

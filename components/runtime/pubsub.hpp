@@ -13,6 +13,7 @@
 #include <msgs.hpp>
 
 #include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -57,7 +58,7 @@ template <class M>
 using PublisherId = std::array<std::uint8_t, 16>;
 
 /// The type-erased part of Publisher<M>.
-class AnyPublisher {
+class TANDEM_EXPORT AnyPublisher {
  public:
   AnyPublisher() = default;
   AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<Codec> codec,
@@ -113,7 +114,7 @@ class GenericPublisher {
 };
 
 /// Calls its function for each message of a topic until it is destroyed.
-class Subscription {
+class TANDEM_EXPORT Subscription {
  public:
   Subscription() = default;
   Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<ReaderSet> readers);
@@ -146,7 +147,8 @@ struct Receiver {
 };
 
 /// Decodes plain CDR. Returns false, and never throws, if the bytes are not a message of the type.
-[[nodiscard]] bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type, void* message);
+[[nodiscard]] TANDEM_EXPORT bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type,
+                                        void* message);
 
 /// Decodes plain CDR with its encapsulation header; nullopt if the bytes are not a valid message.
 template <class M>
@@ -156,7 +158,7 @@ template <class M>
   return message;
 }
 /// Encodes a message as plain CDR with its encapsulation header; empty if it cannot be encoded.
-[[nodiscard]] std::vector<std::uint8_t> encode(TypeRef type, const void* message);
+[[nodiscard]] TANDEM_EXPORT std::vector<std::uint8_t> encode(TypeRef type, const void* message);
 template <class M>
 [[nodiscard]] std::vector<std::uint8_t> encode(const M& message) {
   return encode(type_ref<M>(), &message);
