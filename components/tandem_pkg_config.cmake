@@ -8,7 +8,7 @@ set(pkg_config_of_nlohmann_json::nlohmann_json nlohmann_json)
 set(pkg_config_of_PkgConfig::PNG libpng)
 set(pkg_config_of_octomap_lib octomap)
 # Without a .pc file, or linked in an order that matters.
-set(flags_of_ipopt_lib -Wl,--no-as-needed -ldmumps_seq -Wl,--as-needed -lipopt)
+set(flags_of_ipopt_lib ${TANDEM_SEQUENTIAL_MUMPS} -lipopt)
 set(flags_of_Threads::Threads -pthread)
 set(flags_of_${TANDEM_FASTDDS} -l${TANDEM_FASTDDS})
 set(flags_of_fastcdr -lfastcdr)

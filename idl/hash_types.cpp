@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Build step `hash_types OUT.cpp *.idl`: writes the type descriptions and type hashes that
-// type_hashes.hpp declares.
+// Build step `hash_types OUT IDL... [--known IDL...]`: writes C++ code that adds the type
+// descriptions and type hashes of the first files to those of type_hashes.hpp. The files after
+// --known define types that the first ones may use.
 //
 // Parses the subset of IDL that ROS 2's generator writes (modules, structures, constants),
 // describes each structure in the form of type_description_interfaces, and hashes the description
@@ -8,6 +9,7 @@
 // sorted by name.
 #include <openssl/sha.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <fstream>
@@ -37,19 +39,26 @@ struct Field {
 
 using Structures = std::map<std::string, std::vector<Field>>;
 
+// The index behind the string that begins at `at`.
+std::size_t end_of_string(const std::string& line, std::size_t at) {
+  while (++at < line.size() && line[at] != '"')
+    if (line[at] == '\\') ++at;
+  return std::min(at + 1, line.size());
+}
+
 std::vector<std::string> tokens_of(const std::string& path) {
   std::ifstream in{path};
   if (!in) throw std::runtime_error(path + ": cannot be read");
   std::vector<std::string> tokens;
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with("#")) continue;
-    line = line.substr(0, line.find("//"));
-    for (std::size_t i = 0; i < line.size();) {
+    for (std::size_t i = 0; i < line.size() && line.compare(i, 2, "//") != 0;) {
       const auto is_word = [&](std::size_t at) {
         return std::isalnum(static_cast<unsigned char>(line[at])) != 0 || line[at] == '_';
       };
       std::size_t end = i;
       while (end < line.size() && is_word(end)) ++end;
+      if (line[i] == '"') end = end_of_string(line, i);
       if (end == i) end = line.compare(i, 2, "::") == 0 ? i + 2 : i + 1;
       if (line[i] != ' ' && line[i] != '\t') tokens.push_back(line.substr(i, end - i));
       i = end;
@@ -211,49 +220,40 @@ std::string hash(const std::string& name, const Structures& all) {
   return result;
 }
 
-// package/kind/Name → package::kind::dds_::Name_
-std::string dds_name(const std::string& name) {
-  const auto first = name.find('/'), last = name.rfind('/');
-  return name.substr(0, first) + "::" + name.substr(first + 1, last - first - 1) +
-         "::dds_::" + name.substr(last + 1) + "_";
-}
-
-}  // namespace
-
-int main(int argc, char** argv) try {
-  Structures all;
-  for (int i = 2; i < argc; ++i) Parser{argv[i], all}.parse();
-  std::ostringstream rows, types, fields;
+// The structures of `all` that are not in `known`, as code.
+std::string code(const Structures& all, const Structures& known) {
+  std::ostringstream types, fields;
   std::size_t count = 0;
   for (const auto& [name, members] : all) {
-    const std::string its_hash = hash(name, all);
-    rows << "    {\"" << dds_name(name) << "\", \"" << its_hash << "\"},\n";
-    types << "    {\"" << name << "\", \"" << its_hash << "\", {kDescribedFields + " << count
+    if (known.contains(name)) continue;
+    types << "    {\"" << name << "\", \"" << hash(name, all) << "\", {kDescribedFields + " << count
           << ", " << members.size() << "}},\n";
     for (const Field& field : members)
       fields << "    {\"" << field.name << "\", " << field.type_id << ", " << field.capacity << ", "
              << field.string_capacity << ", \"" << field.nested << "\"},\n";
     count += members.size();
   }
+  return "#include \"type_hashes.hpp\"\n\n"
+         "namespace tandem::runtime {\nnamespace {\n\n"
+         "constexpr DescribedField kDescribedFields[] = {\n" +
+         fields.str() + "};\n\nconstexpr DescribedType kDescribedTypes[] = {\n" + types.str() +
+         "};\n\n[[maybe_unused]] const bool types_are_described = "
+         "add_described_types(kDescribedTypes);\n\n"
+         "}  // namespace\n}  // namespace tandem::runtime\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::vector<std::string> files{argv + 2, argv + argc};
+  const auto first_known = std::find(files.begin(), files.end(), "--known");
+  Structures known;
+  for (auto file = first_known; file != files.end(); ++file)
+    if (file != first_known) Parser{*file, known}.parse();
+  Structures all = known;
+  for (auto file = files.begin(); file != first_known; ++file) Parser{*file, all}.parse();
   std::ofstream out{argv[1]};
-  out << "#include \"type_hashes.hpp\"\n\n#include <map>\n\n"
-         "namespace tandem::runtime {\n\n"
-         "static const DescribedField kDescribedFields[] = {\n"
-      << fields.str()
-      << "};\n\n"
-         "const DescribedType* described_type(std::string_view name) {\n"
-         "  static const DescribedType types[] = {\n"
-      << types.str()
-      << "  };\n"
-         "  for (const auto& type : types)\n    if (type.name == name) return &type;\n"
-         "  return nullptr;\n}\n\n"
-         "std::string_view type_hash(std::string_view dds_type) {\n"
-         "  static const std::map<std::string_view, std::string_view> hashes{\n"
-      << rows.str()
-      << "  };\n"
-         "  const auto found = hashes.find(dds_type);\n"
-         "  return found == hashes.end() ? std::string_view{} : found->second;\n}\n\n"
-         "}  // namespace tandem::runtime\n";
+  out << code(all, known);
   return out.good() ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "hash_types: %s\n", error.what());

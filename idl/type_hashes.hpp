@@ -9,9 +9,9 @@
 
 namespace tandem::runtime {
 
-/// RIHS01 hash (REP-2016) of a structure of idl/*.idl, as "RIHS01_<64 hex digits>". `dds_type` is
-/// the name on the wire, "geometry_msgs::msg::dds_::Twist_". Empty for a type that idl/*.idl does
-/// not define.
+/// RIHS01 hash (REP-2016) of a type, as "RIHS01_<64 hex digits>". `dds_type` is the name on the
+/// wire, "geometry_msgs::msg::dds_::Twist_". Empty for a type that neither Tandem nor
+/// tandem_add_interfaces() of a loaded module defines. Thread-safe, as described_type() is.
 [[nodiscard]] std::string_view type_hash(std::string_view dds_type);
 
 /// A field in the form of type_description_interfaces/msg/Field, without its default value.
@@ -28,7 +28,11 @@ struct DescribedType {
   std::span<const DescribedField> fields;
 };
 
-/// Null for a type that idl/*.idl does not define.
+/// Null for a type without a description, as type_hash(). `name`: "geometry_msgs/msg/Twist".
 [[nodiscard]] const DescribedType* described_type(std::string_view name);
+
+/// Called by generated code when a program or module is loaded. `added` must live as long as the
+/// process. Of two types of the same name the first counts. Returns true.
+bool add_described_types(std::span<const DescribedType> added);
 
 }  // namespace tandem::runtime

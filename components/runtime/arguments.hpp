@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tandem/runtime/node.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -23,14 +24,16 @@ struct RosArguments {
 
 /// Applies the enclave, the log level and the stderr switch to the process immediately. Throws
 /// std::invalid_argument for an argument that ROS 2 would reject.
-[[nodiscard]] RosArguments parse_ros_arguments(const std::vector<std::string>& arguments);
+[[nodiscard]] TANDEM_EXPORT RosArguments
+parse_ros_arguments(const std::vector<std::string>& arguments);
 
 /// Node names in the rules that match none of `nodes`; those rules have no effect. Rules match the
 /// node's name before remapping; parameter rules also match the name after it.
-[[nodiscard]] std::vector<std::string> strangers_in(const RosArguments& arguments,
-                                                    const std::vector<NodeOptions>& nodes);
+[[nodiscard]] TANDEM_EXPORT std::vector<std::string> strangers_in(
+    const RosArguments& arguments, const std::vector<NodeOptions>& nodes);
 
 /// `options` overridden by the command line (including `__node`, `__name` and `__ns`).
-[[nodiscard]] NodeOptions with_arguments(NodeOptions options, const RosArguments& arguments);
+[[nodiscard]] TANDEM_EXPORT NodeOptions with_arguments(NodeOptions options,
+                                                       const RosArguments& arguments);
 
 }  // namespace tandem::runtime

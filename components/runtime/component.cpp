@@ -15,7 +15,9 @@
 #include <stdexcept>
 #include <thread>
 
+#include "tandem/config/printable.hpp"
 #include "tandem/runtime/detail/graph.hpp"
+#include "tandem/runtime/detail/module_file.hpp"
 #include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/names.hpp"
 
@@ -59,7 +61,40 @@ fs::path runtime_folder() {
   return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
 }
 
-// Component names for which `folder` has a library.
+fs::path file_of(const std::string& component) {
+  return std::string{kPrefix} + component + std::string{kSuffix};
+}
+
+std::vector<std::string> find_folders() {
+  std::vector<std::string> folders;
+  if (const char* path = std::getenv("TANDEM_COMPONENT_PATH")) {
+    std::istringstream stream{path};
+    for (std::string folder; std::getline(stream, folder, ':');)
+      if (!folder.empty()) folders.push_back(fs::absolute(folder));
+  }
+  folders.push_back(program_folder());
+  if (const auto folder = runtime_folder(); !folder.empty()) {
+    if (folder != program_folder()) folders.push_back(folder);
+    folders.push_back(folder / "tandem");
+  }
+  return folders;
+}
+
+// Why the module's code must not run in this process; empty if it may.
+std::string obstacle_to(const std::optional<ModuleInfo>& module, const std::string& component) {
+  if (!module)
+    return "is not a module of Tandem " TANDEM_ABI_VERSION
+           " (it does not contain TANDEM_COMPONENT, or was built for an older Tandem or another "
+           "machine); rebuild it against this Tandem";
+  if (module->abi != TANDEM_ABI_VERSION)
+    return "was built for Tandem " + printable(module->abi) +
+           ", this is Tandem " TANDEM_ABI_VERSION "; rebuild it against this Tandem";
+  if (module->component != component)
+    return "does not contain TANDEM_COMPONENT(…, \"" + component + "\")";
+  return "";
+}
+
+// Names of the components in `folder` whose modules may run in this process.
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;
   std::error_code missing;
@@ -67,7 +102,7 @@ std::set<std::string> names_in(const fs::path& folder) {
     const std::string file = entry.path().filename();
     if (!file.starts_with(kPrefix) || !file.ends_with(kSuffix)) continue;
     const auto name = file.substr(kPrefix.size(), file.size() - kPrefix.size() - kSuffix.size());
-    if (name != "runtime" && name != "msgs") names.insert(name);
+    if (obstacle_to(read_module(entry.path()), name).empty()) names.insert(name);
   }
   return names;
 }
@@ -86,25 +121,39 @@ std::string join(const std::set<std::string>& names) {
   throw std::invalid_argument(text.str());
 }
 
-// Never unloaded: the library's code is in use until the process ends.
-void open_library(const std::string& component) {
-  const std::string file = std::string{kPrefix} + component + std::string{kSuffix};
-  for (const auto& folder : component_folders()) {
-    const fs::path path = fs::path{folder} / file;
-    if (!fs::exists(path)) continue;
-    if (dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL) == nullptr)
-      throw std::invalid_argument("component '" + component + "': " + dlerror());
-    return;
+struct Module {
+  fs::path file;
+  std::string package;
+};
+
+// Throws std::invalid_argument as package_of() does.
+Module find_module(const std::string& component) {
+  check_module_name("component", component);
+  for (const fs::path folder : component_folders()) {
+    const fs::path file = folder / file_of(component);
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) continue;
+    const auto module = read_module(file);
+    if (const auto obstacle = obstacle_to(module, component); !obstacle.empty())
+      throw std::invalid_argument("component '" + component + "': " + file.string() + " " +
+                                  obstacle);
+    return {file, module->package.empty() ? component : module->package};
   }
   fail_unknown(component);
+}
+
+// Never unloaded: the library's code is in use until the process ends.
+void open_library(const std::string& component) {
+  if (dlopen(find_module(component).file.c_str(), RTLD_NOW | RTLD_LOCAL) == nullptr)
+    throw std::invalid_argument("component '" + component + "': " + dlerror());
 }
 
 Component find(const std::string& component) {
   if (const auto known = find_registered(component)) return *known;
   open_library(component);
   if (const auto loaded = find_registered(component)) return *loaded;
-  throw std::invalid_argument(std::string{kPrefix} + component + std::string{kSuffix} +
-                              " does not contain TANDEM_COMPONENT(…, \"" + component + "\")");
+  throw std::invalid_argument(file_of(component).string() + " registered no component '" +
+                              component + "'");
 }
 
 // Otherwise the checks of parameter names would refuse a parameter that exists.
@@ -138,18 +187,8 @@ bool register_component(const char* name, const Component& component) {
   return registry().components.emplace(name, component).second;
 }
 
-std::vector<std::string> component_folders() {
-  std::vector<std::string> folders;
-  if (const char* path = std::getenv("TANDEM_COMPONENT_PATH")) {
-    std::istringstream stream{path};
-    for (std::string folder; std::getline(stream, folder, ':');)
-      if (!folder.empty()) folders.push_back(folder);
-  }
-  folders.push_back(program_folder());
-  if (const auto folder = runtime_folder(); !folder.empty()) {
-    if (folder != program_folder()) folders.push_back(folder);
-    folders.push_back(folder / "tandem");
-  }
+const std::vector<std::string>& component_folders() {
+  static const std::vector<std::string> folders = find_folders();
   return folders;
 }
 
@@ -160,6 +199,8 @@ std::vector<std::string> list_components() {
   for (const auto& [name, component] : registry().components) names.insert(name);
   return {names.begin(), names.end()};
 }
+
+std::string package_of(const std::string& component) { return find_module(component).package; }
 
 ComponentDescription description_of(const std::string& component) {
   ComponentDescription description = find(component).describe();

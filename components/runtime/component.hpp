@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "tandem/runtime/interface.hpp"
+#include "tandem/runtime/module_mark.hpp"
 #include "tandem/runtime/node.hpp"
 #include "tandem/runtime/parameter_fields.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -30,7 +32,7 @@ struct Component {
 };
 
 /// Called by TANDEM_COMPONENT.
-bool register_component(const char* name, const Component& component);
+TANDEM_EXPORT bool register_component(const char* name, const Component& component);
 
 /// The component of class C, as TANDEM_COMPONENT registers it.
 template <class C>
@@ -53,6 +55,10 @@ template <class C>
           }};
 }
 
+#ifndef TANDEM_PACKAGE  // tandem_add_component defines it
+#define TANDEM_PACKAGE ""
+#endif
+
 /// Use once, in one .cpp of libtandem_<name>.so:
 /// `TANDEM_COMPONENT(tandem::SafetyFilterNode, "safety_filter")`.
 ///
@@ -60,31 +66,41 @@ template <class C>
 /// topics and services, and, if it declares parameters, their struct as `Params`.
 #define TANDEM_COMPONENT(Type, component_name)                                                     \
   namespace {                                                                                      \
+  [[gnu::used, gnu::section(".note.tandem"),                                                       \
+    gnu::aligned(4)]] constexpr ::tandem::runtime::ModuleMark tandem_module_mark{                  \
+      .component = component_name, .package = TANDEM_PACKAGE};                                     \
   [[maybe_unused]] const bool tandem_component_registered = ::tandem::runtime::register_component( \
       component_name, ::tandem::runtime::component_of<Type>());                                    \
   }
 
 /// Folders searched for libtandem_<name>.so, in this order: those of TANDEM_COMPONENT_PATH, the
-/// program's, that of libtandem_runtime.so and tandem/ in the latter.
-[[nodiscard]] std::vector<std::string> component_folders();
-/// Names of the components that can be loaded.
-[[nodiscard]] std::vector<std::string> list_components();
+/// program's, that of libtandem_runtime.so and tandem/ in the latter. Absolute, and found once:
+/// what becomes of the environment or the current folder later has no effect.
+[[nodiscard]] TANDEM_EXPORT const std::vector<std::string>& component_folders();
+/// Names of the components that can be loaded: registered ones, and those of modules that were
+/// built for this Tandem.
+[[nodiscard]] TANDEM_EXPORT std::vector<std::string> list_components();
 
-/// Loads the component's module, once per process, and returns what it registered. Throws
-/// std::invalid_argument for an unknown component (listing those found in each folder) and for a
-/// module that cannot be loaded.
-[[nodiscard]] ComponentDescription description_of(const std::string& component);
+/// The package (CMake project) that the component's module belongs to, read from its file without
+/// running its code. Throws std::invalid_argument for an invalid name, an unknown component
+/// (listing those found in each folder) and a module without a mark or of another version.
+[[nodiscard]] TANDEM_EXPORT std::string package_of(const std::string& component);
+
+/// Loads the component's module, once per process, and returns what it registered. Throws as
+/// package_of() does, before any code of the module runs, and std::invalid_argument for a module
+/// that cannot be loaded.
+[[nodiscard]] TANDEM_EXPORT ComponentDescription description_of(const std::string& component);
 
 /// Checks the parameters that a component would get, without running it. Throws
 /// std::invalid_argument with one line (origin, key, bound) for a value that is out of bounds or of
 /// another type and for a key that the component does not have, and as description_of() does.
-void check_parameters(const std::string& component, const NodeOptions& options);
+TANDEM_EXPORT void check_parameters(const std::string& component, const NodeOptions& options);
 
 /// Whether the runtime gives every node a parameter of that name (use_sim_time, qos_overrides.…).
-[[nodiscard]] bool is_parameter_of_every_node(const std::string& name);
+[[nodiscard]] TANDEM_EXPORT bool is_parameter_of_every_node(const std::string& name);
 
 /// A component, its node and the thread that spins it. Destruction stops it.
-class RunningComponent {
+class TANDEM_EXPORT RunningComponent {
  public:
   /// Loads and constructs; spins only after start(). Throws as description_of() does, whatever the
   /// component's constructor throws, and std::logic_error if it declared a parameter that its
@@ -107,6 +123,7 @@ class RunningComponent {
 };
 
 /// Constructs and starts a component.
-[[nodiscard]] RunningComponent load_component(const std::string& component, NodeOptions options);
+[[nodiscard]] TANDEM_EXPORT RunningComponent load_component(const std::string& component,
+                                                            NodeOptions options);
 
 }  // namespace tandem::runtime

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// Security settings from the environment.
@@ -32,21 +34,22 @@ struct Security {
 
 /// Whether a governance document, signed or not, protects every datagram in each of its domains and
 /// refuses unauthenticated participants.
-[[nodiscard]] bool protects_every_datagram(const std::string& governance);
+[[nodiscard]] TANDEM_EXPORT bool protects_every_datagram(const std::string& governance);
 
 /// Throws std::runtime_error naming a variable whose value ROS 2 does not define: rcl would read
 /// ROS_SECURITY_ENABLE=1 as false and communicate unsecured.
-[[nodiscard]] SecurityRequest read_security_request();
+[[nodiscard]] TANDEM_EXPORT SecurityRequest read_security_request();
 
 /// The properties of `enclave` ("/" or "/a/b"), or of the one that overrides it. Throws
 /// std::runtime_error if security is enforced and a file is missing, naming the file and the
 /// remedy.
-[[nodiscard]] Security find_security(const SecurityRequest& request, const std::string& enclave);
+[[nodiscard]] TANDEM_EXPORT Security find_security(const SecurityRequest& request,
+                                                   const std::string& enclave);
 
 /// The enclave of this process, "/" unless it is set before the first node. Throws
 /// std::invalid_argument for a name that is neither "/" nor of the form "/a/b".
-void set_enclave(const std::string& name);
+TANDEM_EXPORT void set_enclave(const std::string& name);
 /// The enclave in force.
-[[nodiscard]] std::string enclave();
+[[nodiscard]] TANDEM_EXPORT std::string enclave();
 
 }  // namespace tandem::runtime

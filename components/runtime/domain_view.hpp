@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tandem/runtime/node.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -41,7 +42,7 @@ struct Domain {
 };
 
 /// Collects while its node spins. Received samples are validated and their number is bounded.
-class DomainView {
+class TANDEM_EXPORT DomainView {
  public:
   /// Begins to collect; `node` must outlive this.
   explicit DomainView(Node& node);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tandem/runtime/dds_security.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -25,13 +26,13 @@ struct Environment {
 };
 
 /// The value of an environment variable; empty if it is not set.
-[[nodiscard]] std::string variable(const char* name);
+[[nodiscard]] TANDEM_EXPORT std::string variable(const char* name);
 
 /// TANDEM_MAX_SAMPLE_SIZE [bytes]: fragmented samples above it are dropped. Throws
 /// std::runtime_error if it is not an integer in the accepted range.
-[[nodiscard]] std::uint32_t largest_sample();
+[[nodiscard]] TANDEM_EXPORT std::uint32_t largest_sample();
 
 /// Throws std::runtime_error naming the variable, its value and the accepted values.
-[[nodiscard]] Environment read_environment();
+[[nodiscard]] TANDEM_EXPORT Environment read_environment();
 
 }  // namespace tandem::runtime

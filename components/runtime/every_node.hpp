@@ -5,6 +5,7 @@
 #include <msgs.hpp>
 
 #include "tandem/runtime/interface.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime::every_node {
 
@@ -50,6 +51,6 @@ inline constexpr ServiceName<type_description_interfaces::srv::GetTypeDescriptio
     get_type_description{"~/get_type_description"};
 
 /// All of them, as the node's options open them by default.
-[[nodiscard]] Interface interface();
+[[nodiscard]] TANDEM_EXPORT Interface interface();
 
 }  // namespace tandem::runtime::every_node

@@ -11,6 +11,7 @@
 #include "tandem/runtime/pubsub.hpp"
 #include "tandem/runtime/qos.hpp"
 #include "tandem/runtime/service.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -74,9 +75,9 @@ struct Interface {
 };
 
 /// Both together, for a component that uses an input class with an interface of its own.
-[[nodiscard]] Interface operator+(Interface first, const Interface& second);
+[[nodiscard]] TANDEM_EXPORT Interface operator+(Interface first, const Interface& second);
 
 /// The same with a further condition on each of its topics.
-[[nodiscard]] Interface only_if(const std::string& condition, Interface interface);
+[[nodiscard]] TANDEM_EXPORT Interface only_if(const std::string& condition, Interface interface);
 
 }  // namespace tandem::runtime

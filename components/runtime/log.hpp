@@ -11,6 +11,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// Levels of log lines, in rising order; kOff writes none.
@@ -51,17 +53,17 @@ struct LogLine {
 
 /// Sets the lowest level written by loggers that have no own level; initially TANDEM_LOG_LEVEL
 /// (debug, info, warn, error, off).
-void set_log_level(LogLevel level);
+TANDEM_EXPORT void set_log_level(LogLevel level);
 
 /// Whether lines go to stderr.
-void set_log_to_stderr(bool wanted);
+TANDEM_EXPORT void set_log_to_stderr(bool wanted);
 
 /// Case-insensitive; also accepts "warning" and ROS 2's "fatal". Throws std::invalid_argument for
 /// an unknown level.
-[[nodiscard]] LogLevel log_level_from(std::string_view name);
+[[nodiscard]] TANDEM_EXPORT LogLevel log_level_from(std::string_view name);
 
 /// Writes one line per event to stderr: `[level] [time] [node]: text`. Thread-safe.
-class Logger {
+class TANDEM_EXPORT Logger {
  public:
   /// Takes each line that is written, on the thread that logs.
   using Sink = std::function<void(const LogLine&)>;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/names.hpp"
 
+#include <algorithm>
 #include <stdexcept>
+
+#include "tandem/config/printable.hpp"
+#include "tandem/runtime/module_mark.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -72,6 +76,18 @@ NodeName make_node_name(const std::string& ns, const std::string& name) {
     throw std::invalid_argument("'" + ns +
                                 "' is not a valid namespace: use tokens separated by '/'");
   return result;
+}
+
+void check_module_name(const char* kind, const std::string& name) {
+  const auto is_lower = [](char c) { return c >= 'a' && c <= 'z'; };
+  const auto may_follow = [&](char c) { return is_lower(c) || is_digit(c) || c == '_'; };
+  if (!name.empty() && name.size() <= kMaxModuleName && is_lower(name.front()) &&
+      std::all_of(name.begin(), name.end(), may_follow))
+    return;
+  throw std::invalid_argument(
+      std::string{kind} + " '" + printable(shortened(name)) +
+      "': a name consists of a-z, 0-9 and _, begins with a letter and has at most " +
+      std::to_string(kMaxModuleName) + " characters");
 }
 
 std::string expand_name(std::string_view name, const NodeName& node) {

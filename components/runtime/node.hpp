@@ -21,6 +21,7 @@
 #include "tandem/runtime/service.hpp"
 #include "tandem/runtime/time.hpp"
 #include "tandem/runtime/timer.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem {
 namespace runtime {
@@ -43,7 +44,7 @@ struct NodeOptions {
 
 /// A ROS 2 node. Its callbacks run one after another on the thread that spins it. Only stop(),
 /// log() and steady_now() may be called from other threads while the node spins.
-class Node {
+class TANDEM_EXPORT Node {
  public:
   static constexpr double kClockSilence = 0.5;  ///< [s] of steady time
 

@@ -11,6 +11,7 @@
 #include <msgs.hpp>
 
 #include "tandem/config/params.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -53,24 +54,25 @@ template <class P>
 }
 
 /// Throws std::invalid_argument naming value and bound if the field is outside its declared limits.
-void check(const Field& field);
+TANDEM_EXPORT void check(const Field& field);
 
 /// The field's value as a ROS 2 message.
-[[nodiscard]] rcl_interfaces::msg::ParameterValue value_of(const Field& field);
+[[nodiscard]] TANDEM_EXPORT rcl_interfaces::msg::ParameterValue value_of(const Field& field);
 
 /// Throws std::invalid_argument if `value` has a different type than the field. Accepts an integer
 /// for a real number (unlike rclcpp) and an empty list for any list. Does not check limits; check()
 /// does.
-void assign(const Field& field, const rcl_interfaces::msg::ParameterValue& value);
+TANDEM_EXPORT void assign(const Field& field, const rcl_interfaces::msg::ParameterValue& value);
 
 /// Type, bounds, choices and meaning of the field.
-[[nodiscard]] rcl_interfaces::msg::ParameterDescriptor descriptor_of(const Field& field,
-                                                                     bool read_only);
+[[nodiscard]] TANDEM_EXPORT rcl_interfaces::msg::ParameterDescriptor descriptor_of(
+    const Field& field, bool read_only);
 
 /// Parses YAML text as a parameter value; quoted values are strings. PARAMETER_NOT_SET if invalid.
-[[nodiscard]] rcl_interfaces::msg::ParameterValue value_from_yaml(const std::string& yaml);
+[[nodiscard]] TANDEM_EXPORT rcl_interfaces::msg::ParameterValue value_from_yaml(
+    const std::string& yaml);
 
 /// The value as one line of readable text.
-[[nodiscard]] std::string to_text(const rcl_interfaces::msg::ParameterValue& value);
+[[nodiscard]] TANDEM_EXPORT std::string to_text(const rcl_interfaces::msg::ParameterValue& value);
 
 }  // namespace tandem::runtime

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tandem/runtime/parameter_fields.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -28,7 +29,7 @@ struct ParameterGroup {
 };
 
 /// A node's declared parameters. Use on the node's thread only.
-class ParameterTable {
+class TANDEM_EXPORT ParameterTable {
  public:
   /// Names of parameters.
   using Names = std::vector<std::string>;

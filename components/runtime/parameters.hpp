@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tandem/runtime/parameter_fields.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -30,7 +31,7 @@ struct ParameterSources {
 };
 
 /// A node's given parameters, before any struct has declared them.
-class ParameterStore {
+class TANDEM_EXPORT ParameterStore {
  public:
   /// Throws std::runtime_error naming file and line if a file is missing or not of ROS 2's form.
   ParameterStore(std::string fully_qualified_name, const ParameterSources& sources);
@@ -72,7 +73,7 @@ class ParameterStore {
 };
 
 /// Keys of `/**` sections that no node of this process has declared so far: "file:line: key".
-[[nodiscard]] std::vector<std::string> unused_wildcard_keys();
+[[nodiscard]] TANDEM_EXPORT std::vector<std::string> unused_wildcard_keys();
 
 /// A params struct whose values may be replaced between callbacks. Behaves as a `const P*`.
 template <class P>

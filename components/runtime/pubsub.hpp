@@ -13,6 +13,7 @@
 #include <msgs.hpp>
 
 #include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -58,7 +59,7 @@ template <class M>
 using PublisherId = std::array<std::uint8_t, 16>;
 
 /// The type-erased part of `Publisher<M>`.
-class AnyPublisher {
+class TANDEM_EXPORT AnyPublisher {
  public:
   AnyPublisher() = default;
   /// Made by Node.
@@ -123,7 +124,7 @@ class GenericPublisher {
 };
 
 /// Calls its function for each message of a topic until it is destroyed.
-class Subscription {
+class TANDEM_EXPORT Subscription {
  public:
   Subscription() = default;
   /// Made by Node::create_subscription().
@@ -157,7 +158,8 @@ struct Receiver {
 };
 
 /// Decodes plain CDR. Returns false, and never throws, if the bytes are not a message of the type.
-[[nodiscard]] bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type, void* message);
+[[nodiscard]] TANDEM_EXPORT bool decode(const std::vector<std::uint8_t>& bytes, TypeRef type,
+                                        void* message);
 
 /// Decodes plain CDR with its encapsulation header; nullopt if the bytes are not a valid message.
 template <class M>
@@ -167,7 +169,7 @@ template <class M>
   return message;
 }
 /// Encodes a message as plain CDR with its encapsulation header; empty if it cannot be encoded.
-[[nodiscard]] std::vector<std::uint8_t> encode(TypeRef type, const void* message);
+[[nodiscard]] TANDEM_EXPORT std::vector<std::uint8_t> encode(TypeRef type, const void* message);
 template <class M>
 [[nodiscard]] std::vector<std::uint8_t> encode(const M& message) {
   return encode(type_ref<M>(), &message);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// Whether lost messages are sent again.
@@ -40,7 +42,7 @@ constexpr QoS kBestEffort(int depth) {
 }
 
 /// The QoS in one line, as "reliable, transient local, depth 1".
-[[nodiscard]] std::string to_text(const QoS& qos);
+[[nodiscard]] TANDEM_EXPORT std::string to_text(const QoS& qos);
 
 /// The policies by which DDS decides whether two endpoints are compatible. Kinds are in DDS's
 /// order: a higher value is a stronger guarantee.
@@ -52,7 +54,7 @@ struct Policies {
 };
 
 /// The policies that an endpoint with this QoS announces.
-[[nodiscard]] Policies policies_of(const QoS& qos);
+[[nodiscard]] TANDEM_EXPORT Policies policies_of(const QoS& qos);
 
 /// A policy whose offered value is weaker than the requested one, as text.
 struct QosMismatch {
@@ -62,14 +64,15 @@ struct QosMismatch {
 /// The parameter below qos_overrides and the topic's name that resolves the mismatch, for example
 /// "reliability: best_effort", set either at the subscription (`at_subscription`) or at the
 /// publisher. Empty if no parameter does.
-[[nodiscard]] std::string override_for(const QosMismatch& mismatch, bool at_subscription);
+[[nodiscard]] TANDEM_EXPORT std::string override_for(const QosMismatch& mismatch,
+                                                     bool at_subscription);
 
 /// QoS of a subscription with that depth that is compatible with all of these publishers.
-[[nodiscard]] QoS request_for(const std::vector<Policies>& offered, int depth);
+[[nodiscard]] TANDEM_EXPORT QoS request_for(const std::vector<Policies>& offered, int depth);
 
 /// The policies in which the offer does not satisfy the request; empty if compatible.
-[[nodiscard]] std::vector<QosMismatch> qos_mismatches(const Policies& offered,
-                                                      const Policies& requested);
+[[nodiscard]] TANDEM_EXPORT std::vector<QosMismatch> qos_mismatches(const Policies& offered,
+                                                                    const Policies& requested);
 
 }  // namespace tandem::runtime
 

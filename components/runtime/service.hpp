@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tandem/runtime/pubsub.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -28,7 +29,7 @@ struct ServiceInfo {
 };
 
 /// Answers requests until it is destroyed.
-class Service {
+class TANDEM_EXPORT Service {
  public:
   Service() = default;
   /// Made by Node::create_service().
@@ -45,7 +46,7 @@ class Service {
 };
 
 /// The type-erased part of `Client<S>`.
-class AnyClient {
+class TANDEM_EXPORT AnyClient {
  public:
   AnyClient() = default;
   /// Without codecs: for requests and responses in bytes only.

@@ -4,12 +4,14 @@
 #include <functional>
 #include <memory>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 class NodeCore;
 
 /// A fixed-period schedule. Missed ticks are skipped, never replayed.
-class Beat {
+class TANDEM_EXPORT Beat {
  public:
   /// The first tick is one period [s] after `start` [s]. Throws std::invalid_argument unless
   /// period > 0.
@@ -28,7 +30,7 @@ class Beat {
 struct TimerState;
 
 /// Calls its function at a fixed rate on the node's thread until it is destroyed.
-class Timer {
+class TANDEM_EXPORT Timer {
  public:
   Timer() = default;
   /// Made by Node::create_timer().

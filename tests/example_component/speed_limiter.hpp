@@ -21,12 +21,10 @@ struct SpeedLimits {
   }
 };
 
-/// `twist` [m/s, rad/s], scaled down until it is within the limits.
-[[nodiscard]] inline tandem::Twist2 limited(const tandem::Twist2& twist,
-                                            const SpeedLimits& limits) {
-  const double excess = std::max(
-      {1.0, std::abs(twist.v) / limits.max_speed, std::abs(twist.w) / limits.max_turn_rate});
-  return {twist.v / excess, twist.w / excess};
+/// The factor, at most 1, by which `twist` [m/s, rad/s] is scaled down to be within the limits.
+[[nodiscard]] inline double factor_for(const tandem::Twist2& twist, const SpeedLimits& limits) {
+  return 1.0 / std::max({1.0, std::abs(twist.v) / limits.max_speed,
+                         std::abs(twist.w) / limits.max_turn_rate});
 }
 
 }  // namespace example

@@ -6,16 +6,11 @@
 namespace example {
 namespace {
 
-TEST(SpeedLimiter, PassesWhatIsWithinTheLimits) {
-  const auto out = limited({0.3, -0.5}, {});
-  EXPECT_EQ(out.v, 0.3);
-  EXPECT_EQ(out.w, -0.5);
-}
+TEST(SpeedLimiter, PassesWhatIsWithinTheLimits) { EXPECT_EQ(factor_for({0.3, -0.5}, {}), 1.0); }
 
-TEST(SpeedLimiter, KeepsTheCurvatureOfWhatItLimits) {
-  const auto out = limited({-2.0, 0.4}, {.max_speed = 0.5});
-  EXPECT_EQ(out.v, -0.5);
-  EXPECT_DOUBLE_EQ(out.w, 0.1);
+TEST(SpeedLimiter, ScalesSpeedAndTurnRateByTheSameFactor) {
+  EXPECT_DOUBLE_EQ(factor_for({-2.0, 0.4}, {.max_speed = 0.5}), 0.25);
+  EXPECT_DOUBLE_EQ(factor_for({0.1, 1.6}, {.max_turn_rate = 0.8}), 0.5);
 }
 
 }  // namespace

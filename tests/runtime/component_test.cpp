@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <variant>
 
+#include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 
@@ -50,6 +54,71 @@ TEST(Component, UnknownIsRefusedWithTheListOfKnownOnes) {
     EXPECT_NE(text.find("nonsense"), std::string::npos) << text;
     EXPECT_NE(text.find("test_component"), std::string::npos) << text;
   }
+}
+
+// The error of loading that component; empty if it is loaded.
+std::string refusal_of(const std::string& component) {
+  try {
+    (void)rt::description_of(component);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+TEST(Component, OfAnotherVersionIsRefusedBeforeItsCodeRuns) {
+  const std::string text = refusal_of("outdated");
+  EXPECT_NE(text.find("libtandem_outdated.so was built for Tandem 0.1, this is Tandem " +
+                      std::string{TANDEM_ABI_VERSION} + "; rebuild it"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(std::getenv("TANDEM_REFUSED_MODULE_HAS_RUN"), nullptr);
+}
+
+TEST(Component, WithoutAMarkIsRefusedBeforeItsCodeRuns) {
+  const std::string text = refusal_of("unmarked");
+  EXPECT_NE(text.find("libtandem_unmarked.so is not a module of Tandem"), std::string::npos)
+      << text;
+  EXPECT_EQ(std::getenv("TANDEM_REFUSED_MODULE_HAS_RUN"), nullptr);
+}
+
+TEST(Component, ThatCannotBeLoadedIsNotListed) {
+  const auto names = rt::list_components();
+  EXPECT_EQ(std::count(names.begin(), names.end(), "outdated"), 0);
+  EXPECT_EQ(std::count(names.begin(), names.end(), "unmarked"), 0);
+}
+
+// Whatever a module's first bytes say, reading its mark neither crashes nor runs it.
+TEST(Component, WhoseFileIsCutOffIsRefused) {
+  const std::filesystem::path whole{test::binary_path("tests/libtandem_test_component.so")};
+  const auto cut = std::filesystem::path{test::binary_path("tests")} / "libtandem_cut_off.so";
+  std::ifstream in{whole, std::ios::binary};
+  const std::string bytes{std::istreambuf_iterator<char>{in}, {}};
+  ASSERT_GT(bytes.size(), 1000u);
+  for (const std::size_t size : {0, 3, 16, 64, 100, 500}) {
+    std::ofstream{cut, std::ios::binary}.write(bytes.data(), static_cast<std::streamsize>(size));
+    EXPECT_NE(refusal_of("cut_off").find("is not a module of Tandem"), std::string::npos) << size;
+  }
+  std::filesystem::remove(cut);
+}
+
+TEST(Component, NameThatIsNoFileNameIsRefused) {
+  for (const std::string& name :
+       {std::string{"../../x"}, std::string{"/tmp/x"}, std::string{}, std::string(300, 'a'),
+        std::string{"Teleop"}, std::string{"a\nb"}})
+    EXPECT_NE(refusal_of(name).find("a name consists of a-z, 0-9 and _"), std::string::npos)
+        << name;
+}
+
+TEST(Component, BelongsToAPackage) {
+  EXPECT_EQ(rt::package_of("test_component"), "test_component");
+}
+
+TEST(Component, FoldersDoNotChangeAfterTheStart) {
+  const auto before = rt::component_folders();
+  setenv("TANDEM_COMPONENT_PATH", "/tmp", 1);
+  EXPECT_EQ(rt::component_folders(), before);
+  unsetenv("TANDEM_COMPONENT_PATH");
 }
 
 TEST(Component, WithAnUnknownParameterIsRefused) {

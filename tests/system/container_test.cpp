@@ -61,6 +61,8 @@ class ContainerOverDds : public testing::Test {
     EXPECT_NE(answer.error_message().find(reason), std::string::npos) << answer.error_message();
   }
 
+  // Where a third party's module lies, besides Tandem's own.
+  const int environment_ = setenv("TANDEM_COMPONENT_PATH", binary_path("tests").c_str(), 1);
   ChildProcess container_{"../tandem", {"container"}};
   rt::Node node_{"tester"};
   rt::Client<srv::LoadNode> load_ =
@@ -105,7 +107,9 @@ TEST_F(ContainerOverDds, AnswersBadRequestsWithTheReasonAndGoesOn) {
   request.package_name("tandem_teleop");
   expect_refused(request, "package 'tandem_teleop' has no plugin 'tandem::Arbitration'");
   request.package_name("composition");
-  expect_refused(request, "package 'composition' is unknown");
+  expect_refused(
+      request,
+      "package 'composition' has no plugin 'tandem::Arbitration'; package 'tandem' has it");
   request = arbitration();
   request.parameters({parameter("user_timeuot", 1.0)});
   expect_refused(request, "user_timeuot");
@@ -129,6 +133,33 @@ TEST_F(ContainerOverDds, AnswersBadRequestsWithTheReasonAndGoesOn) {
   EXPECT_FALSE(unknown.success());
   EXPECT_EQ(unknown.error_message(), "No node found with unique_id: 7");
   EXPECT_EQ(list().full_node_names(), (std::vector<std::string>{"/arbitration"}));
+}
+
+TEST_F(ContainerOverDds, LoadsTheModulesOfAThirdPartysPackage) {
+  LoadNode_Request request;
+  request.package_name("test_component");
+  request.plugin_name("third_party::TestComponent");
+  const auto loaded = load(request);
+  ASSERT_TRUE(loaded.success()) << loaded.error_message();
+  EXPECT_EQ(loaded.full_node_name(), "/test_component");
+  request.package_name("tandem");
+  expect_refused(request, "package 'test_component' has it");
+}
+
+// Any program on the bus may call load_node, which must not open files elsewhere.
+TEST_F(ContainerOverDds, RefusesNamesThatAreNoNamesOfPackagesAndPlugins) {
+  const std::string error = ": a name consists of a-z, 0-9 and _";
+  auto request = arbitration();
+  for (const auto& name :
+       {std::string{"../../x"}, std::string{"/tmp/x"}, std::string{}, std::string(300, 'a')}) {
+    request = arbitration();
+    request.plugin_name(name);
+    expect_refused(request, error);
+    request = arbitration();
+    request.package_name(name);
+    expect_refused(request, error);
+  }
+  EXPECT_TRUE(load(arbitration()).success());
 }
 
 TEST_F(ContainerOverDds, EndsAtASignalWithItsComponents) {

@@ -18,6 +18,7 @@
 #include "bringup/cli/teleop_command.hpp"
 #include "bringup/system/container.hpp"
 #include "bringup/system/doctor.hpp"
+#include "tandem/version.hpp"
 
 namespace {
 

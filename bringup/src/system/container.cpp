@@ -8,6 +8,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "tandem/runtime/arguments.hpp"
+#include "tandem/runtime/names.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
 namespace tandem {
@@ -96,12 +97,12 @@ void check_extra(const Parameter& extra) {
 }  // namespace
 
 std::string component_of(const std::string& package, const std::string& plugin) {
+  rt::check_module_name("package", package);
   const std::string name = snake_case(plugin);
-  if (package != "tandem" && !package.starts_with("tandem_"))
-    throw std::invalid_argument("package '" + package +
-                                "' is unknown; available: tandem and tandem_<component>");
-  if (package != "tandem" && package != "tandem_" + name)
-    throw std::invalid_argument("package '" + package + "' has no plugin '" + plugin + "'");
+  const std::string owner = rt::package_of(name);
+  if (package != owner && package != owner + "_" + name)
+    throw std::invalid_argument("package '" + package + "' has no plugin '" + plugin +
+                                "'; package '" + owner + "' has it");
   return name;
 }
 

@@ -11,9 +11,10 @@
 
 namespace tandem {
 
-/// The component for a ROS 2 package and plugin name: ("tandem_local_planner",
-/// "tandem::LocalPlanner") and ("tandem", "tandem::LocalPlanner") are local_planner. Throws
-/// std::invalid_argument if the package is not ours or does not contain the plugin.
+/// The component for a ROS 2 package and plugin name: ("tandem", "tandem::LocalPlanner") and
+/// ("tandem_local_planner", "tandem::LocalPlanner") are local_planner. The package is that of the
+/// module, Tandem's or a third party's. Throws std::invalid_argument if it does not contain the
+/// plugin, and as rt::package_of() does. Loads nothing.
 [[nodiscard]] std::string component_of(const std::string& package, const std::string& plugin);
 
 /// Parses a load request. Throws std::invalid_argument for an invalid remap rule or value.

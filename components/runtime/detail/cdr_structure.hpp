@@ -11,10 +11,12 @@
 #include <string_view>
 #include <vector>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// The plain CDR (XCDR1) layout of a type from idl/*.idl.
-class CdrStructure {
+class TANDEM_EXPORT_FOR_TESTS CdrStructure {
  public:
   /// The layout of a type such as "geometry_msgs/msg/Twist", cached by name. Null for a type that
   /// is not in idl/.

@@ -9,6 +9,7 @@
 
 #include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/pubsub.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -20,7 +21,7 @@ class CdrStructure;
 [[nodiscard]] std::size_t largest_sample_of(std::string_view type);
 
 /// Encodes and decodes one message type as plain CDR.
-class Codec {
+class TANDEM_EXPORT_FOR_TESTS Codec {
  public:
   explicit Codec(const TypeRef& type);
 

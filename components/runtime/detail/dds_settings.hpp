@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// Throws std::runtime_error naming the variable, the fault and the remedy. Fast DDS would only log
@@ -14,6 +16,6 @@ void check_dds_settings();
 /// Throws std::runtime_error if `servers` is not a valid ROS_DISCOVERY_SERVER: locators separated
 /// by ';', possibly empty, each of the form HOST, HOST:PORT, [IPV6]:PORT or one of these in the
 /// form UDPv4:[HOST]:PORT (UDPv6, TCPv4, TCPv6), where HOST is an address or a name that resolves.
-void check_discovery_servers(const std::string& servers);
+TANDEM_EXPORT_FOR_TESTS void check_discovery_servers(const std::string& servers);
 
 }  // namespace tandem::runtime

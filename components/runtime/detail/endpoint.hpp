@@ -13,6 +13,7 @@
 #include "tandem/runtime/detail/participant.hpp"
 #include "tandem/runtime/detail/transit.hpp"
 #include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -30,7 +31,7 @@ struct Endpoint {
 };
 
 /// Receives the samples of a topic as bytes.
-class Reader {
+class TANDEM_EXPORT_FOR_TESTS Reader {
  public:
   /// Returns false for bytes that are not a valid message of the type.
   using Deliver = std::function<bool(const Bytes&, const fdds::SampleInfo&)>;
@@ -75,7 +76,7 @@ class Reader {
 };
 
 /// Writes bytes to a topic.
-class Writer {
+class TANDEM_EXPORT_FOR_TESTS Writer {
  public:
   Writer(Participant& participant, const Endpoint& endpoint);
   ~Writer();

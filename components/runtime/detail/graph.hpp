@@ -9,11 +9,12 @@
 #include "tandem/runtime/detail/codec.hpp"
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/names.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
 /// Publishes which endpoints each node of this process has, after each change or batch of changes.
-class Graph {
+class TANDEM_EXPORT_FOR_TESTS Graph {
  public:
   /// kOwn: the process's nodes. kHidden: the same nodes under hidden names ("_name_2"), so that
   /// tools do not list a node twice; each is published only while it has an endpoint here.

@@ -10,6 +10,7 @@
 #include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/detail/discovery.hpp"
 #include "tandem/runtime/environment.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -38,7 +39,7 @@ class SharedTopic {
 
 /// The process's DomainParticipant; exists as long as any node does. Uses UDPv4 unless an XML
 /// profiles file names other transports; all UDP transports are behind the process's WireGuard.
-class Participant {
+class TANDEM_EXPORT_FOR_TESTS Participant {
  public:
   /// The participant of this process, created on first use. Throws std::runtime_error if the
   /// environment is invalid or DDS refuses to create it.

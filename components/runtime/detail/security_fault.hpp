@@ -4,10 +4,12 @@
 
 #include <string>
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// Describes the first fault in the files of an enclave's folder, such as "cert.pem has expired".
 /// Empty if keys, certificates and signatures are consistent.
-[[nodiscard]] std::string security_fault(const std::string& folder);
+[[nodiscard]] TANDEM_EXPORT_FOR_TESTS std::string security_fault(const std::string& folder);
 
 }  // namespace tandem::runtime

@@ -2,6 +2,8 @@
 // Detects late samples from their send and receive times, without synchronized clocks.
 #pragma once
 
+#include "tandem/runtime/visibility.hpp"
+
 namespace tandem::runtime {
 
 /// Detects samples of one writer whose transit exceeds its usual minimum by more than the lifespan,
@@ -10,7 +12,7 @@ namespace tandem::runtime {
 /// The clocks need not be synchronized. The minimum of (taken − sent) estimates the clock offset
 /// plus the shortest delay; it follows slow growth (clock drift) and lasting jumps (a clock was
 /// set).
-class Transit {
+class TANDEM_EXPORT_FOR_TESTS Transit {
  public:
   static constexpr double kDrift = 1e-3;   ///< maximum clock drift [s/s]
   static constexpr double kForGood = 1.0;  ///< [s] until a lasting delay is the new minimum
