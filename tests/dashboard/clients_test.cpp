@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The dashboard of a whole system, and clients of it that are not ours: Python's websockets
-// (client.py), installed by tests/interop/build_peers; skipped where they could not be.
+// (checks.py), installed by tests/interop/build_peers; skipped where they could not be.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -28,7 +28,7 @@ const std::string kTandem = binary_path("tandem");
 const std::string kSystems = source_path("bringup/systems");
 
 std::vector<std::string> client_arguments(const std::string& check) {
-  return {source_path("tests/dashboard/client.py"), kTandem, kSystems + "/teleop.yaml", check};
+  return {source_path("tests/dashboard/checks.py"), kTandem, kSystems + "/teleop.yaml", check};
 }
 
 // Two minutes with five clients at a robot of their own, in a domain of its own, beside the other

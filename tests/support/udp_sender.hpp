@@ -21,6 +21,9 @@ class RtpsPorts {
     return port(10 + 2 * participant);
   }
   [[nodiscard]] static std::uint16_t user(int participant) { return port(11 + 2 * participant); }
+  [[nodiscard]] static bool in_domain(std::uint16_t port) {
+    return port >= multicast() && port < multicast() + 250;
+  }
 
  private:
   static std::uint16_t port(int offset) {

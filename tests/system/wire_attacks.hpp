@@ -13,6 +13,7 @@
 
 #include "runtime/datagram.hpp"
 #include "support/memory_of.hpp"
+#include "support/udp_losses.hpp"
 #include "support/udp_sender.hpp"
 #include "system/system_under_test.hpp"
 
@@ -64,9 +65,7 @@ class LoopbackTap {
     if (packet[9] != kUdp || packet.size() < header + 28) return;
     const auto port = static_cast<std::uint16_t>(packet[header + 2] << 8 | packet[header + 3]);
     const Octets octets{packet.begin() + static_cast<std::ptrdiff_t>(header) + 8, packet.end()};
-    if (octets[0] != 'R' || octets[1] != 'T' || port < RtpsPorts::multicast() ||
-        port >= RtpsPorts::multicast() + 250)
-      return;
+    if (octets[0] != 'R' || octets[1] != 'T' || !RtpsPorts::in_domain(port)) return;
     heard.push_back({octets, port});
   }
 
@@ -159,20 +158,23 @@ class AttackedSystem {
     return system_.wait_until([&] { return system_.stands(); }, 10.0);
   }
 
-  /// Sends `count` mutated datagrams, half from the corpus and half from `session`.
-  void send_mutated(long count, const std::vector<Stamped>& session, unsigned seed) {
+  /// Sends `count` mutated datagrams, half from the corpus and half from `session`, to ports on
+  /// which somebody listens. Returns how many reached a guard: those sent without those of this
+  /// domain, mutated or not, that the kernel discarded meanwhile.
+  [[nodiscard]] long send_mutated(long count, const std::vector<Stamped>& session, unsigned seed) {
     Mutator mutator{seed};
-    std::vector<Octets> corpus;
-    for (const char* folder : {"hostile", "sessions"})
-      for (const auto& file : datagram_files(folder)) corpus.push_back(read(file));
+    const auto before = udp_losses();
+    long sent = 0;
     for (long i = 0; i < count; ++i) {
       const auto& heard = session[mutator.below(session.size())];
-      if (i % 2 == 0)
-        sender_.send(mutator.mutate(heard.octets), heard.port);
-      else
-        sender_.send(mutator.mutate(corpus[mutator.below(corpus.size())]), heard.port);
+      const bool of_session = i % 2 == 0;
+      const Octets& octets = of_session ? heard.octets : corpus_[mutator.below(corpus_.size())];
       pace(i);
+      if (!before.contains(heard.port)) continue;
+      sender_.send(mutator.mutate(octets), heard.port);
+      ++sent;
     }
+    return sent - lost_since(before);
   }
 
   /// Announces `count` participants and endpoints that do not exist: one participant for each three
@@ -192,6 +194,20 @@ class AttackedSystem {
   void pace(long sent) {
     constexpr long kBurst = 20;
     if (sent % kBurst == 0) system_.node().spin_some(0.002);
+  }
+
+  static std::vector<Octets> corpus() {
+    std::vector<Octets> corpus;
+    for (const char* folder : {"hostile", "sessions"})
+      for (const auto& file : datagram_files(folder)) corpus.push_back(read(file));
+    return corpus;
+  }
+  static long lost_since(const std::map<std::uint16_t, long>& before) {
+    long lost = 0;
+    for (const auto& [port, count] : udp_losses())
+      if (const auto old = before.find(port); RtpsPorts::in_domain(port) && old != before.end())
+        lost += count - old->second;
+    return lost;
   }
 
   static Octets prefix(long participant) {
@@ -252,6 +268,7 @@ class AttackedSystem {
   rt::Subscription diagnostics_;
   std::map<std::string, std::map<std::string, double>> counts_;
   std::map<std::string, double> before_;
+  const std::vector<Octets> corpus_ = corpus();
   UdpSender sender_;
 };
 
