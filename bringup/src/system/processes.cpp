@@ -11,6 +11,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "bringup/system/service_manager.hpp"
 #include "tandem/runtime/node.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
@@ -20,6 +21,7 @@ namespace {
 constexpr double kPatience = 2.0;      // [s] between SIGTERM and SIGKILL
 constexpr double kPollPeriod = 0.05;   // [s] between checks for ended children
 constexpr double kHealthyStart = 5.0;  // [s] exiting earlier indicates a configuration error
+constexpr double kAlivePeriod = 1.0;   // [s] between reports to the service manager
 constexpr double kStarted = -1.0;      // [s] start time that marks a pending process as started
 
 rt::Logger& log() {
@@ -114,8 +116,17 @@ void Processes::start_pending() {
 }
 
 int Processes::run() {
+  notify_service_manager("READY=1");
+  double reported = rt::steady_seconds();
   while (!children_.empty() || !pending_.empty()) {
-    if (rt::wait_for_shutdown(kPollPeriod)) return died_ ? 1 : 0;
+    if (rt::wait_for_shutdown(kPollPeriod)) {
+      notify_service_manager("STOPPING=1");
+      return died_ ? 1 : 0;
+    }
+    if (const double now = rt::steady_seconds(); now - reported >= kAlivePeriod) {
+      notify_service_manager("WATCHDOG=1");
+      reported = now;
+    }
     start_pending();
     const std::size_t before = children_.size();
     reap(false);

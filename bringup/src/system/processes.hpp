@@ -34,8 +34,9 @@ class Processes {
   void start(const ProcessPlan& plan);
 
   /// Watches the children until a shutdown (SIGINT, SIGTERM) or until none is left; each death is
-  /// logged, the others run on, and those that respawn start again after respawn_delay(). The exit
-  /// status: 0 after a shutdown, 1 if one died by itself.
+  /// logged, the others run on, and those that respawn start again after respawn_delay(). Tells the
+  /// service manager that the processes were started, and every second that this one is alive. The
+  /// exit status: 0 after a shutdown, 1 if one died by itself.
   int run();
 
  private:
