@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius = 0.3;  // [m] of the robot, one disc
 constexpr PairLimits kLimits{.margin = 0.05, .dt = 0.25};
-const RobotParams kRobot{};
+const RobotParams kRobotParams{};
 
 Body disc() { return {{}, {{{0.0, 0.0}, kRadius}}, true}; }
 
@@ -65,47 +65,48 @@ TEST(PointsBeside, AreClearOfAMovingObstacleWhenTheRobotGetsThere) {
 TEST(StoppedInTime, AClearMotionIsUnchanged) {
   const Forecast motion = straight(0.8);
   const Forecast out =
-      stopped_in_time(motion, disc(), std::vector{pillar(1.0, 2.0)}, kLimits, kRobot);
+      stopped_in_time(motion, disc(), std::vector{pillar(1.0, 2.0)}, kLimits, kRobotParams);
   EXPECT_EQ(out.twist, motion.twist);
 }
 
 TEST(StoppedInTime, EndsBeforeTheObstacleAndBrakesNoHarderThanTheRobotCan) {
   const std::vector obstacles{pillar(1.7)};
   const Forecast motion = straight(0.6);
-  const Forecast out = stopped_in_time(motion, disc(), obstacles, kLimits, kRobot);
+  const Forecast out = stopped_in_time(motion, disc(), obstacles, kLimits, kRobotParams);
   const auto ends = std::span(out.X_MB).subspan(1);
   EXPECT_EQ(first_miss(disc(), obstacles, ends, kLimits), ends.size());
   EXPECT_EQ(out.twist.front(), motion.twist.front());
   EXPECT_EQ(out.twist.back(), Twist2{});
   for (std::size_t k = 1; k < out.twist.size(); ++k)
-    EXPECT_LE(out.twist[k - 1].v - out.twist[k].v, kRobot.a_max * kLimits.dt + 1e-12) << k;
+    EXPECT_LE(out.twist[k - 1].v - out.twist[k].v, kRobotParams.a_max * kLimits.dt + 1e-12) << k;
 }
 
 TEST(StoppedInTime, BrakesAfterTheFirstTwistIfItIsTooLate) {
   const Forecast motion = straight(0.8);
-  const Forecast out = stopped_in_time(motion, disc(), std::vector{pillar(0.7)}, kLimits, kRobot);
+  const Forecast out =
+      stopped_in_time(motion, disc(), std::vector{pillar(0.7)}, kLimits, kRobotParams);
   EXPECT_EQ(out.twist[0], motion.twist[0]);
-  EXPECT_NEAR(out.twist[1].v, 0.8 - kRobot.a_max * kLimits.dt, 1e-12);
+  EXPECT_NEAR(out.twist[1].v, 0.8 - kRobotParams.a_max * kLimits.dt, 1e-12);
 }
 
 TEST(IsStuck, StandingIsStuckAndTheNominalTrajectoryIsNot) {
   PlanRequest request{.method = Method::kIntention};
   const Forecast nominal = straight(0.5);
-  EXPECT_TRUE(is_stuck(request, nominal, straight(0.0), 3.0, kRobot));
-  EXPECT_FALSE(is_stuck(request, nominal, nominal, 3.0, kRobot));
+  EXPECT_TRUE(is_stuck(request, nominal, straight(0.0), 3.0, kRobotParams));
+  EXPECT_FALSE(is_stuck(request, nominal, nominal, 3.0, kRobotParams));
 }
 
 TEST(IsStuck, WhereThePersonHardlyMovesNothingIsStuck) {
   PlanRequest request{.method = Method::kIntention};
-  EXPECT_FALSE(is_stuck(request, straight(0.05), straight(0.0), 3.0, kRobot));
+  EXPECT_FALSE(is_stuck(request, straight(0.05), straight(0.0), 3.0, kRobotParams));
 }
 
 TEST(IsStuck, TowardALeaderPartOfTheRobotsSpeedIsEnough) {
   PlanRequest request{.method = Method::kLeader, .X_MG = {5.0, 0.0, 0.0}};
-  EXPECT_TRUE(is_stuck(request, straight(0.8), straight(0.1), 3.0, kRobot));
-  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.2), 3.0, kRobot));
+  EXPECT_TRUE(is_stuck(request, straight(0.8), straight(0.1), 3.0, kRobotParams));
+  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.2), 3.0, kRobotParams));
   request.X_MG.x = 0.2;
-  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.0), 3.0, kRobot)) << "it is there";
+  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.0), 3.0, kRobotParams)) << "it is there";
 }
 
 }  // namespace

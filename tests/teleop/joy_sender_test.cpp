@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "tandem/teleop/joy_rhythm.hpp"
 #include "tandem/teleop/rest_check.hpp"
@@ -147,8 +148,9 @@ TEST_F(SeenAtRest, WithoutADeadManOnceIsEnough) {
 // The dead zone is the user's setting.
 TEST_F(SeenAtRest, AStickThatRestsOffItsCentreNeedsALargerDeadZone) {
   const std::vector<float> axes{0.0f, 0.08f};
-  EXPECT_FALSE(frees(kDown, check_of(axes, {1, 0}).at_rest));
-  EXPECT_TRUE(frees(kDown, check_of(axes, {1, 0}, {.gains = {.deadzone = 0.1}}).at_rest));
+  const std::vector<int> buttons{1, 0};
+  EXPECT_FALSE(frees(kDown, check_joy(axes, buttons, {}).at_rest));
+  EXPECT_TRUE(frees(kDown, check_joy(axes, buttons, {.gains = {.deadzone = 0.1}}).at_rest));
 }
 
 }  // namespace

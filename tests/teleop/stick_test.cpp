@@ -103,7 +103,7 @@ TEST(JoyValues, DriveForwardWhereADeviceOfOthersIsTurnedRound) {
   const TeleopParams params{.gains = {.scale_linear = -0.8, .scale_angular = -0.8}};
   const auto joy = joy_values({1.0, 1.0, true, false}, params);
   Teleop teleop{params};
-  const auto intent = teleop.on_stick(read_stick(joy.axes, joy.buttons, params), kOrigin, 0.0);
+  const auto intent = teleop.on_stick(read_stick(joy.axes, joy.buttons, params), Pose2{}, 0.0);
   ASSERT_TRUE(intent);
   EXPECT_GT(intent->twist.v, 0.0);
   EXPECT_GT(intent->twist.w, 0.0);
