@@ -81,7 +81,7 @@ struct DiffDriveSimNodeParams {
 
 /// The people of the parameters. Throws std::invalid_argument as walkers_of does.
 [[nodiscard]] inline People people_of(const DiffDriveSimNodeParams& params) {
-  return People{walkers_of(params.people)};
+  return {walkers_of(params.people), People::kAcceleration};
 }
 
 /// cmd_vel, initialpose → odom, tf, tf_static, ground_truth/odom, people, scan, collision, /clock.

@@ -79,7 +79,10 @@ std::vector<Walker> crossing_people(const Crossings& crossings, unsigned seed,
   return walkers;
 }
 
-People::People(std::vector<Walker> walkers) : walkers_{std::move(walkers)} { restart(); }
+People::People(std::vector<Walker> walkers, double acceleration)
+    : walkers_{std::move(walkers)}, acceleration_{acceleration} {
+  restart();
+}
 
 void People::restart() {
   all_.clear();
@@ -121,7 +124,7 @@ void People::advance(double dt) {
     const Walker& walker = walkers_[i];
     if ((walker.p_MW[headings_[i].next] - person.p_MO).norm() < kArrived) turn_to_next(i);
     const Eigen::Vector2d change = wanted(walker, person.p_MO, headings_[i].next) - person.v_MO;
-    const double most = kAcceleration * dt;
+    const double most = acceleration_ * dt;
     const Eigen::Vector2d before = person.v_MO;
     person.v_MO += change.norm() > most ? Eigen::Vector2d(most * change.normalized()) : change;
     person.p_MO += 0.5 * dt * (before + person.v_MO);

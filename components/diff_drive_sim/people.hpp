@@ -41,17 +41,17 @@ inline constexpr double kStartGap = 1.5;  ///< [m]
 
 /// People who do not see: they walk through whatever is in their path.
 ///
-///   dv/dt = a e,   e toward  speed · (direction of the next point) − v,   at most kAcceleration
+///   dv/dt = a e,   e toward  speed · (direction of the next point) − v,   at most `acceleration`
 ///
 /// so that neither speed nor acceleration ever exceeds its limit. Walkers start at full speed.
 class People {
  public:
   static constexpr double kArrived = 0.3;       ///< [m] distance at which they turn to the next
-  static constexpr double kAcceleration = 1.0;  ///< [m/s²]
+  static constexpr double kAcceleration = 1.0;  ///< [m/s²] of the simulator's people
 
   People() = default;
-  /// Everybody at their start.
-  explicit People(std::vector<Walker> walkers);
+  /// Everybody at their start. `acceleration`: how fast people change their velocity [m/s²].
+  People(std::vector<Walker> walkers, double acceleration);
 
   /// Returns all people to their starts.
   void restart();
@@ -77,6 +77,7 @@ class People {
   void turn_to_next(std::size_t i);
 
   std::vector<Walker> walkers_;
+  double acceleration_ = 1.0;  // [m/s²]
   std::vector<Obstacle> all_;
   std::vector<Heading> headings_;
 };

@@ -101,7 +101,7 @@ TEST_F(MapInputOverDds, AMapInAnUnknownFrameWaitsForItsTransform) {
 }
 
 TEST_F(MapInputOverDds, ALocalMapThatFallsSilentIsNoMap) {
-  listen({.map_source = "local", .local_timeout = 0.3});
+  listen({.slice = {}, .fixtures = {}, .map_source = "local", .local_timeout = 0.3});
   EXPECT_STREQ(input_->missing_topic(), "octomap_local");
   const auto local = server_.create_publisher(topics::octomap_local);
   ASSERT_TRUE(wait_until([&] {
@@ -113,7 +113,7 @@ TEST_F(MapInputOverDds, ALocalMapThatFallsSilentIsNoMap) {
 }
 
 TEST_F(MapInputOverDds, WithBothTheObstaclesOfEitherCount) {
-  listen({.map_source = "both", .local_timeout = 60.0});
+  listen({.slice = {}, .fixtures = {}, .map_source = "both", .local_timeout = 60.0});
   EXPECT_STREQ(input_->missing_topic(), "octomap_binary");
   publisher_->publish(wall("map"));
   octomap::OcTree behind(0.05);
@@ -128,7 +128,7 @@ TEST_F(MapInputOverDds, WithBothTheObstaclesOfEitherCount) {
 }
 
 TEST_F(MapInputOverDds, AGridFromSlamServesAsTheStaticMap) {
-  listen({.static_map = "grid"});
+  listen({.slice = {}, .fixtures = {}, .static_map = "grid"});
   EXPECT_STREQ(input_->missing_topic(), "map");
   nav_msgs::msg::OccupancyGrid grid;
   grid.header(header({}, "map"));

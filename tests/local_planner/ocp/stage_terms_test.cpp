@@ -55,14 +55,14 @@ TEST(Displacement, DerivativesMatchCentralDifferences) {
   Draw draw;
   for (const Ocp& ocp : {kArc, kEuler})
     for (int i = 0; i < 50; ++i) {
-      const double theta = draw(-3.0, 3.0), h = kStep;
+      const double theta = draw(-3.0, 3.0);
       const Twist2 u{draw(-1.0, 1.0), i % 5 == 0 ? draw(-0.2, 0.2) : draw(-2.0, 2.0)};
       const Displacement D = at(ocp, theta, u);
-      const Displacement left = at(ocp, theta + h, u), right = at(ocp, theta - h, u);
-      const Displacement faster = at(ocp, theta, {u.v + h, u.w}),
-                         slower = at(ocp, theta, {u.v - h, u.w});
-      const Displacement more = at(ocp, theta, {u.v, u.w + h}),
-                         less = at(ocp, theta, {u.v, u.w - h});
+      const Displacement left = at(ocp, theta + kStep, u), right = at(ocp, theta - kStep, u);
+      const Displacement faster = at(ocp, theta, {u.v + kStep, u.w}),
+                         slower = at(ocp, theta, {u.v - kStep, u.w});
+      const Displacement more = at(ocp, theta, {u.v, u.w + kStep}),
+                         less = at(ocp, theta, {u.v, u.w - kStep});
       const auto expect_near = [](const Vector2d& derivative, const Vector2d& found) {
         EXPECT_NEAR((derivative - found).norm(), 0.0, kTolerance);
       };
