@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -194,7 +195,9 @@ class Datagram {
 
   bool little_;
   std::size_t last_ = 0;
-  Octets octets_{'R', 'T', 'P', 'S', 2, 3, 1, 0x10, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  static constexpr std::array<std::uint8_t, 20> kHeader{'R', 'T', 'P', 'S', 2, 3, 1, 0x10, 1,  2,
+                                                        3,   4,   5,   6,   7, 8, 9, 10,   11, 12};
+  Octets octets_ = Octets(kHeader.begin(), kHeader.end());
 };
 
 /// The files of a folder of tests/runtime/datagrams, sorted by name.

@@ -7,6 +7,7 @@
 
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
+#include "support/paths.hpp"
 #include "system/one_component.hpp"
 
 namespace tandem::test {
