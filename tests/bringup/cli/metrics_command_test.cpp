@@ -159,10 +159,10 @@ TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
   EXPECT_GT(live.at("min_clearance_m"), 0.05);
   EXPECT_EQ(log.lines("--seed"), 0) << log.text();
   (void)measure({"--scenario", clutter, "--seed", "1"});
-  EXPECT_EQ(log.lines("name the drive's with --seed"), 1) << log.text();
+  EXPECT_EQ(log.lines("select the drive's map with --seed"), 1) << log.text();
   EXPECT_EQ(run({"metrics", file("bag"), "--scenario", clutter}), 1);
   EXPECT_EQ(run({"metrics", file("bag"), "--scenario", scenario("ward_goals")}), 1);
-  EXPECT_EQ(log.lines("name it with --seed"), 2) << log.text();
+  EXPECT_EQ(log.lines("give it with --seed"), 2) << log.text();
 }
 
 // Nobody but the stamped command steers: the planner goes to the goal by itself. The drive ends a
