@@ -55,7 +55,8 @@ template <class C>
           }};
 }
 
-#ifndef TANDEM_PACKAGE  // tandem_add_component defines it
+#ifndef TANDEM_PACKAGE
+/// The package of a module's component. tandem_add_component() defines it.
 #define TANDEM_PACKAGE ""
 #endif
 

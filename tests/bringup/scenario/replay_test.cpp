@@ -107,7 +107,8 @@ TEST_F(Replay, AsksWhichOfTwoRobotsToReplayAndPlaysOnlyThatOne) {
   } catch (const std::runtime_error& error) {
     const std::string line = error.what();
     EXPECT_TRUE(line.starts_with(folder_.string() + ": ")) << line;
-    EXPECT_NE(line.find("/a/joy, /b/joy; choose by `recording_topic`"), std::string::npos) << line;
+    EXPECT_NE(line.find("/a/joy, /b/joy; select one with `recording_topic`"), std::string::npos)
+        << line;
   }
   EXPECT_EQ(recorded_stick(folder_, {}, "/b/joy").linear, (std::vector<double>(3, -1.0)));
   EXPECT_EQ(recorded_stick(folder_, {}, "/b/joy").t, (std::vector<double>{0.0, 0.1, 0.2}));

@@ -39,8 +39,8 @@ TEST(Doctor, NamesBothSidesOfQosThatDoesNotFit) {
   const auto found = examine(sick);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].what,
-            "/odom: /robot offers reliability best effort, /tandem requests reliable: no message "
-            "passes");
+            "/odom: /robot offers reliability best effort, /tandem requests reliable: no "
+            "messages are delivered");
   EXPECT_EQ(found[0].remedy,
             "set qos_overrides./odom.subscription.reliability: best_effort at /tandem, or set "
             "qos_overrides./odom.publisher.reliability: reliable at /robot");
