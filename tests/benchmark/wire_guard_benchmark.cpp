@@ -4,8 +4,9 @@
 #include <benchmark/benchmark.h>
 
 #include "runtime/datagram.hpp"
+#include "tandem/runtime/detail/announcements.hpp"
+#include "tandem/runtime/detail/reader_progress.hpp"
 #include "tandem/runtime/detail/rtps_guard.hpp"
-#include "tandem/runtime/detail/rtps_watch.hpp"
 
 namespace tandem {
 namespace {
@@ -39,11 +40,11 @@ void check_and_watch(benchmark::State& state) {
   for (int i = 0; i < state.range(0); ++i) {
     datagram[19] = static_cast<std::uint8_t>(i);
     datagram[18] = static_cast<std::uint8_t>(i >> 8);
-    benchmark::DoNotOptimize(progress.narrow(datagram));
+    benchmark::DoNotOptimize(progress.narrow(datagram, 1.0));
   }
   for (auto _ : state) {
     benchmark::DoNotOptimize(check_datagram(datagram, {}));
-    benchmark::DoNotOptimize(progress.narrow(datagram));
+    benchmark::DoNotOptimize(progress.narrow(datagram, 1.0));
     benchmark::DoNotOptimize(announcements.thin(datagram, 1.0));
   }
 }

@@ -4,8 +4,9 @@
 #include <cstdlib>
 #include <vector>
 
+#include "tandem/runtime/detail/announcements.hpp"
+#include "tandem/runtime/detail/reader_progress.hpp"
 #include "tandem/runtime/detail/rtps_guard.hpp"
-#include "tandem/runtime/detail/rtps_watch.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace tandem::runtime;
@@ -13,11 +14,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static Announcements announcements;
   static double now = 0.0;
   std::vector<std::uint8_t> datagram(data, data + size);
-  progress.sent(datagram);
+  progress.sent(datagram, now);
   (void)check_datagram(datagram, {.all_protected = true});
   if (check_datagram(datagram, {}) != Drop::kNone) return 0;
   (void)announces_participant(datagram);
-  (void)progress.narrow(datagram);
+  (void)progress.narrow(datagram, now);
   (void)announcements.thin(datagram, now += 0.001);
   if (check_datagram(datagram, {}) != Drop::kNone) std::abort();
   return 0;

@@ -43,9 +43,10 @@ bool WireGuard::admits(std::span<std::uint8_t> datagram, std::uint32_t source) {
   if (limits.all_protected && is_protected(datagram)) return true;
   int far = 0, many = 0;
   {
+    const double now = steady_seconds();
     const std::lock_guard lock{watch_mutex_};
-    far = progress_.narrow(datagram);
-    many = announcements_.thin(datagram, steady_seconds());
+    far = progress_.narrow(datagram, now);
+    many = announcements_.thin(datagram, now);
   }
   if (far > 0) count(Drop::kSequence, source, far);
   if (many > 0) count(Drop::kAnnouncement, source, many);
@@ -53,8 +54,9 @@ bool WireGuard::admits(std::span<std::uint8_t> datagram, std::uint32_t source) {
 }
 
 void WireGuard::sent(std::span<const std::uint8_t> datagram) {
+  const double now = steady_seconds();
   const std::lock_guard lock{watch_mutex_};
-  progress_.sent(datagram);
+  progress_.sent(datagram, now);
 }
 
 WireGuard::Reported* WireGuard::claim_report(const void* who) {

@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "tandem/runtime/detail/announcements.hpp"
+#include "tandem/runtime/detail/reader_progress.hpp"
 #include "tandem/runtime/detail/rtps_guard.hpp"
-#include "tandem/runtime/detail/rtps_watch.hpp"
 
 namespace tandem::runtime {
 

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bounds what announced participants and endpoints make Fast DDS keep. Private to runtime/.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "tandem/runtime/detail/rtps_edit.hpp"
+
+namespace tandem::runtime {
+
+struct GuidPrefixHash {
+  std::uint64_t seed = 0;
+  std::size_t operator()(const GuidPrefix& prefix) const;
+};
+
+/// Limits a rate: tokens refill at `per_second` [1/s] up to `burst`.
+class TokenBucket {
+ public:
+  TokenBucket(double burst, double per_second) : burst_{burst}, rate_{per_second}, left_{burst} {}
+  /// Takes tokens at time `now` [s]; returns false and takes none if too few are left.
+  [[nodiscard]] bool take(double tokens, double now);
+
+ private:
+  double burst_, rate_, left_, last_ = 0.0;
+};
+
+/// Limits announced participants and endpoints, because Fast DDS keeps them until the lease ends.
+class Announcements {
+ public:
+  static constexpr double kLongestLease = 100.0;  ///< [s]; longer leases are shortened to this
+  static constexpr double kSecondSight = 0.05;    ///< [s]; a repetition comes later than this
+
+  Announcements();
+  /// Removes announcements above the rate limit and shortens leases. `now`: [s]. Returns the number
+  /// of removed submessages.
+  [[nodiscard]] int thin(std::span<std::uint8_t> datagram, double now);
+
+ private:
+  struct Known {
+    double until;          // end of the lease [s]
+    std::int64_t last[2];  // last sequence numbers of publications, subscriptions
+    int endpoints;
+  };
+  struct Seen {
+    std::uint32_t mark = 0;
+    double at = 0.0;  // [s]
+  };
+
+  [[nodiscard]] bool admits_participant(const GuidPrefix& prefix, double lease, double now);
+  [[nodiscard]] bool admits_endpoint(const GuidPrefix& prefix, int kind, std::int64_t number,
+                                     std::size_t size, double now);
+  void forget(double now);
+
+  GuidPrefixHash hash_;
+  std::unordered_map<GuidPrefix, Known, GuidPrefixHash> known_;
+  std::vector<Seen> seen_;
+  double next_look_ = 0.0;
+  TokenBucket first_sight_{64, 10}, second_sight_{64, 5}, endpoints_{2048, 100};
+};
+
+}  // namespace tandem::runtime
