@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests with peers on Cyclone DDS: one publishes cmd_vel_user and reads odom and cmd_vel, another
-// sets a parameter.
+// sets a parameter, a third has long been writing when a reader of ours joins.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -9,6 +9,7 @@
 #include "support/nothing_dropped.hpp"
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
+#include "support/spin_until.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -38,6 +39,23 @@ TEST(CyclonePeer, SetsAndGetsAParameterOfOurs) {
   EXPECT_EQ(set("scale_linear", "99"), 3);  // out of range
   EXPECT_EQ(set("joy_timeout", "4.0"), 3);  // read-only
   EXPECT_EQ(set("scale_linear", "0.5"), 0);
+}
+
+// More numbers than the guard lets one HEARTBEAT skip. TANDEM_FAR_AHEAD sets another count.
+TEST(CyclonePeer, IsHeardByAReaderThatJoinsItFarAhead) {
+  const test::NothingDropped nothing_dropped;
+  const char* far_ahead = std::getenv("TANDEM_FAR_AHEAD");
+  test::ChildProcess writer{
+      "cyclone_far_peer",
+      {std::getenv("ROS_DOMAIN_ID"), far_ahead == nullptr ? "5000000" : far_ahead, "60"}};
+  rt::Node node{"joins_later"};
+  const auto pong =
+      node.create_publisher(rt::Topic<geometry_msgs::msg::Twist>{"pong", rt::kLatched});
+  ASSERT_TRUE(test::spin_until([&] { return pong.matched() == 1; }, 400.0, node));
+  test::ChildProcess reader{"peer", {"echo"}};
+  EXPECT_EQ(writer.wait(70.0), 0);
+  reader.send(SIGTERM);
+  EXPECT_EQ(reader.wait(5.0), 0);
 }
 
 }  // namespace

@@ -105,15 +105,11 @@ std::size_t ReaderProgress::KeyHash::operator()(const ReaderProgressKey& key) co
                mixed(bytes_at<std::uint64_t>(key.data() + 8)));
 }
 
-ReaderProgress::Source* ReaderProgress::find(const GuidPrefix& prefix, const std::uint8_t* entity) {
-  const auto found = writers_.find(key_of(prefix, entity));
-  return found == writers_.end() ? nullptr : &found->second;
-}
-
 ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::uint8_t* entity) {
-  if (Source* known = find(prefix, entity)) return *known;
+  const auto key = key_of(prefix, entity);
+  if (const auto known = writers_.find(key); known != writers_.end()) return known->second;
   if (writers_.size() >= kMaxWriters) forget_one();
-  return writers_[key_of(prefix, entity)];
+  return writers_[key];
 }
 
 // Forgets the least used of a few writers, and one that a reader of this process has answered only
@@ -160,56 +156,63 @@ int ReaderProgress::narrow(std::span<std::uint8_t> datagram, double now) {
     switch (submessage.id) {
       case kData:
       case kDataFrag:
-        return passes_data(submessage, of(source, body + 8), now);
+        return passes_data(submessage, body, of(source, body + 8), now);
       case kHeartbeat:
-        return passes_heartbeat(submessage, body, find(source, body + 4), now);
+        return passes_heartbeat(submessage, body, of(source, body + 4), now);
       case kGap:
-        return passes_gap(submessage, body, find(source, body + 4), now);
+        return passes_gap(submessage, body, of(source, body + 4), now);
       default:
         return true;
     }
   });
 }
 
-bool ReaderProgress::passes_data(const Submessage& data, Source& source, double now) {
+bool ReaderProgress::passes_data(const Submessage& data, std::uint8_t* body, Source& source,
+                                 double now) {
   const std::int64_t number = data.sequence_number(12);
   const std::uint32_t reader = data.entity(4);
-  if (!source.reach.believes(number, now) || !in_window(number, source.least(reader))) return false;
+  if (!source.reach.believes(number, now)) return false;
+  if (!in_window(number, source.least(reader))) {
+    if (!source.catching_up) return false;
+    mark_removed(body);  // no sign of an attack, so not counted
+    return true;
+  }
   ++source.messages;
   if (data.id == kData) source.advance(reader, number, number + 1);
   return true;
 }
 
 bool ReaderProgress::passes_heartbeat(const Submessage& heartbeat, std::uint8_t* body,
-                                      Source* source, double now) {
+                                      Source& source, double now) {
+  const bool little = heartbeat.little();
+  const std::uint32_t reader = heartbeat.entity(0);
   std::int64_t first = heartbeat.sequence_number(8), last = heartbeat.sequence_number(16);
-  if (source == nullptr) return first <= kStep;
-  if (!source->reach.believes(last, now)) {
-    last = source->reach.top() + WriterReach::kLeap;
+  if (!source.reach.believes(last, now)) {
+    last = source.reach.top() + WriterReach::kLeap;
     if (first - 1 > last) return false;
   }
-  ++source->messages;
-  const std::uint32_t reader = heartbeat.entity(0);
-  const std::int64_t start = std::max<std::int64_t>(source->least(reader), 1);
-  first = std::min(first, start + kStep);
-  put_sequence_number(body + 8, first, heartbeat.little());
-  put_sequence_number(body + 16, last, heartbeat.little());
-  put_u32(body + 24, source->renumbered(heartbeat.u32(24)), heartbeat.little());
-  source->advance(reader, 0, first);
+  ++source.messages;
+  const std::int64_t farthest = std::max<std::int64_t>(source.least(reader), 1) + kStep;
+  source.catching_up = first > farthest;
+  first = std::min(first, farthest);
+  put_sequence_number(body + 8, first, little);
+  put_sequence_number(body + 16, last, little);
+  put_u32(body + 24, source.renumbered(heartbeat.u32(24)), little);
+  source.advance(reader, 0, first);
   return true;
 }
 
-bool ReaderProgress::passes_gap(const Submessage& gap, std::uint8_t* body, Source* source,
+bool ReaderProgress::passes_gap(const Submessage& gap, std::uint8_t* body, Source& source,
                                 double now) {
   const bool little = gap.little();
   const std::uint32_t reader = gap.entity(0);
   const std::int64_t first = gap.sequence_number(8), base = gap.sequence_number(16);
-  if (source != nullptr && !source->reach.believes(base - 1, now)) return false;
-  const std::int64_t least = source == nullptr ? 0 : source->least(reader);
+  if (!source.reach.believes(base - 1, now)) return false;
+  const std::int64_t least = source.least(reader);
   if (base - first > kWide && least > 0 && first <= least) {
     const std::int64_t end = std::min(base, least + kStep);
-    say_as_heartbeat(body, end, ++source->passed, little);
-    source->advance(reader, first, end);
+    say_as_heartbeat(body, end, ++source.passed, little);
+    source.advance(reader, first, end);
     return true;
   }
   const std::int64_t end = base - first > kWide ? first + kWide : base;
@@ -218,7 +221,7 @@ bool ReaderProgress::passes_gap(const Submessage& gap, std::uint8_t* body, Sourc
     put_sequence_number(body + 16, end, little);
     put_u32(body + 24, 0, little);
   }
-  if (source != nullptr) source->advance(reader, first, end);
+  source.advance(reader, first, end);
   return true;
 }
 

@@ -57,7 +57,8 @@ class ReaderProgress {
   void sent(std::span<const std::uint8_t> datagram, double now);
   /// Narrows wide GAPs or replaces them by an equivalent HEARTBEAT, shortens leaps, renumbers
   /// HEARTBEATs, and removes submessages beyond the window, which a reliable writer repeats.
-  /// Returns the number of removed submessages.
+  /// Returns the number of removed submessages, without the samples that arrive while a reader is
+  /// taken to a writer that is far ahead.
   [[nodiscard]] int narrow(std::span<std::uint8_t> datagram, double now);
 
  private:
@@ -79,21 +80,21 @@ class ReaderProgress {
     std::uint32_t count = 0;     // of the writer's last HEARTBEAT
     std::uint32_t passed = 0;    // count of the last HEARTBEAT that was passed on; 0: none
     std::uint32_t messages = 0;  // believed ones; the least used source is forgotten first
+    bool catching_up = false;    // whether the last HEARTBEAT was shortened to kStep
     bool acknowledged = false;   // whether a reader of this process has answered it
   };
   struct KeyHash {
     std::size_t operator()(const ReaderProgressKey& key) const;
   };
 
-  [[nodiscard]] Source* find(const GuidPrefix& prefix, const std::uint8_t* entity);
   [[nodiscard]] Source& of(const GuidPrefix& prefix, const std::uint8_t* entity);
   void forget_one();
-  [[nodiscard]] static bool passes_data(const rtps_message::Submessage& data, Source& source,
-                                        double now);
+  [[nodiscard]] static bool passes_data(const rtps_message::Submessage& data, std::uint8_t* body,
+                                        Source& source, double now);
   [[nodiscard]] static bool passes_heartbeat(const rtps_message::Submessage& heartbeat,
-                                             std::uint8_t* body, Source* source, double now);
+                                             std::uint8_t* body, Source& source, double now);
   [[nodiscard]] static bool passes_gap(const rtps_message::Submessage& gap, std::uint8_t* body,
-                                       Source* source, double now);
+                                       Source& source, double now);
 
   std::unordered_map<ReaderProgressKey, Source, KeyHash> writers_;
   std::uint64_t forgotten_ = 0;

@@ -46,18 +46,20 @@ inline std::uint8_t* bytes_of(std::span<std::uint8_t> datagram,
   return datagram.data() + (submessage.body.data() - datagram.data());
 }
 
+/// Removes the submessage of this body: readers skip ids that are not assigned.
+inline void mark_removed(std::uint8_t* body) { body[-4] = 0x7f; }
+
 /// Calls `keep(submessage, source prefix)` for each submessage and removes those for which it
 /// returns false. Returns the number of removed ones.
 template <class Keep>
 int take_out(std::span<std::uint8_t> datagram, Keep keep) {
-  constexpr std::uint8_t kTakenOut = 0x7f;  // unassigned submessage id, which readers skip
   GuidPrefix source = prefix_at(datagram.data() + rtps_message::kPrefixAt);
   rtps_message::Submessage submessage;
   int taken = 0;
   for (rtps_message::Submessages all{datagram}; !all.at_end() && all.next(submessage);) {
     if (submessage.id == rtps_message::kInfoSource) source = prefix_at(submessage.body.data() + 8);
     if (keep(submessage, source)) continue;
-    bytes_of(datagram, submessage)[-4] = kTakenOut;
+    mark_removed(bytes_of(datagram, submessage));
     ++taken;
   }
   return taken;

@@ -141,9 +141,19 @@ TEST_P(Progress, BringsAReaderToAWriterThatIsFarAhead) {
     ASSERT_LE(passed - std::max<std::int64_t>(first, 1), ReaderProgress::kStep);
     first = passed;
     acknowledge(first);
+    if (first < kFar) {
+      EXPECT_EQ(first_of(narrowed(sample(kFar + 9))).id, 0x7f) << "beyond the window";
+      EXPECT_EQ(taken_, 0) << "but no sign of an attack";
+    }
   }
   EXPECT_EQ(first, kFar);
   EXPECT_EQ(answers, 24);
+}
+
+TEST_P(Progress, ShortensTheLeapOfAWriterThatItDoesNotKnow) {
+  const Octets octets = narrowed(heartbeat(100'000'000, 100'000'009));
+  EXPECT_EQ(taken_, 0);
+  EXPECT_EQ(first_of(octets).sequence_number(8), 1 + ReaderProgress::kStep);
 }
 
 // A GAP from what the reader waits for to anywhere: what is old does not exist any more.
