@@ -103,7 +103,7 @@ struct NmpcParams {
     field("terminal_weight", terminal_weight, Range{0.0, 1e4},
           "goal: factor by which the last pose counts more");
     field("heading_fade", heading_fade, Range{0.0, 10.0},
-          "[m] leader, goal: distance at which the heading counts half; 0: it always counts fully");
+          "[m] leader, goal, path: distance at which the heading counts half; 0: always fully");
     field("leader_preview", leader_preview, Range{0.0, 10.0},
           "[s] leader, path: the leader is predicted to keep its current motion for this long; 0: "
           "to stay where it is");

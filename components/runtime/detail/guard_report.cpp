@@ -76,7 +76,8 @@ void GuardReport::report(WireGuard::Reported& reported) {
                   count - reported.count, summary(fresh)));
   status_.values().resize(kTotals);
   status_.values().push_back(value(
-      "remedy", "find the program at that address and stop it; keep robots on a separate network"));
+      "remedy", "find the program at that address and stop it, or check the link if it is a robot of "
+               "yours; keep robots on a separate network"));
   for (const auto& drop : drops)
     status_.values().push_back(
         value(fmt::format("{} from {}", name(drop.drop), drop.source), std::to_string(drop.count)));

@@ -20,7 +20,7 @@ enum class Drop {
   kDiscovery,     ///< SPDP, SEDP or liveliness data inconsistent with their lengths
   kStatistics,    ///< a statistics submessage unlike those that Fast DDS writes
   kAnnouncement,  ///< announcement rate exceeded
-  kSequence,      ///< sequence numbers far ahead of the reader
+  kSequence,      ///< a sequence number that leaps, or is far ahead of the reader
   kSecurity,      ///< a DDS Security message that is fragmented or inconsistent with its lengths
   kUnsecured,     ///< unprotected although governance protects all datagrams
   kGoodbye,       ///< an unprotected goodbye of a participant, likewise; anyone can forge it
