@@ -8,7 +8,9 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "tandem/dashboard/web/foxglove_protocol.hpp"
 #include "tandem/dashboard/web/web_server.hpp"
@@ -39,20 +41,39 @@ class PageClient {
 
   [[nodiscard]] WebServer& web() { return web_; }
   [[nodiscard]] ClientId id() const { return id_; }
-  /// Whether (a part of) a frame has arrived.
-  [[nodiscard]] bool has_frame() { return stream_.next_layer().available() > 0; }
+  /// Whether a frame has arrived. Answers pings meanwhile.
+  [[nodiscard]] bool has_frame() {
+    begin_read();
+    io_.restart();
+    io_.poll();
+    return arrived_;
+  }
   /// The next frame, binary or text. Waits for it, so the relay must have sent it before.
   [[nodiscard]] std::string read() {
-    boost::beast::flat_buffer frame;
-    stream_.read(frame);
-    return boost::beast::buffers_to_string(frame.data());
+    begin_read();
+    for (io_.restart(); !arrived_;) io_.run_one();
+    reading_ = false;
+    std::string frame = boost::beast::buffers_to_string(frame_.data());
+    frame_.clear();
+    return frame;
   }
   [[nodiscard]] foxglove::json read_json() { return foxglove::json::parse(read()); }
 
  private:
   WebServer web_{{.port = 0}, foxglove::kSubprotocol, {}, [](const std::string&) {}};
+  void begin_read() {
+    if (std::exchange(reading_, true)) return;
+    arrived_ = false;
+    stream_.async_read(frame_, [this](const boost::system::error_code& error, std::size_t) {
+      if (error) throw std::runtime_error("the server closed the connection: " + error.message());
+      arrived_ = true;
+    });
+  }
+
   boost::asio::io_context io_;
   boost::beast::websocket::stream<boost::asio::ip::tcp::socket> stream_{io_};
+  boost::beast::flat_buffer frame_;
+  bool reading_ = false, arrived_ = false;
   ClientId id_ = 0;
 };
 

@@ -17,8 +17,8 @@ namespace {
 
 using foxglove::json;
 
-constexpr std::uint32_t kOwn = 1;  // channel of the dashboard itself
-constexpr std::size_t kHead = 13;  // opcode, subscription, time of a message's frame
+constexpr std::uint32_t kOwnChannel = 1;  // channel of the dashboard itself
+constexpr std::size_t kHead = 13;         // opcode, subscription, time of a message's frame
 
 class TopicRelayOverDds : public testing::Test {
  protected:
@@ -49,7 +49,8 @@ class TopicRelayOverDds : public testing::Test {
 
   rt::Node dashboard_{"dashboard"}, robot_{"robot"};
   test::PageClient page_;
-  TopicRelay relay_{dashboard_, page_.web(), {{kOwn, "/dashboard/seat", "json", "", "", ""}}};
+  TopicRelay relay_{
+      dashboard_, page_.web(), {{kOwnChannel, "/dashboard/seat", "json", "", "", ""}}};
 };
 
 TEST_F(TopicRelayOverDds, OffersATopicWithItsSchema) {
@@ -94,25 +95,25 @@ TEST_F(TopicRelayOverDds, GivesALaterSubscriptionTheLatchedMessage) {
 }
 
 TEST_F(TopicRelayOverDds, RefusesMoreThanTheAllowedSubscriptionsOfOneChannel) {
-  for (std::uint32_t i = 0; i < TopicRelay::kMaxOfOne; ++i) subscribe(i, kOwn);
+  for (std::uint32_t i = 0; i < TopicRelay::kMaxOfOne; ++i) subscribe(i, kOwnChannel);
   EXPECT_FALSE(page_.has_frame());
-  subscribe(9, kOwn);
+  subscribe(9, kOwnChannel);
   EXPECT_EQ(json::parse(frame()).at("message"), "at most 4 subscriptions of one channel");
-  subscribe(0, kOwn);
+  subscribe(0, kOwnChannel);
   EXPECT_EQ(json::parse(frame()).at("message"), "subscription 0 is already in use");
   subscribe(9, 77);
   EXPECT_EQ(json::parse(frame()).at("message"), "there is no channel 77");
 }
 
 TEST_F(TopicRelayOverDds, ReportsOnItsOwnChannelOnlyToSubscribers) {
-  relay_.send_own(page_.id(), kOwn, "early");
-  subscribe(3, kOwn);
-  relay_.send_own(page_.id(), kOwn, "free");
+  relay_.send_own(page_.id(), kOwnChannel, "early");
+  subscribe(3, kOwnChannel);
+  relay_.send_own(page_.id(), kOwnChannel, "free");
   EXPECT_EQ(frame().substr(kHead), "free");
   relay_.unsubscribe(page_.id(), {{3}});
-  relay_.send_own(page_.id(), kOwn, "late");
-  subscribe(4, kOwn);
-  relay_.send_own(page_.id(), kOwn, "taken");
+  relay_.send_own(page_.id(), kOwnChannel, "late");
+  subscribe(4, kOwnChannel);
+  relay_.send_own(page_.id(), kOwnChannel, "taken");
   EXPECT_EQ(frame().substr(kHead), "taken");
 }
 
