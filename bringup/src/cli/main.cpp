@@ -8,6 +8,7 @@
 
 #include "bringup/cli/describe_command.hpp"
 #include "bringup/cli/map_command.hpp"
+#include "bringup/cli/measure_command.hpp"
 #include "bringup/cli/metrics_command.hpp"
 #include "bringup/cli/play_command.hpp"
 #include "bringup/cli/record_command.hpp"
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
   tandem::add_record_command(app);
   tandem::add_play_command(app);
   tandem::add_metrics_command(app);
+  tandem::add_measure_command(app);
   tandem::add_doctor_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);

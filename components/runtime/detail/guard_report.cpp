@@ -75,9 +75,10 @@ void GuardReport::report(WireGuard::Reported& reported) {
       fmt::format("dropped {} datagrams, or parts of them, that were malformed or too frequent: {}",
                   count - reported.count, summary(fresh)));
   status_.values().resize(kTotals);
-  status_.values().push_back(value(
-      "remedy", "find the program at that address and stop it, or check the link if it is a robot of "
-               "yours; keep robots on a separate network"));
+  status_.values().push_back(
+      value("remedy",
+            "find the program at that address and stop it, or check the link if it is a robot of "
+            "yours; keep robots on a separate network"));
   for (const auto& drop : drops)
     status_.values().push_back(
         value(fmt::format("{} from {}", name(drop.drop), drop.source), std::to_string(drop.count)));

@@ -25,7 +25,7 @@ class ServiceRelayOverDds : public testing::Test {
   bool spin_until(Done done, double timeout = test::kTimeout) {
     return test::spin_until(done, timeout, dashboard_, target_);
   }
-  // The id by which the client is told of the service.
+  // The id under which the service is offered.
   std::uint32_t id_of(const std::string& name) {
     EXPECT_TRUE(spin_until([&] {
       relay_.look({page_.id()});
