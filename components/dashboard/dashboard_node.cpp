@@ -57,7 +57,7 @@ rt::Interface DashboardNode::interface() {
 DashboardNode::DashboardNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<Params>()},
-      web_{params_->web, foxglove::kSubprotocol, page_files(),
+      web_{params_->web, foxglove::kSubprotocols, page_files(),
            [&node](const std::string& line) { node.log().warn_every(1.0, "{}", printable(line)); }},
       topics_{node,
               web_,

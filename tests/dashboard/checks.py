@@ -13,6 +13,7 @@ import threading
 import time
 
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
 
 from client import LONG, PROTOCOL, Client, Robot, joy, push, string
 
@@ -45,6 +46,13 @@ def drive(robot):
     client.until(lambda: any("leash" in status for status in client.statuses))
     client.say(op="getParameters", parameterNames=[])
     client.until(lambda: "/local_planner.weight_heading" in client.parameters)
+
+
+def sdk(robot):
+    """A client of Foxglove's SDK, which knows the protocol by its newer name only."""
+    with connect(f"ws://127.0.0.1:{robot.port}/", subprotocols=["foxglove.sdk.v1"], max_size=None) as client:
+        assert client.subprotocol == "foxglove.sdk.v1"
+        assert json.loads(client.recv(LONG))["op"] == "serverInfo"
 
 
 def seat(robot):
@@ -322,7 +330,7 @@ def slow(robot):
     assert 2 in clients
 
 
-CHECKS = {check.__name__: check for check in (drive, seat, leave, trial, door, token, hostile, foreign, slow, soak)}
+CHECKS = {check.__name__: check for check in (drive, sdk, seat, leave, trial, door, token, hostile, foreign, slow, soak)}
 PARAMETERS = {"token": ("address:=0.0.0.0",)}
 
 if __name__ == "__main__":

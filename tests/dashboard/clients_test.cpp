@@ -69,6 +69,7 @@ void expect_client_passes(const std::string& check) {
 }
 
 TEST(WebClient, SeesTopicsDrivesAndCallsServices) { expect_client_passes("drive"); }
+TEST(WebClient, MaySpeakTheProtocolByTheSdksName) { expect_client_passes("sdk"); }
 TEST(WebClient, DrivesAloneUntilAnotherTakesTheWheel) { expect_client_passes("seat"); }
 TEST(WebClient, ThatLeavesWithTheStickHeldMustBeSeenAtRestAgain) { expect_client_passes("leave"); }
 TEST(WebClient, ThatDrivesHasATrialMeasured) { expect_client_passes("trial"); }

@@ -212,9 +212,10 @@ class ProfilesFile : public testing::Test {
     return spin_until([&] { return ping.matched() == 1; }, timeout, node);
   }
 
- private:
   static constexpr const char* kVariables[] = {"FASTRTPS_DEFAULT_PROFILES_FILE",
                                                "FASTDDS_DEFAULT_PROFILES_FILE"};
+
+ private:
   // A separate file for each test: Fast DDS does not read two files of the same name.
   std::string path_ = testing::TempDir() + "tandem_profiles_" + std::to_string(getpid()) + "_" +
                       testing::UnitTest::GetInstance()->current_test_info()->name() + ".xml";
@@ -225,6 +226,8 @@ TEST_F(ProfilesFile, IsObeyed) {
   EXPECT_TRUE(finds_new_peer(kTimeout));
   write_profile("UDPv4", only("203.0.113.7"));
   EXPECT_FALSE(finds_new_peer(2.0)) << "no such interface here";
+  unsetenv(kVariables[0]);
+  EXPECT_FALSE(finds_new_peer(2.0)) << "by the newer name";
 }
 
 // With its own transports and with those that Fast DDS would add.
@@ -264,6 +267,15 @@ TEST(Environment, LimitsTheSizeOfASample) {
     EXPECT_EQ(ChildProcess("peer", {"echo"}).wait(kTimeout), 1) << wrong;
   }
   unsetenv("TANDEM_MAX_SAMPLE_SIZE");
+}
+
+TEST_F(ProfilesFile, MayBeNamedByEitherVariable) {
+  for (const char* name : kVariables) {
+    for (const char* other : kVariables) unsetenv(other);
+    setenv(name, path_.c_str(), 1);
+    const std::string complaint = complaint_at_start();
+    EXPECT_NE(complaint.find(std::string{name} + " = "), std::string::npos) << complaint;
+  }
 }
 
 TEST_F(ProfilesFile, NothingStartsIfItIsMissingOrBroken) {

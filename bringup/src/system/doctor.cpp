@@ -239,8 +239,8 @@ void print_environment() {
   std::printf("Domain %s", domain.empty() ? "0" : domain.c_str());
   for (const char* variable :
        {"ROS_DISTRO", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS",
-        "ROS_DISCOVERY_SERVER", "FASTRTPS_DEFAULT_PROFILES_FILE", "TANDEM_UNGUARDED_TRANSPORTS",
-        "TANDEM_MAX_SAMPLE_SIZE"})
+        "ROS_DISCOVERY_SERVER", "FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE",
+        "TANDEM_UNGUARDED_TRANSPORTS", "TANDEM_MAX_SAMPLE_SIZE"})
     if (const auto value = value_of(variable); !value.empty())
       std::printf(", %s=%s", variable, value.c_str());
   std::printf("\n");
@@ -312,7 +312,8 @@ int visit(double duration) {
   frames.print(domain);
   auto found = examine(domain);
   if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr &&
-      std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE") == nullptr)
+      std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE") == nullptr &&
+      std::getenv("FASTDDS_DEFAULT_PROFILES_FILE") == nullptr)
     found.push_back(
         {"this list may be incomplete: a discovery server tells a client only about the "
          "participants it communicates with",

@@ -16,7 +16,9 @@
 
 namespace tandem::foxglove {
 
-inline constexpr const char* kSubprotocol = "foxglove.websocket.v1";
+/// Names of the protocol, preferred first. Foxglove's SDK and its bridge since 3.0 call it
+/// foxglove.sdk.v1 and accept no other name; the frames are the same.
+inline const std::vector<std::string> kSubprotocols{"foxglove.websocket.v1", "foxglove.sdk.v1"};
 
 using Bytes = std::vector<std::uint8_t>;
 using nlohmann::json;

@@ -104,6 +104,15 @@ tcp::acceptor listen(asio::io_context& io, const WebServerParams& params) {
                               "): choose another `port`");
 }
 
+std::string chosen_subprotocol(const Request& request,
+                               const std::vector<std::string>& subprotocols) {
+  const std::string offered = text_of(request[http::field::sec_websocket_protocol]);
+  const auto found =
+      std::find_if(subprotocols.begin(), subprotocols.end(),
+                   [&](const std::string& name) { return has_word(offered, name, ','); });
+  return found == subprotocols.end() ? "" : *found;
+}
+
 std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
   const auto& params = rules.params;
   const auto field = [&](http::field name) { return text_of(request[name]); };
@@ -119,8 +128,8 @@ std::optional<Refusal> refuse(const Request& request, const Rules& rules) {
     if (!same_secret(given, rules.token))
       return Refusal{"the token is missing or wrong (?token=...)", !given.empty()};
   }
-  if (!has_word(field(http::field::sec_websocket_protocol), rules.subprotocol, ','))
-    return Refusal{"the subprotocol " + rules.subprotocol + " is not offered"};
+  if (chosen_subprotocol(request, rules.subprotocols).empty())
+    return Refusal{"the subprotocol " + rules.subprotocols.front() + " is not offered"};
   if (rules.clients >= params.max_clients)
     return Refusal{"already " + std::to_string(params.max_clients) +
                    " clients connected (max_clients)"};

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -25,10 +26,10 @@ using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
 struct Rules {
   const WebServerParams& params;
-  const std::string& subprotocol;
-  const std::string& token;  ///< empty: no token is needed
-  bool loopback = true;      ///< only this machine can connect
-  int clients = 0;           ///< connected clients
+  const std::vector<std::string>& subprotocols;  ///< those that the server speaks
+  const std::string& token;                      ///< empty: no token is needed
+  bool loopback = true;                          ///< only this machine can connect
+  int clients = 0;                               ///< connected clients
 };
 
 /// Why a request was refused, in one sentence for the client.
@@ -40,6 +41,10 @@ struct Refusal {
 /// Why the request may not become a WebSocket: its host or origin, the token, the subprotocol, too
 /// many clients; nullopt if it may.
 [[nodiscard]] std::optional<Refusal> refuse(const Request& request, const Rules& rules);
+
+/// The first subprotocol of the server that the client offers; empty if there is none.
+[[nodiscard]] std::string chosen_subprotocol(const Request& request,
+                                             const std::vector<std::string>& subprotocols);
 
 /// The requested file, or an error response.
 [[nodiscard]] Response answer(const Request& request, const std::map<std::string, WebFile>& files);

@@ -151,7 +151,8 @@ void WebConnection::upgrade() {
   web_.emplace(std::move(tcp_));
   web_->set_option(websocket::stream_base::timeout{kRequestTime, kSilence, true});
   web_->set_option(websocket::stream_base::decorator([this](websocket::response_type& response) {
-    response.set(http::field::sec_websocket_protocol, server_.subprotocol);
+    response.set(http::field::sec_websocket_protocol,
+                 http_access::chosen_subprotocol(parser_.get(), server_.subprotocols));
   }));
   web_->read_message_max(static_cast<std::size_t>(server_.params.max_message));
   web_->control_callback(

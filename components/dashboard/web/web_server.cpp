@@ -52,10 +52,10 @@ std::string own_address() {
 
 }  // namespace
 
-WebServer::State::State(const WebServerParams& wanted, std::string protocol,
+WebServer::State::State(const WebServerParams& wanted, std::vector<std::string> protocols,
                         std::map<std::string, WebFile> pages, Log logger)
     : params{wanted},
-      subprotocol{std::move(protocol)},
+      subprotocols{std::move(protocols)},
       files{std::move(pages)},
       log{std::move(logger)},
       proxies{trusted_proxies(wanted.trusted_proxies)},
@@ -105,9 +105,9 @@ void WebServer::State::make_room() {
   }
 }
 
-WebServer::WebServer(const WebServerParams& params, std::string subprotocol,
+WebServer::WebServer(const WebServerParams& params, std::vector<std::string> subprotocols,
                      std::map<std::string, WebFile> files, Log log)
-    : state_{std::make_unique<State>(params, std::move(subprotocol), std::move(files),
+    : state_{std::make_unique<State>(params, std::move(subprotocols), std::move(files),
                                      std::move(log))} {
   state_->listen();
   state_->thread = std::thread{[this] { state_->io.run(); }};

@@ -87,7 +87,8 @@ class WebServer {
   using Log = std::function<void(const std::string&)>;  ///< called on the server's thread
 
   /// Starts listening. Throws std::invalid_argument with one line if it cannot.
-  WebServer(const WebServerParams& params, std::string subprotocol,
+  /// `subprotocols`: preferred first.
+  WebServer(const WebServerParams& params, std::vector<std::string> subprotocols,
             std::map<std::string, WebFile> files, Log log);
   ~WebServer();
   WebServer(const WebServer&) = delete;

@@ -32,8 +32,8 @@ class WebConnection;
 }
 
 struct WebServer::State {
-  State(const WebServerParams& wanted, std::string protocol, std::map<std::string, WebFile> pages,
-        Log logger);
+  State(const WebServerParams& wanted, std::vector<std::string> protocols,
+        std::map<std::string, WebFile> pages, Log logger);
 
   void listen();
   void accept();
@@ -41,11 +41,11 @@ struct WebServer::State {
   /// Closes connections until the pool is within its limits again.
   void make_room();
   [[nodiscard]] http_access::Rules rules() const {
-    return {params, subprotocol, token, loopback, inside};
+    return {params, subprotocols, token, loopback, inside};
   }
 
   const WebServerParams params;
-  const std::string subprotocol;
+  const std::vector<std::string> subprotocols;
   const std::map<std::string, WebFile> files;
   const Log log;
   const TrustedProxies proxies;

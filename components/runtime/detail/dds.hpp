@@ -40,12 +40,14 @@ namespace fdds = eprosima::fastdds::dds;
 #if TANDEM_FASTDDS_3
 namespace rtps = eprosima::fastdds::rtps;
 using DdsDuration = fdds::Duration_t;
-inline constexpr const char* kProfilesVariable = "FASTDDS_DEFAULT_PROFILES_FILE";
+inline constexpr const char *kProfilesVariable = "FASTDDS_DEFAULT_PROFILES_FILE",
+                            *kOtherProfilesVariable = "FASTRTPS_DEFAULT_PROFILES_FILE";
 inline bool ok(fdds::ReturnCode_t code) { return code == fdds::RETCODE_OK; }
 #else
 namespace rtps = eprosima::fastrtps::rtps;
 using DdsDuration = eprosima::fastrtps::Duration_t;
-inline constexpr const char* kProfilesVariable = "FASTRTPS_DEFAULT_PROFILES_FILE";
+inline constexpr const char *kProfilesVariable = "FASTRTPS_DEFAULT_PROFILES_FILE",
+                            *kOtherProfilesVariable = "FASTDDS_DEFAULT_PROFILES_FILE";
 inline bool ok(bool done) { return done; }
 inline bool ok(const eprosima::fastrtps::types::ReturnCode_t& code) {
   return code == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;

@@ -54,13 +54,24 @@ void check_server(const std::string& servers, const std::string& locator) {
            "'" + host + "' is neither an address nor a host name that can be resolved");
 }
 
-void check_profiles(const std::string& file) {
+void check_profiles(const char* name, const std::string& file) {
   if (!std::filesystem::is_regular_file(file))
-    refuse(kProfilesVariable, file, "no such file; correct the path or unset the variable");
+    refuse(name, file, "no such file; correct the path or unset the variable");
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   if (!ok(factory->load_XML_profiles_file(file)))
-    refuse(kProfilesVariable, file,
+    refuse(name, file,
            "not a valid file of Fast DDS profiles; the previous log line names the error");
+}
+
+// Fast DDS 3, and so ROS 2 from Kilted on, renamed the variable. Either name works with either
+// version; where both are set, the one of this Fast DDS counts.
+void check_profiles() {
+  const bool other = variable(kProfilesVariable).empty();
+  const char* name = other ? kOtherProfilesVariable : kProfilesVariable;
+  const std::string file = variable(name);
+  if (file.empty()) return;
+  if (other) setenv(kProfilesVariable, file.c_str(), 1);
+  check_profiles(name, file);
 }
 
 }  // namespace
@@ -82,7 +93,7 @@ void check_dds_settings() {
   if (const auto file = variable(kEnvironmentFileVariable);
       !file.empty() && !std::filesystem::is_regular_file(file))
     refuse(kEnvironmentFileVariable, file, "no such file; correct the path or unset the variable");
-  if (const auto file = variable(kProfilesVariable); !file.empty()) check_profiles(file);
+  check_profiles();
 }
 
 }  // namespace tandem::runtime

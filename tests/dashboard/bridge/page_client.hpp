@@ -28,7 +28,8 @@ class PageClient {
     stream_.next_layer().connect(
         {boost::asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(web_.port())});
     stream_.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
-      request.set(boost::beast::http::field::sec_websocket_protocol, foxglove::kSubprotocol);
+      request.set(boost::beast::http::field::sec_websocket_protocol,
+                  foxglove::kSubprotocols.front());
     }));
     stream_.handshake("127.0.0.1:" + std::to_string(web_.port()), "/");
     for (const double end = rt::steady_seconds() + kTimeout; rt::steady_seconds() < end;)
@@ -60,7 +61,7 @@ class PageClient {
   [[nodiscard]] foxglove::json read_json() { return foxglove::json::parse(read()); }
 
  private:
-  WebServer web_{{.port = 0}, foxglove::kSubprotocol, {}, [](const std::string&) {}};
+  WebServer web_{{.port = 0}, foxglove::kSubprotocols, {}, [](const std::string&) {}};
   void begin_read() {
     if (std::exchange(reading_, true)) return;
     arrived_ = false;

@@ -13,6 +13,7 @@ namespace {
 namespace http = boost::beast::http;
 
 constexpr const char* kProtocol = "foxglove.websocket.v1";
+const std::vector<std::string> kProtocols{kProtocol, "foxglove.sdk.v1"};
 
 struct Visit {
   std::string target = "/", host = "127.0.0.1:8765", origin{}, protocol = kProtocol;
@@ -27,7 +28,7 @@ Request request(const Visit& visit) {
 }
 
 bool comes_in(const Visit& visit, const WebServerParams& params = {}, int clients = 0) {
-  return !refuse(request(visit), {params, kProtocol, "", true, clients});
+  return !refuse(request(visit), {params, kProtocols, "", true, clients});
 }
 
 TEST(HttpAccess, AdmitsProgramsAndItsOwnPage) {
@@ -35,6 +36,17 @@ TEST(HttpAccess, AdmitsProgramsAndItsOwnPage) {
   EXPECT_TRUE(comes_in({.origin = "http://127.0.0.1:8765"}));
   EXPECT_TRUE(comes_in({.host = "localhost:1", .origin = "http://localhost:1"}));
   EXPECT_TRUE(comes_in({.host = "[::1]:8765", .protocol = "other, foxglove.websocket.v1"}));
+}
+
+TEST(HttpAccess, ChoosesAProtocolThatTheClientOffers) {
+  const auto chosen = [](const std::string& offered) {
+    return chosen_subprotocol(request({.protocol = offered}), kProtocols);
+  };
+  EXPECT_EQ(chosen("foxglove.websocket.v1"), "foxglove.websocket.v1");
+  EXPECT_EQ(chosen("foxglove.sdk.v1"), "foxglove.sdk.v1");
+  EXPECT_EQ(chosen("foxglove.sdk.v1, foxglove.websocket.v1"), "foxglove.websocket.v1");
+  EXPECT_EQ(chosen("foxglove.sdk.v2"), "");
+  EXPECT_FALSE(comes_in({.protocol = "foxglove.sdk.v2"}));
 }
 
 TEST(HttpAccess, RefusesPagesOfOtherSites) {
@@ -52,7 +64,7 @@ TEST(HttpAccess, RequiresTheExactToken) {
   const WebServerParams params{.address = "0.0.0.0"};
   const auto says = [&](const std::string& target) {
     return !refuse(request({.target = target, .host = "robot"}),
-                   {params, kProtocol, "secret", false, 0});
+                   {params, kProtocols, "secret", false, 0});
   };
   EXPECT_TRUE(says("/?token=secret"));
   EXPECT_TRUE(says("/?a=b&token=secret&c=d"));
@@ -81,7 +93,7 @@ TEST(HttpAccess, TakesAnyRequest) {
                       .host = test::damaged(hosts, random),
                       .origin = test::damaged(hosts, random)};
     const Request asked = request(visit);
-    EXPECT_TRUE(refuse(asked, {params, kProtocol, "secret", false, 0})) << visit.target;
+    EXPECT_TRUE(refuse(asked, {params, kProtocols, "secret", false, 0})) << visit.target;
     const auto status = answer(asked, files).result();
     EXPECT_EQ(status == http::status::ok,
               visit.target.substr(0, visit.target.find('?')) == "/app.js");
