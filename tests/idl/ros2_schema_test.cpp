@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tandem/dashboard/web/ros2_schema.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <ros2_schema.hpp>
 #include <string>
 
 #include "support/paths.hpp"
 
-namespace tandem {
+namespace tandem::runtime {
 namespace {
 
 TEST(Ros2Msg, WritesATypeAsItsMsgFileDoes) {
@@ -60,4 +59,4 @@ TEST(Ros2Msg, WritesOurTypesAsTheirRosPackageDoes) {
 }
 
 }  // namespace
-}  // namespace tandem
+}  // namespace tandem::runtime

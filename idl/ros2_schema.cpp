@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tandem/dashboard/web/ros2_schema.hpp"
+#include "ros2_schema.hpp"
 
 #include <array>
 #include <set>
 
-#include <type_hashes.hpp>
+#include "type_hashes.hpp"
 
-namespace tandem {
+namespace tandem::runtime {
 namespace {
-
-using runtime::DescribedField;
-using runtime::DescribedType;
 
 // Codes of type_description_interfaces/msg/FieldType: container kind and element type.
 constexpr int kKinds = 48, kNested = 1, kBoundedString = 21;
@@ -58,21 +55,21 @@ std::string fields_of(const DescribedType& type) {
 void collect(const DescribedType& type, std::set<std::string_view>& found) {
   for (const auto& field : type.fields)
     if (!field.nested.empty() && found.insert(field.nested).second)
-      collect(*runtime::described_type(field.nested), found);
+      collect(*described_type(field.nested), found);
 }
 
 }  // namespace
 
 std::optional<std::string> ros2msg(std::string_view type) {
-  const DescribedType* described = runtime::described_type(type);
+  const DescribedType* described = described_type(type);
   if (described == nullptr) return std::nullopt;
   std::string text = fields_of(*described);
   std::set<std::string_view> nested;
   collect(*described, nested);
   for (const auto name : nested)
     text += std::string(80, '=') + "\nMSG: " + short_name(name) + "\n" +
-            fields_of(*runtime::described_type(name));
+            fields_of(*described_type(name));
   return text;
 }
 
-}  // namespace tandem
+}  // namespace tandem::runtime
