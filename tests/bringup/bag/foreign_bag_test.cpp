@@ -54,7 +54,7 @@ class ForeignBag : public testing::Test {
   ~ForeignBag() override { fs::remove_all(root_); }
 
   void write(const std::vector<std::pair<std::int64_t, Bytes>>& messages) const {
-    BagWriter writer{folder_};
+    BagWriter writer{folder_, BagStorage::kSqlite};
     const int topic = writer.add_topic(kJoy);
     for (const auto& [time, bytes] : messages) writer.write(topic, time, bytes);
   }
@@ -142,8 +142,8 @@ TEST_F(ForeignBag, OfAnotherFormatIsRefusedByTheFieldAndTheCommandThatHelps) {
     EXPECT_NE(text.find(field), std::string::npos) << text;
     EXPECT_NE(text.find("ros2 bag convert -i " + folder_.string()), std::string::npos) << text;
   };
-  describe("storage_identifier: mcap");
-  expect("storage_identifier is 'mcap'");
+  describe("storage_identifier: rosbag_v2");
+  expect("storage_identifier is 'rosbag_v2'");
   describe("storage_identifier: sqlite3, compression_format: lz4, compression_mode: MESSAGE");
   expect("compression_format is 'lz4'");
   describe("storage_identifier: sqlite3, compression_format: '', compression_mode: ''");
