@@ -49,10 +49,16 @@ def types_of(summary):
     return store
 
 
+def names_of(message):
+    """Those of its fields; rosbags has the type's name and constants among them."""
+    names = [field.name for field in dataclasses.fields(message)]
+    return [name for name in names if name != "__msgtype__" and not name.isupper()]
+
+
 def check_same(one, other, where):
     """`one` is rosbags' message or a part of it, `other` that of mcap_ros2."""
     if dataclasses.is_dataclass(one):
-        for name in (field.name for field in dataclasses.fields(one) if field.name != "__msgtype__"):
+        for name in names_of(one):
             check_same(getattr(one, name), getattr(other, name), f"{where}.{name}")
     elif hasattr(one, "__len__") and not isinstance(one, (str, bytes)):
         one, other = list(one), list(other)
