@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 #include <type_hashes.hpp>
 #include <utility>
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kLongestPause = 86'400'000'000'000;  // [ns] one day
+constexpr std::int64_t kLatest = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
@@ -112,7 +114,7 @@ void BagReader::decompress_message(BagMessage& message) const {
 // Timestamps increase, except where consecutive files overlap by a few nanoseconds.
 std::int64_t BagReader::without_gap(std::int64_t stamp) {
   const std::int64_t gap = last_stamp_ ? stamp - *last_stamp_ : 0;
-  if (gap > kLongestPause) skipped_ += gap;
+  if (gap > kLongestPause && gap <= kLatest - skipped_) skipped_ += gap;
   last_stamp_ = stamp;
   return stamp - skipped_;
 }

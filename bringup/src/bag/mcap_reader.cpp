@@ -18,7 +18,7 @@ namespace {
 // Chunks that overlap in time are held in memory together up to this size [bytes]. With more, the
 // order of messages is that of the file.
 constexpr std::size_t kMostHeld = std::size_t{256} << 20U;
-constexpr std::uint64_t kLatest = std::numeric_limits<std::int64_t>::max();  // [ns]
+constexpr std::uint64_t kLatestStamp = std::numeric_limits<std::int64_t>::max();  // [ns]
 
 void warn_once(const std::string& file, std::uint64_t cut_at) {
   static std::mutex mutex;
@@ -68,7 +68,7 @@ void McapReader::add_topic(const mcap::Channel& channel) {
 
 std::int64_t McapReader::first() const {
   for (const mcap::Place& place : contents_.places)  // chunks without messages begin at 0
-    if (place.start > 0) return static_cast<std::int64_t>(std::min(place.start, kLatest));
+    if (place.start > 0) return static_cast<std::int64_t>(std::min(place.start, kLatestStamp));
   return 0;
 }
 
@@ -118,7 +118,7 @@ void McapReader::add_message(const std::shared_ptr<Block>& block, mcap::View con
                              std::to_string(message.channel) +
                              ", which the file does not describe");
   ++block->messages;
-  waiting_.push({static_cast<std::int64_t>(std::min(message.time, kLatest)), order_++,
+  waiting_.push({static_cast<std::int64_t>(std::min(message.time, kLatestStamp)), order_++,
                  topic->second, offset + content.size() - in.rest().size(), in.rest().size(),
                  block});
 }

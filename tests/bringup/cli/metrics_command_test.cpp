@@ -199,10 +199,13 @@ TEST_F(MetricsProgram, AcceptsStampedCommandsOfThePerson) {
 }
 
 TEST_F(MetricsProgram, ErrorsNameWhatIsWrongWithARecording) {
-  std::ofstream{file("none.db3")} << "no recording";
   const test::CapturedLog log;
-  EXPECT_EQ(run({"metrics", file("none.db3"), "--scenario", kScenario}), 1);
-  EXPECT_EQ(log.lines("tandem: "), 1) << log.text();
+  int errors = 0;
+  for (const char* none : {"none.db3", "none.mcap"}) {
+    std::ofstream{file(none)} << "no recording";
+    EXPECT_EQ(run({"metrics", file(none), "--scenario", kScenario}), 1);
+    EXPECT_EQ(log.lines("tandem: "), ++errors) << log.text();
+  }
   EXPECT_EQ(run({"metrics", "/nowhere", "--scenario", kScenario}), 1);
 }
 
