@@ -96,11 +96,11 @@ void McapReader::load(const mcap::Place& place) {
     if (place.is_chunk) {
       block->bytes = mcap::records_of(file_, place);
       mcap::for_each_record(block->bytes, [&](mcap::Op op, mcap::View content, std::size_t at) {
-        if (op == mcap::Op::kMessage) add_message(block, content, at);
+        if (op == mcap::Op::kMessage) add_message(place, block, content, at);
       });
     } else {
       block->bytes = file_.read(place.offset, place.size);
-      add_message(block, block->bytes, 0);
+      add_message(place, block, block->bytes, 0);
     }
   } catch (const mcap::ShortRecord& error) {
     file_.fail(place.offset, error.what());
@@ -108,15 +108,14 @@ void McapReader::load(const mcap::Place& place) {
   if (block->messages > 0) held_ += block->bytes.size();
 }
 
-void McapReader::add_message(const std::shared_ptr<Block>& block, mcap::View content,
-                             std::size_t offset) {
+void McapReader::add_message(const mcap::Place& place, const std::shared_ptr<Block>& block,
+                             mcap::View content, std::size_t offset) {
   mcap::Input in{content};
   const mcap::Message message = in.message();
   const auto topic = index_.find(message.channel);
   if (topic == index_.end())
-    throw std::runtime_error(file_.name() + ": a message is of channel " +
-                             std::to_string(message.channel) +
-                             ", which the file does not describe");
+    file_.fail(place.offset, "a message is of channel " + std::to_string(message.channel) +
+                                 ", which the file does not describe");
   ++block->messages;
   waiting_.push({static_cast<std::int64_t>(std::min(message.time, kLatestStamp)), order_++,
                  topic->second, offset + content.size() - in.rest().size(), in.rest().size(),

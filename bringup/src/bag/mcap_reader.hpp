@@ -39,7 +39,9 @@ class McapReader : public BagFileReader {
 
   void add_topic(const mcap::Channel& channel);
   void load(const mcap::Place& place);
-  void add_message(const std::shared_ptr<Block>& block, mcap::View content, std::size_t offset);
+  // `place`: for messages. `offset`: of the content in the block [bytes].
+  void add_message(const mcap::Place& place, const std::shared_ptr<Block>& block,
+                   mcap::View content, std::size_t offset);
 
   mcap::File file_;
   mcap::Contents contents_;  // places in order of time

@@ -58,7 +58,7 @@ std::optional<Stick> stick_in(const BagMessage& message, const std::string& type
   return std::nullopt;
 }
 
-// SQLite would report any other file as "not a database".
+// The storages would report any other file as damaged.
 void require_recording(const std::string& path) {
   if (!is_recording(path))
     throw std::runtime_error(path +
