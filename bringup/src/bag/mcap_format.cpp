@@ -4,24 +4,39 @@
 namespace tandem::mcap {
 namespace {
 
-constexpr std::array<std::uint32_t, 256> crc_table() {
+constexpr std::size_t kSlices = 8;  // bytes that are looked up at once
+using CrcTables = std::array<std::array<std::uint32_t, 256>, kSlices>;
+
+// Table k: the effect of a byte with k bytes behind it.
+constexpr CrcTables crc_tables() {
   constexpr std::uint32_t kPolynomial = 0xedb88320U;
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < table.size(); ++i) {
+  CrcTables tables{};
+  for (std::uint32_t i = 0; i < 256; ++i) {
     std::uint32_t sum = i;
     for (int bit = 0; bit < 8; ++bit) sum = (sum & 1U) != 0 ? (sum >> 1U) ^ kPolynomial : sum >> 1U;
-    table.at(i) = sum;
+    tables[0][i] = sum;
   }
-  return table;
+  for (std::size_t k = 1; k < kSlices; ++k)
+    for (std::size_t i = 0; i < 256; ++i)
+      tables[k][i] = tables[0][tables[k - 1][i] & 0xffU] ^ (tables[k - 1][i] >> 8U);
+  return tables;
 }
 
-constexpr std::array<std::uint32_t, 256> kCrcTable = crc_table();
+constexpr CrcTables kCrc = crc_tables();
 
 }  // namespace
 
 std::uint32_t crc32(View bytes, std::uint32_t sum) {
   sum = ~sum;
-  for (const std::uint8_t byte : bytes) sum = kCrcTable[(sum ^ byte) & 0xffU] ^ (sum >> 8U);
+  for (; bytes.size() >= kSlices; bytes = bytes.subspan(kSlices)) {
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < kSlices; ++i) {
+      const std::uint32_t before = i < 4 ? sum >> 8U * i : 0;
+      next ^= kCrc[kSlices - 1 - i][(bytes[i] ^ before) & 0xffU];
+    }
+    sum = next;
+  }
+  for (const std::uint8_t byte : bytes) sum = kCrc[0][(sum ^ byte) & 0xffU] ^ (sum >> 8U);
   return ~sum;
 }
 
