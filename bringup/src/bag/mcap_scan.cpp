@@ -59,7 +59,7 @@ class Scanner {
     Input in{head};
     const auto op = static_cast<Op>(in.u8());
     const std::uint64_t size = in.u64(), content = offset_ + kHead;
-    if (op == Op{0}) file_.fail(offset_, "a record has the invalid opcode 0");
+    if (op == Op{0}) return cut("a record has the invalid opcode 0");  // zeros: power was lost
     if (size > file_.size() - content) return cut("a record claims to be longer than the file");
     try {
       take(op, content, size);
