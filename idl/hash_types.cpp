@@ -18,6 +18,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -38,6 +39,16 @@ struct Field {
 };
 
 using Structures = std::map<std::string, std::vector<Field>>;
+
+struct Constant {
+  std::string name;
+  int type_id = 0;
+  std::string value;  // as in the IDL
+};
+
+using Constants = std::map<std::string, std::vector<Constant>>;  // by structure
+
+constexpr std::string_view kConstants = "_Constants";  // ends the name of a structure's module
 
 // The index behind the string that begins at `at`.
 std::size_t end_of_string(const std::string& line, std::size_t at) {
@@ -69,8 +80,8 @@ std::vector<std::string> tokens_of(const std::string& path) {
 
 class Parser {
  public:
-  Parser(std::string path, Structures& out)
-      : path_{std::move(path)}, tokens_{tokens_of(path_)}, out_{out} {}
+  Parser(std::string path, Structures& out, Constants& constants)
+      : path_{std::move(path)}, tokens_{tokens_of(path_)}, out_{out}, constants_{constants} {}
 
   void parse() {
     while (at_ < tokens_.size()) definition();
@@ -88,11 +99,29 @@ class Parser {
     } else if (what == "struct") {
       structure();
     } else if (what == "const") {
-      while (peek() != ";") next();
+      constant();
     } else {
       fail("'" + what + "' is not one of module, struct, const");
     }
     expect(";");
+  }
+
+  // Outside of a structure's module it has no place in a message's definition.
+  void constant() {
+    Constant constant;
+    const auto type = kBasicTypes.find(next());
+    if (peek() == "<") {
+      bound("<");
+      expect(">");
+    }
+    constant.name = next();
+    expect("=");
+    while (peek() != ";") constant.value += next();
+    std::string owner = scoped("");
+    owner.pop_back();
+    if (type == kBasicTypes.end() || !owner.ends_with(kConstants)) return;
+    constant.type_id = type->second;
+    constants_[owner.substr(0, owner.size() - kConstants.size())].push_back(constant);
   }
 
   void structure() {
@@ -173,6 +202,7 @@ class Parser {
   std::string path_;
   std::vector<std::string> tokens_;
   Structures& out_;
+  Constants& constants_;
   std::size_t at_ = 0;
   std::vector<std::string> scope_;
 };
@@ -220,14 +250,38 @@ std::string hash(const std::string& name, const Structures& all) {
   return result;
 }
 
+// A value as it stands in a .msg file, as a string literal.
+std::string literal(const Constant& constant) {
+  if (constant.value == "TRUE") return "\"true\"";
+  if (constant.value == "FALSE") return "\"false\"";
+  std::string text = "\"";
+  for (const char c : constant.value) text += (c == '"' || c == '\\' ? "\\" : "") + std::string{c};
+  return text + "\"";
+}
+
+// Empty without constants, because C++ has no empty arrays.
+std::string constants_array(const std::string& entries) {
+  return entries.empty()
+             ? ""
+             : "constexpr DescribedConstant kDescribedConstants[] = {\n" + entries + "};\n\n";
+}
+
 // The structures of `all` that are not in `known`, as code.
-std::string code(const Structures& all, const Structures& known) {
-  std::ostringstream types, fields;
-  std::size_t count = 0;
+std::string code(const Structures& all, const Structures& known, const Constants& constants) {
+  std::ostringstream types, fields, values;
+  std::size_t count = 0, constant_count = 0;
   for (const auto& [name, members] : all) {
     if (known.contains(name)) continue;
     types << "    {\"" << name << "\", \"" << hash(name, all) << "\", {kDescribedFields + " << count
-          << ", " << members.size() << "}},\n";
+          << ", " << members.size() << "}";
+    if (const auto own = constants.find(name); own != constants.end()) {
+      types << ", {kDescribedConstants + " << constant_count << ", " << own->second.size() << "}";
+      constant_count += own->second.size();
+      for (const Constant& constant : own->second)
+        values << "    {\"" << constant.name << "\", " << constant.type_id << ", "
+               << literal(constant) << "},\n";
+    }
+    types << "},\n";
     for (const Field& field : members)
       fields << "    {\"" << field.name << "\", " << field.type_id << ", " << field.capacity << ", "
              << field.string_capacity << ", \"" << field.nested << "\"},\n";
@@ -236,7 +290,8 @@ std::string code(const Structures& all, const Structures& known) {
   return "#include \"type_hashes.hpp\"\n\n"
          "namespace tandem::runtime {\nnamespace {\n\n"
          "constexpr DescribedField kDescribedFields[] = {\n" +
-         fields.str() + "};\n\nconstexpr DescribedType kDescribedTypes[] = {\n" + types.str() +
+         fields.str() + "};\n\n" + constants_array(values.str()) +
+         "constexpr DescribedType kDescribedTypes[] = {\n" + types.str() +
          "};\n\n[[maybe_unused]] const bool types_are_described = "
          "add_described_types(kDescribedTypes);\n\n"
          "}  // namespace\n}  // namespace tandem::runtime\n";
@@ -248,12 +303,14 @@ int main(int argc, char** argv) try {
   const std::vector<std::string> files{argv + 2, argv + argc};
   const auto first_known = std::find(files.begin(), files.end(), "--known");
   Structures known;
+  Constants constants;
   for (auto file = first_known; file != files.end(); ++file)
-    if (file != first_known) Parser{*file, known}.parse();
+    if (file != first_known) Parser{*file, known, constants}.parse();
   Structures all = known;
-  for (auto file = files.begin(); file != first_known; ++file) Parser{*file, all}.parse();
+  for (auto file = files.begin(); file != first_known; ++file)
+    Parser{*file, all, constants}.parse();
   std::ofstream out{argv[1]};
-  out << code(all, known);
+  out << code(all, known, constants);
   return out.good() ? 0 : 1;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "hash_types: %s\n", error.what());

@@ -22,10 +22,18 @@ struct DescribedField {
   std::string_view nested;  ///< "builtin_interfaces/msg/Time", or "" for a basic type
 };
 
+/// A constant of a type. Descriptions and hashes leave constants out; definitions have them.
+struct DescribedConstant {
+  std::string_view name;
+  std::uint8_t type_id;    ///< that of a field of its type
+  std::string_view value;  ///< as it stands in a .msg file
+};
+
 struct DescribedType {
   std::string_view name;  ///< "geometry_msgs/msg/Twist"
   std::string_view hash;
   std::span<const DescribedField> fields;
+  std::span<const DescribedConstant> constants = {};
 };
 
 /// Null for a type without a description, as type_hash(). `name`: "geometry_msgs/msg/Twist".

@@ -4,6 +4,7 @@
 
 #include <lifecycle_msgs/messages.hpp>
 
+#include "ros2_schema.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/runtime/node.hpp"
@@ -35,6 +36,12 @@ TEST(Interfaces, HaveTheTypeHashesOfRos2) {
        "RIHS01_e1ddfed0271fefe63767aa71561926e4d9eac0f1ddf9e71a8873eb46b36deac2"}};
   for (const auto& [type, hash] : known)
     EXPECT_EQ(rt::type_hash(std::string{"lifecycle_msgs::"} + type), hash) << type;
+}
+
+TEST(Interfaces, HaveADefinitionWithConstants) {
+  EXPECT_EQ(rt::ros2msg("lifecycle_msgs/msg/State"),
+            "uint8 PRIMARY_STATE_UNKNOWN=0\nstring URL=\"https://design.ros2.org; a text\"\n"
+            "uint8 id\nstring label\n");
 }
 
 TEST(Interfaces, HaveTheConstantsOfTheirFile) {

@@ -68,7 +68,7 @@ TEST(PythonPeer, ReadsOurRecordings) {
       std::vector<std::uint8_t> bytes(4 + sizeof number);
       bytes[1] = 1;  // little endian
       std::memcpy(bytes.data() + 4, &number, sizeof number);
-      writer.write(topic, 1'000'000 * i, bytes);
+      writer.write(topic, 1'000'000 * (i + 1), bytes);
     }
   }
   test::ChildProcess peer{kPython, {kScript, "bag", folder}};

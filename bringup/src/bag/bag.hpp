@@ -1,102 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads rosbag2 recordings (a folder with one SQLite file and metadata.yaml), in the
-// format of ROS 2 Humble, which every later release reads.
+// Writes and reads rosbag2 recordings: a folder with one file, MCAP or SQLite, and metadata.yaml.
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bringup/bag/bag_database.hpp"
-#include "tandem/runtime/qos.hpp"
+#include "bringup/bag/bag_files.hpp"
+#include "bringup/bag/bag_storage.hpp"
 
 namespace tandem {
-
-/// A recorded topic.
-struct BagTopic {
-  std::string name, type;  ///< "/cmd_vel", "geometry_msgs/msg/Twist"
-  rt::QoS qos{};           ///< offered by its publishers
-};
-
-/// One recorded message: its receive time [ns since 1970] and its uncompressed CDR, encapsulation
-/// header included. If the clock was set by more than a day during the recording, later timestamps
-/// continue from the earlier ones.
-struct BagMessage {
-  std::size_t topic = 0;  ///< index into BagReader::topics()
-  std::int64_t time = 0;
-  std::vector<std::uint8_t> bytes;
-};
 
 /// Writes a recording. Committed messages survive a crash of the process.
 class BagWriter {
  public:
   /// Throws std::runtime_error if `folder` already exists or cannot be created.
-  explicit BagWriter(const std::string& folder);
-  /// Commits.
+  explicit BagWriter(const std::string& folder, BagStorage storage = BagStorage::kMcap);
+  /// Commits, and ends the file.
   ~BagWriter();
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// Returns the id to pass to write(). Throws std::runtime_error if SQLite cannot write, for
-  /// example because the disk is full.
+  /// Returns the id to pass to write(). Throws std::runtime_error if the file cannot be written,
+  /// for example because the disk is full.
   int add_topic(const BagTopic& topic);
-  /// Throws std::runtime_error if SQLite cannot write, for example because the disk is full.
+  /// `time` [ns since 1970]. Throws std::runtime_error as add_topic() does.
   void write(int topic, std::int64_t time, const std::vector<std::uint8_t>& bytes);
-  /// Commits everything written so far and updates metadata.yaml.
+  /// Commits everything written so far and updates metadata.yaml. Throws as add_topic() does.
   void commit();
-  [[nodiscard]] std::int64_t messages() const { return messages_; }
+  [[nodiscard]] std::int64_t messages() const { return metadata_.messages; }
 
  private:
-  struct Count {
-    BagTopic topic;
-    std::int64_t messages = 0;
-  };
-
-  void write_metadata() const;
-
-  std::string folder_, file_;
-  BagDatabase database_;
-  BagStatement insert_;
-  std::map<int, Count> topics_;
-  std::int64_t messages_ = 0, first_ = 0, last_ = 0;
+  std::string folder_;
+  BagMetadata metadata_;
+  std::unique_ptr<BagFileWriter> file_;
 };
-
-/// Whether the path is a folder or is named like a recording's file.
-[[nodiscard]] bool is_recording(const std::string& path);
 
 /// Reads a recording in order of time. It may be split into several files and compressed with zstd,
 /// per message or per file; a compressed file needs space in the folder for temporary files.
 class BagReader {
  public:
-  /// `path`: the folder, or one .db3 or .db3.zstd. Throws std::runtime_error if it is not a
-  /// recording or uses another storage, compression or serialization format.
+  /// `path`: the folder, or one of its files (.mcap, .db3, or either with .zstd). Throws
+  /// std::runtime_error if it is not a recording or uses another storage, compression or
+  /// serialization format. What is missing at the end of an MCAP file is logged once in a process.
   explicit BagReader(const std::string& path);
 
   [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
   /// False after the last message. If the recording is still being written, topics added after it
-  /// was opened are skipped. Throws std::runtime_error if the file is damaged.
-  bool next(BagMessage& message);
+  /// was opened are left out, of an MCAP file also later messages. Throws std::runtime_error if the
+  /// recording is damaged.
+  [[nodiscard]] bool next(BagMessage& message);
   /// Total clock adjustment within the messages read so far [ns].
   [[nodiscard]] std::int64_t skipped() const { return skipped_; }
 
  private:
   struct File {
-    BagDatabase database;
-    std::int64_t first = 0;                     // time of its first message
-    std::map<std::int64_t, std::size_t> index;  // into topics_, by the file's ids
+    std::string name;
+    std::unique_ptr<BagFileReader> reader;
+    std::vector<std::size_t> index;  // into topics_, by the file's
   };
 
   void add(const std::string& file);
-  [[nodiscard]] std::vector<std::uint8_t> plain_bytes(const File& file) const;
+  void decompress_message(BagMessage& message) const;
   [[nodiscard]] std::int64_t without_gap(std::int64_t stamp);
 
   std::vector<BagTopic> topics_;
   std::vector<File> files_;  // the last one is read next
-  BagStatement select_;
   std::optional<std::int64_t> last_stamp_;
   std::int64_t skipped_ = 0;
 };

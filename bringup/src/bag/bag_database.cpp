@@ -3,11 +3,8 @@
 
 #include <sqlite3.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
-
-#include "bringup/bag/zstd.hpp"
 
 namespace tandem {
 namespace {
@@ -22,8 +19,7 @@ std::string mend(int result, const std::string& file) {
       return "; recover what is left of it: sqlite3 " + file + " .recover | sqlite3 saved.db3";
     case SQLITE_NOTADB:
     case SQLITE_ERROR:  // no such table
-      return "; is it a recording stored as sqlite3 rather than mcap? If it is mcap," +
-             how_to_convert(file);
+      return "; is it a recording, stored as mcap or sqlite3?";
     case SQLITE_FULL:
       return "; free some disk space";
     default:
@@ -48,56 +44,17 @@ std::string uri_of(const fs::path& file) {
   return uri;
 }
 
-// A temporary folder, removed with its contents at the end of the scope.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_{fs::temp_directory_path() / "tandem_bag_XXXXXX"} {
-    std::string name = path_.string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw std::runtime_error(name + ": cannot be created; choose another folder with TMPDIR");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-// The decompressed file is unlinked once it is open. Nothing writes to it, so SQLite needs neither
-// locks nor a write-ahead log.
-BagDatabase open_compressed(const std::string& file) {
-  const TemporaryFolder folder;
-  const fs::path plain = folder.path() / "plain.db3";
-  try {
-    decompress_file(file, plain);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(file + ": " + error.what());
-  }
-  return open(uri_of(plain) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, file);
-}
-
 }  // namespace
-
-std::string how_to_convert(const std::string& path) {
-  return " convert it: ros2 bag convert -i " + path +
-         " -o out.yaml, where out.yaml holds output_bags: [{uri: converted, storage_id: sqlite3, "
-         "all: true, rmw_serialization_format: cdr}]";
-}
 
 BagDatabase create_database(const std::string& file) {
   return open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, file);
 }
 
-BagDatabase open_database(const std::string& file) {
-  return file.ends_with(kCompressedDatabase) ? open_compressed(file)
-                                             : open(file, SQLITE_OPEN_READONLY, file);
+BagDatabase open_database(const std::string& file, const std::string& name, bool is_temporary) {
+  // Nothing writes to a temporary file, so SQLite needs neither locks nor a write-ahead log.
+  return is_temporary
+             ? open(uri_of(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, name)
+             : open(file, SQLITE_OPEN_READONLY, name);
 }
 
 namespace sql {

@@ -5,15 +5,11 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace tandem {
-
-/// File name suffix of a database that rosbag2 compressed as a whole.
-inline constexpr std::string_view kCompressedDatabase = ".db3.zstd";
 
 /// An open database and the name that error messages use for it.
 struct BagDatabase {
@@ -23,14 +19,12 @@ struct BagDatabase {
 
 using BagStatement = std::shared_ptr<sqlite3_stmt>;
 
-/// The command that repairs this recording, phrased as the end of a sentence.
-[[nodiscard]] std::string how_to_convert(const std::string& path);
-
 [[nodiscard]] BagDatabase create_database(const std::string& file);
 
-/// Opens a file for reading. A compressed file is decompressed into the folder for temporary files;
-/// its space is freed when the last user closes the database.
-[[nodiscard]] BagDatabase open_database(const std::string& file);
+/// Opens a file for reading. `name`: for messages. `is_temporary`: nothing else uses the file,
+/// which may be removed once it is open.
+[[nodiscard]] BagDatabase open_database(const std::string& file, const std::string& name,
+                                        bool is_temporary);
 
 namespace sql {
 

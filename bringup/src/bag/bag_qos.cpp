@@ -72,21 +72,33 @@ rt::QoS parse_qos(const std::string& yaml) {
 
 }  // namespace
 
-std::string qos_yaml(const rt::QoS& qos) {
-  const bool reliable = qos.reliability == rt::Reliability::kReliable;
-  const bool latched = qos.durability == rt::Durability::kTransientLocal;
-  YAML::Emitter out;
+void emit_qos(YAML::Emitter& out, const rt::QoS& qos, QosForm form) {
+  const auto policy = [&](const char* name, int number, const char* word) {
+    out << YAML::Key << name << YAML::Value;
+    form == QosForm::kNumbers ? out << number : out << word;
+  };
   out << YAML::BeginSeq << YAML::BeginMap;
-  out << YAML::Key << "history" << YAML::Value << kKeepLast;
+  policy("history", kKeepLast, "keep_last");
   out << YAML::Key << "depth" << YAML::Value << qos.depth;
-  out << YAML::Key << "reliability" << YAML::Value << (reliable ? kReliable : kBestEffort);
-  out << YAML::Key << "durability" << YAML::Value << (latched ? kTransientLocal : kVolatile);
+  if (qos.reliability == rt::Reliability::kReliable)
+    policy("reliability", kReliable, "reliable");
+  else
+    policy("reliability", kBestEffort, "best_effort");
+  if (qos.durability == rt::Durability::kTransientLocal)
+    policy("durability", kTransientLocal, "transient_local");
+  else
+    policy("durability", kVolatile, "volatile");
   emit_duration(out, "deadline");
   emit_duration(out, "lifespan");
-  out << YAML::Key << "liveliness" << YAML::Value << kAutomatic;
+  policy("liveliness", kAutomatic, "automatic");
   emit_duration(out, "liveliness_lease_duration");
   out << YAML::Key << "avoid_ros_namespace_conventions" << YAML::Value << false;
   out << YAML::EndMap << YAML::EndSeq;
+}
+
+std::string qos_yaml(const rt::QoS& qos, QosForm form) {
+  YAML::Emitter out;
+  emit_qos(out, qos, form);
   return out.c_str();
 }
 

@@ -6,10 +6,20 @@
 
 #include "tandem/runtime/qos.hpp"
 
+namespace YAML {
+class Emitter;
+}
+
 namespace tandem {
 
-/// The profile as YAML, for `offered_qos_profiles`.
-[[nodiscard]] std::string qos_yaml(const rt::QoS& qos);
+/// How policies are written: until Iron as rmw's numbers, from Jazzy (metadata version 9) as words.
+enum class QosForm { kNumbers, kWords };
+
+/// Appends the list of the one profile, for `offered_qos_profiles`.
+void emit_qos(YAML::Emitter& out, const rt::QoS& qos, QosForm form);
+
+/// The same as text.
+[[nodiscard]] std::string qos_yaml(const rt::QoS& qos, QosForm form);
 
 /// The profile for one publisher that replaces all listed ones: the strongest offer of any of them
 /// and, on a latched topic, a depth equal to the sum of theirs. If the recording lists no profiles,

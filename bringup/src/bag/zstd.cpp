@@ -13,7 +13,6 @@
 namespace tandem {
 namespace {
 
-constexpr std::size_t kLargestMessage = std::size_t{1} << 30U;  // [bytes]
 constexpr std::array<std::uint8_t, 4> kMagic{0x28, 0xb5, 0x2f, 0xfd};
 
 using Stream = std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)>;
@@ -51,7 +50,7 @@ bool is_zstd(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), bytes.begin());
 }
 
-std::vector<std::uint8_t> decompress(std::span<const std::uint8_t> bytes) {
+std::vector<std::uint8_t> decompress(std::span<const std::uint8_t> bytes, std::size_t limit) {
   std::vector<std::uint8_t> plain;
   decompress_all(
       [&](std::vector<char>& buffer) {
@@ -61,11 +60,21 @@ std::vector<std::uint8_t> decompress(std::span<const std::uint8_t> bytes) {
         return part.size();
       },
       [&](std::span<const char> part) {
-        if (part.size() > kLargestMessage - plain.size())
-          throw std::runtime_error("zstd: a message larger than 1 GiB");
+        if (part.size() > limit - plain.size())
+          throw std::runtime_error("zstd: more than " + std::to_string(limit) + " bytes");
         plain.insert(plain.end(), part.begin(), part.end());
       });
   return plain;
+}
+
+std::vector<std::uint8_t> compress(std::span<const std::uint8_t> bytes) {
+  constexpr int kFastest = 1;
+  std::vector<std::uint8_t> packed(ZSTD_compressBound(bytes.size()));
+  const std::size_t size =
+      ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kFastest);
+  if (ZSTD_isError(size)) throw std::runtime_error(std::string{"zstd: "} + ZSTD_getErrorName(size));
+  packed.resize(size);
+  return packed;
 }
 
 void decompress_file(const std::filesystem::path& from, const std::filesystem::path& to) {

@@ -135,7 +135,9 @@ void add_play_command(CLI::App& app) {
   auto* command =
       app.add_subcommand("play", "Play a recording of `tandem record` or `ros2 bag record`");
   command
-      ->add_option("recording", request->path, "folder of the recording, or its .db3 or .db3.zstd")
+      ->add_option(
+          "recording", request->path,
+          "folder of the recording, or one of its files (.mcap, .db3, or either with .zstd)")
       ->required()
       ->check(CLI::ExistingPath);
   command->add_option("--topics", request->topics, "topics to play; default: all");

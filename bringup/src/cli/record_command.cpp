@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bringup/bag/bag.hpp"
+#include "bringup/bag/mcap_writer.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/node.hpp"
 #include "tandem/runtime/shutdown.hpp"
@@ -36,10 +37,18 @@ std::string default_folder() {
 // ROS 2 hides topics with a name part that starts with '_'.
 bool is_hidden(const std::string& topic) { return topic.find("/_") != std::string::npos; }
 
+struct RecordRequest {
+  std::string folder, storage = "mcap";
+  std::vector<std::string> topics;
+};
+
 class Recorder {
  public:
-  Recorder(rt::Node& node, const std::string& folder, std::vector<std::string> wanted)
-      : node_{node}, bag_{folder}, wanted_{std::move(wanted)} {
+  Recorder(rt::Node& node, const RecordRequest& request)
+      : node_{node},
+        storage_{request.storage == "mcap" ? BagStorage::kMcap : BagStorage::kSqlite},
+        bag_{request.folder, storage_},
+        wanted_{request.topics} {
     for (auto& name : wanted_) name = rt::expand_name(name, {"/", "tandem_record"});
     look();
     looking_ = node.create_wall_timer(kPollPeriod, [this] { look(); });
@@ -75,7 +84,7 @@ class Recorder {
       const Key key{topic.name, topic.type};
       if (!is_wanted(topic) || recorded_.contains(key) || refused_.contains(key)) continue;
       const rt::QoS qos = rt::request_for(topic.publishers, kDepth);
-      if (subscribe(key, qos)) add(key, qos);
+      if (subscribe(key, qos)) add({topic.name, topic.type, qos, topic.type_hash});
     }
   }
 
@@ -97,46 +106,56 @@ class Recorder {
     }
   }
 
-  void add(const Key& key, rt::QoS offered) {
-    offered.depth = rt::kDefault.depth;
-    recorded_.at(key).id = bag_.add_topic({key.first, key.second, offered});
-    node_.log().info("recording {} [{}]", key.first, key.second);
+  void add(BagTopic topic) {
+    topic.qos.depth = rt::kDefault.depth;
+    recorded_.at({topic.name, topic.type}).id = bag_.add_topic(topic);
+    node_.log().info("recording {} [{}]", topic.name, topic.type);
+    if (storage_ == BagStorage::kMcap && !is_defined(topic) && undefined_.insert(topic.type).second)
+      node_.log().warn(
+          "{} is recorded without its definition, which Tandem does not know: only tools that have "
+          "the definition can decode it",
+          topic.type);
   }
 
   rt::Node& node_;
+  BagStorage storage_;
   BagWriter bag_;
   std::vector<std::string> wanted_;
   std::map<Key, Recorded> recorded_;
   std::set<Key> refused_;
+  std::set<std::string> undefined_;  // types, each of which is warned of once
   rt::Timer looking_, committing_;
 };
 
-void record(const std::string& folder, const std::vector<std::string>& topics) {
+void record(const RecordRequest& request) {
   rt::install_signal_handlers();
   rt::Node node{"tandem_record"};
-  Recorder recorder{node, folder, topics};
-  node.log().info("recording into {} until Ctrl-C", folder);
+  Recorder recorder{node, request};
+  node.log().info("recording into {} until Ctrl-C", request.folder);
   node.spin();
   for (const auto& name : recorder.unpublished()) node.log().warn("no program published {}", name);
   std::printf("%lld messages of %zu topics in %s\n", static_cast<long long>(recorder.messages()),
-              recorder.topics(), folder.c_str());
+              recorder.topics(), request.folder.c_str());
 }
 
 }  // namespace
 
 void add_record_command(CLI::App& app) {
-  struct Request {
-    std::string folder;
-    std::vector<std::string> topics;
-  };
-  auto request = std::make_shared<Request>();
-  auto* command =
-      app.add_subcommand("record", "Record topics until Ctrl-C in rosbag2's format (SQLite)");
+  auto request = std::make_shared<RecordRequest>();
+  auto* command = app.add_subcommand("record", "Record topics until Ctrl-C in rosbag2's format");
   command->add_option("topics", request->topics,
                       "topics to record; default: every topic that is not hidden");
   command->add_option("-o,--output", request->folder, "output folder; default: rosbag2_<date>");
+  command
+      ->add_option(
+          "-s,--storage", request->storage,
+          "mcap, which rosbag2 writes since Iron and today's tools open, or sqlite3, which "
+          "ROS 2 Humble reads, too")
+      ->check(CLI::IsMember({"mcap", "sqlite3"}))
+      ->capture_default_str();
   command->callback([request] {
-    record(request->folder.empty() ? default_folder() : request->folder, request->topics);
+    if (request->folder.empty()) request->folder = default_folder();
+    record(*request);
   });
 }
 

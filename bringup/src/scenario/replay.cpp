@@ -58,12 +58,12 @@ std::optional<Stick> stick_in(const BagMessage& message, const std::string& type
   return std::nullopt;
 }
 
-// SQLite would report any other file as "not a database".
+// The storages would report any other file as damaged.
 void require_recording(const std::string& path) {
   if (!is_recording(path))
     throw std::runtime_error(path +
                              ": not a recording; expected a folder written by `tandem record` or "
-                             "rosbag2, or its .db3");
+                             "rosbag2, or its .mcap or .db3");
 }
 
 // The joystick recording of every topic that contains one.

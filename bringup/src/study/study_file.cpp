@@ -11,6 +11,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "bringup/bag/bag_files.hpp"
 #include "bringup/drive/parallel_drives.hpp"
 #include "bringup/scenario/checksum.hpp"
 #include "bringup/scenario/method.hpp"
@@ -304,8 +305,9 @@ class StudyReader {
       if (!scenario.fixtures.empty()) files_.insert(scenario.fixtures);
       if (scenario.map != "clutter") files_.insert(scenario.map);
       const auto& played = cell.options.recording;
-      for (const auto& file : files_of(played.empty() ? scenario.recording : played))
-        files_.insert(file);
+      const std::string& recording = played.empty() ? scenario.recording : played;
+      if (recording.empty()) continue;
+      for (const auto& file : bag_files(recording)) files_.insert(file);
     }
     for (const auto& file : files_) description[seen_from_here(file)] = checksum_of(file);
   }
@@ -314,16 +316,6 @@ class StudyReader {
   [[nodiscard]] std::string seen_from_here(const std::string& file) const {
     const fs::path here = fs::absolute(path_).lexically_normal().parent_path();
     return fs::absolute(file).lexically_normal().lexically_relative(here).generic_string();
-  }
-
-  // The files of a recording's folder that hold messages, or the file itself.
-  static std::vector<std::string> files_of(const std::string& recording) {
-    if (recording.empty()) return {};
-    if (!fs::is_directory(recording)) return {recording};
-    std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator{recording})
-      if (entry.path().extension() == ".db3") files.push_back(entry.path().string());
-    return files;
   }
 
   static std::uint64_t checksum_of(const std::string& file) {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <ros2_schema.hpp>
 #include <utility>
 
-#include "tandem/dashboard/web/ros2_schema.hpp"
 #include "tandem/runtime/names.hpp"
 
 namespace tandem {
@@ -15,12 +15,12 @@ constexpr std::uint32_t kOwn = 1;
 constexpr const char* kTrigger = "std_srvs/srv/Trigger";
 
 foxglove::Service describe(std::uint32_t id, const std::string& name, const std::string& type) {
-  return {id, name, type, ros2msg(type + "_Request").value_or(""),
-          ros2msg(type + "_Response").value_or("")};
+  return {id, name, type, rt::ros2msg(type + "_Request").value_or(""),
+          rt::ros2msg(type + "_Response").value_or("")};
 }
 
 bool is_offered(const rt::ServiceInfo& service) {
-  return rt::is_full_name(service.name) && ros2msg(service.type + "_Request") &&
+  return rt::is_full_name(service.name) && rt::ros2msg(service.type + "_Request") &&
          !service.type.starts_with("composition_interfaces/");
 }
 

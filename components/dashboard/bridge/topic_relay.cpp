@@ -2,10 +2,10 @@
 #include "tandem/dashboard/bridge/topic_relay.hpp"
 
 #include <algorithm>
+#include <ros2_schema.hpp>
 #include <utility>
 
 #include "tandem/dashboard/complaints.hpp"
-#include "tandem/dashboard/web/ros2_schema.hpp"
 #include "tandem/runtime/names.hpp"
 
 namespace tandem {
@@ -39,7 +39,7 @@ void TopicRelay::look(const std::set<ClientId>& clients) {
       known->second.publishers = topic.publishers;
       continue;
     }
-    const auto schema = ros2msg(topic.type);
+    const auto schema = rt::ros2msg(topic.type);
     if (!schema || !rt::is_full_name(topic.name)) continue;
     auto& relayed = relayed_[*key];
     relayed.channel = {++last_id_, topic.name, "cdr", topic.type, *schema, "ros2msg"};

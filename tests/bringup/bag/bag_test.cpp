@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Bag : public testing::Test {
+class Bag : public testing::TestWithParam<BagStorage> {
  protected:
   Bag() {
     char name[] = "/tmp/tandem_bag_XXXXXX";
@@ -33,14 +33,19 @@ class Bag : public testing::Test {
   }
 
   fs::path root_, folder_;
+  const bool is_mcap_ = GetParam() == BagStorage::kMcap;
+  const std::string ending_ = is_mcap_ ? ".mcap" : ".db3";
 };
+
+INSTANTIATE_TEST_SUITE_P(Storages, Bag, testing::Values(BagStorage::kMcap, BagStorage::kSqlite),
+                         [](const auto& storage) { return name(storage.param); });
 
 const BagTopic kCommand{"/cmd_vel", "geometry_msgs/msg/Twist", rt::kDefault};
 const BagTopic kMap{"/map", "nav_msgs/msg/OccupancyGrid", rt::kLatched};
 
-TEST_F(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
+TEST_P(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
   {
-    BagWriter writer{folder_};
+    BagWriter writer{folder_, GetParam()};
     const int command = writer.add_topic(kCommand), map = writer.add_topic(kMap);
     writer.write(command, 300, {0, 1, 0, 0, 7});
     writer.write(map, 100, {0, 1, 0, 0});
@@ -62,17 +67,17 @@ TEST_F(Bag, GivesBackWhatWasWrittenInOrderOfTime) {
 }
 
 // As rosbag2 splits: the topics again in each file, under other ids; drive_10 sorts before drive_2.
-TEST_F(Bag, OfSeveralFilesIsReadAsOneInOrderOfTime) {
+TEST_P(Bag, OfSeveralFilesIsReadAsOneInOrderOfTime) {
   fs::create_directory(root_ / "split");
   const auto write = [&](const std::string& name, std::int64_t time, const BagTopic& first,
                          const BagTopic& second) {
     {
-      BagWriter writer{root_ / name};
+      BagWriter writer{root_ / name, GetParam()};
       const int one = writer.add_topic(first), two = writer.add_topic(second);
       writer.write(one, time, {1});
       writer.write(two, time + 1, {2});
     }
-    fs::rename(root_ / name / (name + "_0.db3"), root_ / "split" / (name + ".db3"));
+    fs::rename(root_ / name / (name + "_0" + ending_), root_ / "split" / (name + ending_));
   };
   write("drive_2", 200, kCommand, kMap);
   write("drive_10", 300, kMap, kCommand);
@@ -88,35 +93,36 @@ TEST_F(Bag, OfSeveralFilesIsReadAsOneInOrderOfTime) {
   EXPECT_EQ(names,
             (std::vector<std::string>{"/cmd_vel", "/map", "/cmd_vel", "/map", "/map", "/cmd_vel"}));
   EXPECT_EQ(BagReader{root_ / "split"}.topics().size(), 2U);
-  EXPECT_EQ(read(root_ / "split" / "drive_2.db3").size(), 2U);
+  EXPECT_EQ(read(root_ / "split" / ("drive_2" + ending_)).size(), 2U);
 }
 
-TEST_F(Bag, DescribesItselfAsRosbag2Does) {
+TEST_P(Bag, DescribesItselfAsRosbag2Does) {
   {
-    BagWriter writer{folder_};
+    BagWriter writer{folder_, GetParam()};
     writer.write(writer.add_topic(kCommand), 1'000, {1});
     writer.write(writer.add_topic(kMap), 4'000, {2});
   }
   const auto info = YAML::LoadFile(folder_ / "metadata.yaml")["rosbag2_bagfile_information"];
-  EXPECT_EQ(info["version"].as<int>(), 5);
-  EXPECT_EQ(info["storage_identifier"].as<std::string>(), "sqlite3");
+  EXPECT_EQ(info["version"].as<int>(), is_mcap_ ? 9 : 5);
+  EXPECT_EQ(info["storage_identifier"].as<std::string>(), name(GetParam()));
   EXPECT_EQ(info["duration"]["nanoseconds"].as<int>(), 3'000);
   EXPECT_EQ(info["starting_time"]["nanoseconds_since_epoch"].as<int>(), 1'000);
   EXPECT_EQ(info["message_count"].as<int>(), 2);
-  EXPECT_EQ(info["relative_file_paths"][0].as<std::string>(), "drive_0.db3");
-  EXPECT_TRUE(fs::exists(folder_ / "drive_0.db3"));
+  EXPECT_EQ(info["relative_file_paths"][0].as<std::string>(), "drive_0" + ending_);
+  EXPECT_TRUE(fs::exists(folder_ / ("drive_0" + ending_)));
   const auto topic = info["topics_with_message_count"][1];
   EXPECT_EQ(topic["message_count"].as<int>(), 1);
   EXPECT_EQ(topic["topic_metadata"]["name"].as<std::string>(), "/map");
-  const auto qos = YAML::Load(topic["topic_metadata"]["offered_qos_profiles"].as<std::string>());
-  EXPECT_EQ(qos[0]["durability"].as<int>(), 1);
+  YAML::Node qos = topic["topic_metadata"]["offered_qos_profiles"];
+  if (!is_mcap_) qos = YAML::Load(qos.as<std::string>());
+  EXPECT_EQ(qos[0]["durability"].as<std::string>(), is_mcap_ ? "transient_local" : "1");
   EXPECT_EQ(qos[0]["lifespan"]["sec"].as<std::int64_t>(), 9223372036);
 }
 
-TEST_F(Bag, KeepsWhatWasCommittedWhenItsProcessDies) {
+TEST_P(Bag, KeepsWhatWasCommittedWhenItsProcessDies) {
   const pid_t child = fork();
   if (child == 0) {
-    BagWriter writer{folder_};
+    BagWriter writer{folder_, GetParam()};
     const int topic = writer.add_topic(kCommand);
     writer.write(topic, 1, {1});
     writer.commit();
@@ -128,8 +134,8 @@ TEST_F(Bag, KeepsWhatWasCommittedWhenItsProcessDies) {
   EXPECT_TRUE(fs::exists(folder_ / "metadata.yaml"));
 }
 
-TEST_F(Bag, StillBeingWrittenIsReadWithTheTopicsItHadWhenOpened) {
-  BagWriter writer{folder_};
+TEST_P(Bag, StillBeingWrittenIsReadWithTheTopicsItHadWhenOpened) {
+  BagWriter writer{folder_, GetParam()};
   const int command = writer.add_topic(kCommand);
   writer.write(command, 1, {1});
   writer.commit();
@@ -139,26 +145,27 @@ TEST_F(Bag, StillBeingWrittenIsReadWithTheTopicsItHadWhenOpened) {
   writer.commit();
   std::vector<std::int64_t> times;
   for (BagMessage message; reader.next(message);) times.push_back(message.time);
-  EXPECT_EQ(times, (std::vector<std::int64_t>{1, 3}));
+  EXPECT_EQ(times, is_mcap_ ? std::vector<std::int64_t>{1} : (std::vector<std::int64_t>{1, 3}));
   EXPECT_EQ(reader.topics().size(), 1U);
 }
 
-TEST_F(Bag, IsNeverWrittenOver) {
-  { BagWriter writer{folder_}; }
-  EXPECT_THROW(BagWriter{folder_}, std::runtime_error);
+TEST_P(Bag, IsNeverWrittenOver) {
+  { BagWriter writer{folder_, GetParam()}; }
+  EXPECT_THROW((BagWriter{folder_, GetParam()}), std::runtime_error);
 }
 
-TEST_F(Bag, RefusesFilesThatAreNotBags) {
+TEST_P(Bag, RefusesFilesThatAreNotBags) {
   fs::create_directory(folder_);
   EXPECT_THROW(BagReader{folder_}, std::runtime_error);
-  std::ofstream{folder_ / "x.db3"} << "no database, but long enough to be looked at as one";
+  std::ofstream{folder_ / ("x" + ending_)} << "no database, but long enough to be looked at as one";
   EXPECT_THROW(BagReader{folder_}, std::runtime_error);
-  EXPECT_THROW(BagReader{root_ / "missing.db3"}, std::runtime_error);
+  EXPECT_THROW(BagReader{root_ / ("missing" + ending_)}, std::runtime_error);
 }
 
-TEST_F(Bag, TruncatedIsRefusedWithARecoveryCommand) {
+TEST_P(Bag, OfSqliteTruncatedIsRefusedWithARecoveryCommand) {
+  if (is_mcap_) return;  // what is left of such a file is read: mcap_reader_test.cpp
   {
-    BagWriter writer{folder_};
+    BagWriter writer{folder_, GetParam()};
     const int command = writer.add_topic(kCommand);
     for (int i = 0; i < 1000; ++i) writer.write(command, i, std::vector<std::uint8_t>(100, 7));
   }

@@ -105,9 +105,9 @@ void drop_code(std::vector<std::uint8_t>& bytes) {
   ASSERT_FALSE(rt::decode(rt::type_ref<M>(), bytes, &message));
 }
 
-void copy_without_codes(const std::string& from, const std::string& to) {
+void copy_without_codes(const std::string& from, const std::string& to, BagStorage storage) {
   BagReader in{from};
-  BagWriter out{to};
+  BagWriter out{to, storage};
   std::vector<int> ids;
   for (const BagTopic& topic : in.topics()) ids.push_back(out.add_topic(topic));
   int shortened = 0;
@@ -142,8 +142,12 @@ TEST_F(MetricsProgram, MeasuresARecordingAsTheDriveWasMeasured) {
   EXPECT_NEAR(per_second(read("lockstep.json").at(0), "filter_commands"), 20.0, 0.2);
   EXPECT_NEAR(per_second(live, "filter_commands"), 20.0, 3.0);
 
-  copy_without_codes(file("bag"), file("old"));
-  EXPECT_EQ(measure({"--scenario", kScenario, "--method", "safety_filter"}, "old"), recorded);
+  for (const BagStorage storage : {BagStorage::kMcap, BagStorage::kSqlite}) {
+    copy_without_codes(file("bag"), file(name(storage)), storage);
+    EXPECT_EQ(measure({"--scenario", kScenario, "--method", "safety_filter"}, name(storage)),
+              recorded)
+        << name(storage);
+  }
 }
 
 TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
@@ -195,10 +199,13 @@ TEST_F(MetricsProgram, AcceptsStampedCommandsOfThePerson) {
 }
 
 TEST_F(MetricsProgram, ErrorsNameWhatIsWrongWithARecording) {
-  std::ofstream{file("none.db3")} << "no recording";
   const test::CapturedLog log;
-  EXPECT_EQ(run({"metrics", file("none.db3"), "--scenario", kScenario}), 1);
-  EXPECT_EQ(log.lines("tandem: "), 1) << log.text();
+  int errors = 0;
+  for (const char* none : {"none.db3", "none.mcap"}) {
+    std::ofstream{file(none)} << "no recording";
+    EXPECT_EQ(run({"metrics", file(none), "--scenario", kScenario}), 1);
+    EXPECT_EQ(log.lines("tandem: "), ++errors) << log.text();
+  }
   EXPECT_EQ(run({"metrics", "/nowhere", "--scenario", kScenario}), 1);
 }
 

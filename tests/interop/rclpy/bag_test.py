@@ -23,7 +23,7 @@ OF_ALL_ROBOTS = ['/odom', '/tf', '/clock', '/cmd_vel', '/cmd_vel_user', '/joy', 
 
 
 def setUpModule():
-    global folder, log
+    global folder, log, storage  # storage: the one that this ROS 2 has
     if 'record' not in ros2('bag', '--help'):
         raise unittest.SkipTest('NOT TESTED: this ROS 2 has no `ros2 bag`')
     folder = pathlib.Path(tempfile.mkdtemp())
@@ -32,6 +32,7 @@ def setUpModule():
     driven = start('tandem', 'run', SYSTEM)
     try:
         log = recorded_by_rosbag2()
+        storage = re.search(r'storage_identifier: (\w+)', (folder / 'theirs' / 'metadata.yaml').read_text())[1]
         record_with_ours()
     finally:
         assert stop(driven) == 0
@@ -49,7 +50,7 @@ def recorded_by_rosbag2():
 
 
 def record_with_ours():
-    recorder = start('tandem', 'record', '-o', str(folder / 'ours'))
+    recorder = start('tandem', 'record', '--storage', storage, '-o', str(folder / 'ours'))
     until_driving()
     assert interrupt(recorder) == 0
 
@@ -102,7 +103,7 @@ class Theirs(unittest.TestCase):
         stop(player)
 
     def test_is_played_beside_ours(self):
-        heard = start('tandem', 'record', '-o', str(folder / 'again'), '/obstacles', '/odom')
+        heard = start('tandem', 'record', '--storage', storage, '-o', str(folder / 'again'), '/obstacles', '/odom')
         with played(folder / 'theirs'):
             says('semi_axis_a', 'topic', 'echo', '--once', '/obstacles', ask=ros2)
             says('frame_id: odom', 'topic', 'echo', '--once', '/odom', ask=ros2)

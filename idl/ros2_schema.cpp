@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tandem/dashboard/web/ros2_schema.hpp"
+#include "ros2_schema.hpp"
 
 #include <array>
 #include <set>
 
-#include <type_hashes.hpp>
+#include "type_hashes.hpp"
 
-namespace tandem {
+namespace tandem::runtime {
 namespace {
-
-using runtime::DescribedField;
-using runtime::DescribedType;
 
 // Codes of type_description_interfaces/msg/FieldType: container kind and element type.
 constexpr int kKinds = 48, kNested = 1, kBoundedString = 21;
@@ -26,10 +23,13 @@ std::string short_name(std::string_view type) {
   return std::string{type.substr(0, first)} + std::string{type.substr(last)};
 }
 
+// "byte", "string<="
+const char* basic(int id) { return kNames.at(static_cast<std::size_t>(id)); }
+
 std::string element(const DescribedField& field) {
   const int id = field.type_id % kKinds;
   if (id == kNested) return short_name(field.nested);
-  std::string name = kNames.at(static_cast<std::size_t>(id));
+  std::string name = basic(id);
   if (id >= kBoundedString) name += std::to_string(field.string_capacity);
   return name;
 }
@@ -48,8 +48,11 @@ std::string suffix(const DescribedField& field) {
   return "[]";
 }
 
-std::string fields_of(const DescribedType& type) {
+std::string members_of(const DescribedType& type) {
   std::string text;
+  for (const auto& constant : type.constants)
+    text += std::string{basic(constant.type_id)} + " " + std::string{constant.name} + "=" +
+            std::string{constant.value} + "\n";
   for (const auto& field : type.fields)
     text += element(field) + suffix(field) + " " + std::string{field.name} + "\n";
   return text;
@@ -58,21 +61,21 @@ std::string fields_of(const DescribedType& type) {
 void collect(const DescribedType& type, std::set<std::string_view>& found) {
   for (const auto& field : type.fields)
     if (!field.nested.empty() && found.insert(field.nested).second)
-      collect(*runtime::described_type(field.nested), found);
+      collect(*described_type(field.nested), found);
 }
 
 }  // namespace
 
 std::optional<std::string> ros2msg(std::string_view type) {
-  const DescribedType* described = runtime::described_type(type);
+  const DescribedType* described = described_type(type);
   if (described == nullptr) return std::nullopt;
-  std::string text = fields_of(*described);
+  std::string text = members_of(*described);
   std::set<std::string_view> nested;
   collect(*described, nested);
   for (const auto name : nested)
     text += std::string(80, '=') + "\nMSG: " + short_name(name) + "\n" +
-            fields_of(*runtime::described_type(name));
+            members_of(*described_type(name));
   return text;
 }
 
-}  // namespace tandem
+}  // namespace tandem::runtime
