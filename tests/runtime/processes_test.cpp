@@ -215,7 +215,6 @@ class ProfilesFile : public testing::Test {
   static constexpr const char* kVariables[] = {"FASTRTPS_DEFAULT_PROFILES_FILE",
                                                "FASTDDS_DEFAULT_PROFILES_FILE"};
 
- private:
   // A separate file for each test: Fast DDS does not read two files of the same name.
   std::string path_ = testing::TempDir() + "tandem_profiles_" + std::to_string(getpid()) + "_" +
                       testing::UnitTest::GetInstance()->current_test_info()->name() + ".xml";

@@ -22,7 +22,8 @@ namespace {
 namespace asio = boost::asio;
 
 std::unique_ptr<WebServer> serve(const WebServerParams& params) {
-  return std::make_unique<WebServer>(params, "test", page_files(), [](const std::string&) {});
+  return std::make_unique<WebServer>(params, std::vector<std::string>{"test"}, page_files(),
+                                     [](const std::string&) {});
 }
 
 std::string why_not(const WebServerParams& params) {
