@@ -255,8 +255,7 @@ TEST_P(Progress, RemembersAWriterThatItAnsweredAmongForgedOnes) {
   for (int i = 0; i < 50'000; ++i) {
     Octets stranger = kPeer;
     std::memcpy(stranger.data(), &i, sizeof i);
-    (void)narrowed(
-        std::move(Datagram{GetParam()}.prefix(stranger).add_data({.number = 1}, Octets(8, 1))));
+    (void)narrowed(Datagram{GetParam()}.prefix(stranger).add_data({.number = 1}, Octets(8, 1)));
   }
   EXPECT_TRUE(is_removed(sample(5000)));
 }
