@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A writer on Cyclone DDS whose sequence numbers are far ahead when a reader joins it.
 //
-//   cyclone_far_peer DOMAIN COUNT TIMEOUT
+//   cyclone_far_peer DOMAIN COUNT ANSWERS TIMEOUT
 //
 // Writes COUNT samples of /ping, then creates a reader of /pong and writes /ping at 100 Hz. Exit
-// status: 0 once kAnswers have come; 1 after TIMEOUT [s]; 2 on wrong arguments or if Cyclone DDS
+// status: 0 once ANSWERS have come; 1 after TIMEOUT [s]; 2 on wrong arguments or if Cyclone DDS
 // could not create an entity.
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "cyclone_dds.h"
 #include "geometry_msgs.h"
 
-enum { kAnswers = 20, kBatch = 16 };
+enum { kBatch = 16 };
 
 typedef geometry_msgs_msg_Twist Twist;
 
@@ -26,8 +26,8 @@ static int taken(dds_entity_t reader) {
 
 int main(int argc, char** argv) {
   static const char kTwist[] = "geometry_msgs::msg::dds_::Twist_";
-  if (argc != 4) {
-    fprintf(stderr, "usage: cyclone_far_peer DOMAIN COUNT TIMEOUT\n");
+  if (argc != 5) {
+    fprintf(stderr, "usage: cyclone_far_peer DOMAIN COUNT ANSWERS TIMEOUT\n");
     return 2;
   }
   const dds_entity_t participant = create_participant((dds_domainid_t)atoi(argv[1]));
@@ -41,14 +41,15 @@ int main(int argc, char** argv) {
 
   const dds_entity_t reader = need(dds_create_reader(participant, pong, qos, NULL), "reader pong");
   dds_delete_qos(qos);
-  const dds_time_t end = dds_time() + (dds_duration_t)(atof(argv[3]) * 1e9);
+  const dds_time_t end = dds_time() + (dds_duration_t)(atof(argv[4]) * 1e9);
+  const int wanted = atoi(argv[3]);
   int answers = 0;
-  while (answers < kAnswers && dds_time() < end) {
+  while (answers < wanted && dds_time() < end) {
     dds_write(writer, &message);
     dds_sleepfor(DDS_MSECS(10));
     answers += taken(reader);
   }
   printf("cyclone_far_peer: %d answers\n", answers);
   dds_delete(DDS_CYCLONEDDS_HANDLE);
-  return answers >= kAnswers ? 0 : 1;
+  return answers >= wanted ? 0 : 1;
 }

@@ -47,7 +47,7 @@ TEST(CyclonePeer, IsHeardByAReaderThatJoinsItFarAhead) {
   const char* far_ahead = std::getenv("TANDEM_FAR_AHEAD");
   test::ChildProcess writer{
       "cyclone_far_peer",
-      {std::getenv("ROS_DOMAIN_ID"), far_ahead == nullptr ? "5000000" : far_ahead, "60"}};
+      {std::getenv("ROS_DOMAIN_ID"), far_ahead == nullptr ? "5000000" : far_ahead, "20", "60"}};
   rt::Node node{"joins_later"};
   const auto pong =
       node.create_publisher(rt::Topic<geometry_msgs::msg::Twist>{"pong", rt::kLatched});
@@ -56,6 +56,30 @@ TEST(CyclonePeer, IsHeardByAReaderThatJoinsItFarAhead) {
   EXPECT_EQ(writer.wait(70.0), 0);
   reader.send(SIGTERM);
   EXPECT_EQ(reader.wait(5.0), 0);
+}
+
+TEST(CyclonePeer, IsHeardAgainByAReaderThatWasStopped) {
+  constexpr double kOutage = 8.0;  // [s], less than the lease after which a reader is forgotten
+  const test::NothingDropped nothing_dropped;
+  test::ChildProcess writer{"cyclone_far_peer",
+                            {std::getenv("ROS_DOMAIN_ID"), "0", "1000000", "60"}};
+  test::ChildProcess reader{"peer", {"echo"}};
+  rt::Node node{"counter"};
+  int pongs = 0;
+  const auto pong = node.create_subscription(
+      rt::Topic<geometry_msgs::msg::Twist>{"pong", rt::kLatched}, [&](const auto&) { ++pongs; });
+  const auto answers = [&] {
+    const int wanted = pongs + 20;
+    return test::spin_until([&] { return pongs >= wanted; }, 20.0, node);
+  };
+  ASSERT_TRUE(answers());
+  reader.send(SIGSTOP);
+  (void)test::spin_until([] { return false; }, kOutage, node);
+  reader.send(SIGCONT);
+  EXPECT_TRUE(answers());
+  reader.send(SIGTERM);
+  EXPECT_EQ(reader.wait(5.0), 0);
+  writer.send(SIGTERM);
 }
 
 }  // namespace
