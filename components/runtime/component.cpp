@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kPrefix = "libtandem_";
+constexpr std::string_view kModulePrefix = "libtandem_";
 constexpr std::string_view kSuffix = ".so";
 // Parameters that the runtime gives every node.
 constexpr const char *kUseSimTime = "use_sim_time", *kQosOverrides = "qos_overrides.";
@@ -62,7 +62,7 @@ fs::path runtime_folder() {
 }
 
 fs::path file_of(const std::string& component) {
-  return std::string{kPrefix} + component + std::string{kSuffix};
+  return std::string{kModulePrefix} + component + std::string{kSuffix};
 }
 
 std::vector<std::string> find_folders() {
@@ -100,8 +100,9 @@ std::set<std::string> names_in(const fs::path& folder) {
   std::error_code missing;
   for (const auto& entry : fs::directory_iterator{folder, missing}) {
     const std::string file = entry.path().filename();
-    if (!file.starts_with(kPrefix) || !file.ends_with(kSuffix)) continue;
-    const auto name = file.substr(kPrefix.size(), file.size() - kPrefix.size() - kSuffix.size());
+    if (!file.starts_with(kModulePrefix) || !file.ends_with(kSuffix)) continue;
+    const auto name =
+        file.substr(kModulePrefix.size(), file.size() - kModulePrefix.size() - kSuffix.size());
     if (obstacle_to(read_module(entry.path()), name).empty()) names.insert(name);
   }
   return names;

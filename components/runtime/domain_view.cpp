@@ -10,8 +10,8 @@
 namespace tandem::runtime {
 namespace {
 
-using SinceIron = rmw_dds_common::msg::ParticipantEntitiesInfo;
-using Humble = rmw_dds_common_humble::msg::ParticipantEntitiesInfo;
+using EntitiesSinceIron = rmw_dds_common::msg::ParticipantEntitiesInfo;
+using EntitiesOfHumble = rmw_dds_common_humble::msg::ParticipantEntitiesInfo;
 
 constexpr QoS kAll{.durability = Durability::kTransientLocal, .depth = 400};
 
@@ -59,8 +59,8 @@ struct DomainView::State {
 
   // The two formats differ in length, and each codec accepts only its own length.
   bool receive(const Bytes& bytes) {
-    SinceIron info;
-    Humble old;
+    EntitiesSinceIron info;
+    EntitiesOfHumble old;
     if (since_iron.decode(bytes, &info))
       note(digest(info, GraphForm::kSinceIron));
     else if (humble.decode(bytes, &old))
@@ -77,7 +77,7 @@ struct DomainView::State {
   }
 
   std::shared_ptr<NodeCore> core;
-  Codec since_iron{type_ref<SinceIron>()}, humble{type_ref<Humble>()};
+  Codec since_iron{type_ref<EntitiesSinceIron>()}, humble{type_ref<EntitiesOfHumble>()};
   std::map<std::string, Announced> announced;  // by participant
   std::shared_ptr<Reader> reader;
 };

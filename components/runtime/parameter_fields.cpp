@@ -15,7 +15,7 @@ namespace tandem::runtime {
 namespace {
 
 using rcl_interfaces::msg::ParameterDescriptor;
-using rcl_interfaces::msg::ParameterValue;
+using WireValue = rcl_interfaces::msg::ParameterValue;
 namespace types = rcl_interfaces::msg::ParameterType_Constants;
 
 // --- a field's type: what ROS 2 calls it, and how a value of it is read and written
@@ -30,45 +30,45 @@ constexpr const char* kind(const std::string*) {
 constexpr const char* kind(const std::vector<double>*) { return "a list of numbers"; }
 constexpr const char* kind(const std::vector<std::string>*) { return "a list of strings"; }
 
-ParameterValue to_value(bool truth) {
-  ParameterValue value;
+WireValue to_value(bool truth) {
+  WireValue value;
   value.type(types::PARAMETER_BOOL);
   value.bool_value(truth);
   return value;
 }
-ParameterValue to_value(std::int64_t number) {
-  ParameterValue value;
+WireValue to_value(std::int64_t number) {
+  WireValue value;
   value.type(types::PARAMETER_INTEGER);
   value.integer_value(number);
   return value;
 }
-ParameterValue to_value(int number) { return to_value(std::int64_t{number}); }
-ParameterValue to_value(double number) {
-  ParameterValue value;
+WireValue to_value(int number) { return to_value(std::int64_t{number}); }
+WireValue to_value(double number) {
+  WireValue value;
   value.type(types::PARAMETER_DOUBLE);
   value.double_value(number);
   return value;
 }
-ParameterValue to_value(const std::string& text) {
-  ParameterValue value;
+WireValue to_value(const std::string& text) {
+  WireValue value;
   value.type(types::PARAMETER_STRING);
   value.string_value(text);
   return value;
 }
-ParameterValue to_value(const std::vector<double>& numbers) {
-  ParameterValue value;
+WireValue to_value(const std::vector<double>& numbers) {
+  WireValue value;
   value.type(types::PARAMETER_DOUBLE_ARRAY);
   value.double_array_value(numbers);
   return value;
 }
-ParameterValue to_value(const std::vector<std::string>& texts) {
-  ParameterValue value;
+WireValue to_value(const std::vector<std::string>& texts) {
+  WireValue value;
   value.type(types::PARAMETER_STRING_ARRAY);
   value.string_array_value(texts);
   return value;
 }
 
-bool is_empty_list(const ParameterValue& value) {
+bool is_empty_list(const WireValue& value) {
   switch (value.type()) {
     case types::PARAMETER_BYTE_ARRAY:
       return value.byte_array_value().empty();
@@ -86,28 +86,28 @@ bool is_empty_list(const ParameterValue& value) {
 }
 
 // False if `value` is not of the field's type.
-bool read(const ParameterValue& value, bool& out) {
+bool read(const WireValue& value, bool& out) {
   if (value.type() != types::PARAMETER_BOOL) return false;
   out = value.bool_value();
   return true;
 }
-bool read(const ParameterValue& value, int& out) {
+bool read(const WireValue& value, int& out) {
   if (value.type() != types::PARAMETER_INTEGER) return false;
   if (!std::in_range<int>(value.integer_value())) return false;
   out = static_cast<int>(value.integer_value());
   return true;
 }
-bool read(const ParameterValue& value, double& out) {
+bool read(const WireValue& value, double& out) {
   if (value.type() == types::PARAMETER_INTEGER) out = static_cast<double>(value.integer_value());
   if (value.type() == types::PARAMETER_DOUBLE) out = value.double_value();
   return value.type() == types::PARAMETER_INTEGER || value.type() == types::PARAMETER_DOUBLE;
 }
-bool read(const ParameterValue& value, std::string& out) {
+bool read(const WireValue& value, std::string& out) {
   if (value.type() != types::PARAMETER_STRING) return false;
   out = value.string_value();
   return true;
 }
-bool read(const ParameterValue& value, std::vector<double>& out) {
+bool read(const WireValue& value, std::vector<double>& out) {
   if (value.type() == types::PARAMETER_DOUBLE_ARRAY) {
     out = value.double_array_value();
     return true;
@@ -118,7 +118,7 @@ bool read(const ParameterValue& value, std::vector<double>& out) {
   if (value.type() != types::PARAMETER_INTEGER_ARRAY) out.clear();
   return true;
 }
-bool read(const ParameterValue& value, std::vector<std::string>& out) {
+bool read(const WireValue& value, std::vector<std::string>& out) {
   if (value.type() != types::PARAMETER_STRING_ARRAY && !is_empty_list(value)) return false;
   out = value.string_array_value();
   return true;
@@ -136,7 +136,7 @@ std::optional<T> as(const YAML::Node& node) {
   return value;
 }
 
-ParameterValue from_scalar(const YAML::Node& node) {
+WireValue from_scalar(const YAML::Node& node) {
   if (!is_quoted(node)) {
     if (const auto integer = as<std::int64_t>(node)) return to_value(*integer);
     if (const auto number = as<double>(node)) return to_value(*number);
@@ -146,15 +146,15 @@ ParameterValue from_scalar(const YAML::Node& node) {
 }
 
 // A list of one type, where integers among real numbers count as real; other lists are rejected.
-ParameterValue from_sequence(const YAML::Node& node) {
-  std::vector<ParameterValue> elements;
+WireValue from_sequence(const YAML::Node& node) {
+  std::vector<WireValue> elements;
   for (const auto& element : node)
-    elements.push_back(element.IsScalar() ? from_scalar(element) : ParameterValue{});
+    elements.push_back(element.IsScalar() ? from_scalar(element) : WireValue{});
   const auto all = [&](std::uint8_t a, std::uint8_t b) {
     return std::all_of(elements.begin(), elements.end(),
                        [&](const auto& e) { return e.type() == a || e.type() == b; });
   };
-  ParameterValue list;
+  WireValue list;
   if (all(types::PARAMETER_INTEGER, types::PARAMETER_INTEGER)) {
     list.type(types::PARAMETER_INTEGER_ARRAY);
     for (const auto& e : elements) list.integer_array_value().push_back(e.integer_value());
@@ -183,7 +183,7 @@ std::string shortened(std::string text) {
   return text;
 }
 
-std::string long_text(const ParameterValue& value) {
+std::string long_text(const WireValue& value) {
   switch (value.type()) {
     case types::PARAMETER_BOOL:
       return value.bool_value() ? "true" : "false";
@@ -214,26 +214,27 @@ std::string long_text(const ParameterValue& value) {
 // --- descriptors
 // ------------------------------------------------------------------------------------
 
-void describe(ParameterDescriptor& out, const double*, const Range& range) {
+void describe_limits(ParameterDescriptor& out, const double*, const Range& range) {
   rcl_interfaces::msg::FloatingPointRange bounds;
   bounds.from_value(range.min);
   bounds.to_value(range.max);
   out.floating_point_range({bounds});
 }
-void describe(ParameterDescriptor& out, const int*, const Range& range) {
+void describe_limits(ParameterDescriptor& out, const int*, const Range& range) {
   rcl_interfaces::msg::IntegerRange bounds;
   bounds.from_value(static_cast<std::int64_t>(range.min));
   bounds.to_value(static_cast<std::int64_t>(range.max));
   bounds.step(1);
   out.integer_range({bounds});
 }
-void describe(ParameterDescriptor& out, const std::vector<double>*, const Range& range) {
+void describe_limits(ParameterDescriptor& out, const std::vector<double>*, const Range& range) {
   out.additional_constraints(fmt::format("each in [{}, {}]", range.min, range.max));
 }
-void describe(ParameterDescriptor& out, const std::vector<std::string>*, const OneOf& choices) {
+void describe_limits(ParameterDescriptor& out, const std::vector<std::string>*,
+                     const OneOf& choices) {
   out.additional_constraints(fmt::format("each one of {{{}}}", fmt::join(choices.names, ", ")));
 }
-void describe(ParameterDescriptor& out, const std::string*, const OneOf& choices) {
+void describe_limits(ParameterDescriptor& out, const std::string*, const OneOf& choices) {
   out.additional_constraints(fmt::format("one of {{{}}}", fmt::join(choices.names, ", ")));
 }
 
@@ -250,11 +251,11 @@ void check(const Field& field) {
       field.value, field.limits);
 }
 
-ParameterValue value_of(const Field& field) {
+WireValue value_of(const Field& field) {
   return std::visit([](const auto* value) { return to_value(*value); }, field.value);
 }
 
-void assign(const Field& field, const ParameterValue& value) {
+void assign(const Field& field, const WireValue& value) {
   std::visit(
       [&](auto* out) {
         if (!read(value, *out))
@@ -271,13 +272,14 @@ ParameterDescriptor descriptor_of(const Field& field, bool read_only) {
   out.read_only(read_only);
   std::visit(
       [&](const auto* value, const auto& limits) {
-        if constexpr (requires { describe(out, value, limits); }) describe(out, value, limits);
+        if constexpr (requires { describe_limits(out, value, limits); })
+          describe_limits(out, value, limits);
       },
       field.value, field.limits);
   return out;
 }
 
-ParameterValue value_from_yaml(const std::string& yaml) {
+WireValue value_from_yaml(const std::string& yaml) {
   try {
     const YAML::Node node = parse_document(yaml);
     if (node.IsScalar()) return from_scalar(node);
@@ -287,6 +289,6 @@ ParameterValue value_from_yaml(const std::string& yaml) {
   return {};
 }
 
-std::string to_text(const ParameterValue& value) { return shortened(long_text(value)); }
+std::string to_text(const WireValue& value) { return shortened(long_text(value)); }
 
 }  // namespace tandem::runtime

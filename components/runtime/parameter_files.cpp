@@ -12,7 +12,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr const char* kParameters = "ros__parameters";
+constexpr const char* kParametersKey = "ros__parameters";
 
 std::string place(const std::string& path, const YAML::Node& node) {
   return path + ":" + std::to_string(node.Mark().line + 1);
@@ -63,9 +63,9 @@ class Collector {
     if (!node.IsMap()) fail(path_, node, "expected `node: ros__parameters:`");
     for (const auto& entry : node) {
       const auto key = entry.first.as<std::string>();
-      if (key == kParameters && !name.empty())
+      if (key == kParametersKey && !name.empty())
         sections_.push_back({name, place(path_, entry.first)});
-      if (key != kParameters)
+      if (key != kParametersKey)
         visit_names(entry.second, name + (key.starts_with('/') ? "" : "/") + key);
       else if (name.empty())
         fail(path_, entry.first, "ros__parameters belongs under a node's name or /**");

@@ -8,7 +8,7 @@ namespace tandem::runtime {
 namespace {
 
 using rcl_interfaces::msg::Parameter;
-using rcl_interfaces::msg::ParameterValue;
+using WireValue = rcl_interfaces::msg::ParameterValue;
 using rcl_interfaces::msg::SetParametersResult;
 
 constexpr char kSeparator = '.';
@@ -59,8 +59,8 @@ ParameterTable::Place ParameterTable::find(const std::string& name) const {
   return {nullptr, 0};
 }
 
-std::vector<ParameterValue> ParameterTable::get(const Names& names) const {
-  std::vector<ParameterValue> values(names.size());
+std::vector<WireValue> ParameterTable::get(const Names& names) const {
+  std::vector<WireValue> values(names.size());
   for (std::size_t i = 0; i < names.size(); ++i)
     if (const auto [group, index] = find(names[i]); group != nullptr)
       values[i] = value_of(group->in_force[index]);

@@ -51,7 +51,7 @@ extern "C" void on_signal(int number) {
 
 void wait_for_signal() {
   char byte;
-  while (read(signal_pipe[0], &byte, 1) < 0 && errno == EINTR) {
+  while (::read(signal_pipe[0], &byte, 1) < 0 && errno == EINTR) {
   }
   shutdown();
 }

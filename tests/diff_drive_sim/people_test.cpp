@@ -11,7 +11,7 @@ namespace tandem {
 namespace {
 
 constexpr double kDt = 0.01;  // [s]
-const RobotParams kMir{};
+const RobotParams kRobot{};
 
 TEST(People, AreTheSameAfterBeingWrittenAsNumbers) {
   const std::vector<Walker> walkers{{0.25, 1.2, {{1.0, 2.0}, {-3.0, 4.5}}},
@@ -102,7 +102,8 @@ class AmongPeople : public ::testing::Test {
     grid.width = grid.height = 160;
     grid.origin = {-4.0, -4.0};
     grid.cells.assign(160 * 160, Cell::kFree);
-    sim_.emplace(DiffDriveSimParams{}, kMir, std::make_shared<const StaticMap>(std::move(grid)), 1);
+    sim_.emplace(DiffDriveSimParams{}, kRobot, std::make_shared<const StaticMap>(std::move(grid)),
+                 1);
   }
   void put(const Walker& walker) { sim_->put({{walker}, 1.0}); }
   void drive(double v, double duration) {

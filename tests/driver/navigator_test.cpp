@@ -6,7 +6,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kPeriod = 0.05;
+constexpr double kSteerPeriod = 0.05;
 
 NavigatorParams params(std::vector<double> route) {
   NavigatorParams p;
@@ -16,9 +16,9 @@ NavigatorParams params(std::vector<double> route) {
 
 // A robot that executes the hand's commands immediately, in an empty world.
 Pose2 drive(Navigator& driver, Pose2 X, double duration) {
-  for (double t = 0.0; t < duration && !driver.arrived(); t += kPeriod) {
+  for (double t = 0.0; t < duration && !driver.arrived(); t += kSteerPeriod) {
     const Hand hand = driver.steer(X, X, t);
-    X = integrate(X, {0.8 * hand.linear, 0.8 * hand.angular}, kPeriod);
+    X = integrate(X, {0.8 * hand.linear, 0.8 * hand.angular}, kSteerPeriod);
   }
   return X;
 }
@@ -59,10 +59,10 @@ TEST(Navigator, WaitsForItsRobotLookingAlongTheRoute) {
   for (const double theta : {-2.5, -0.5, 0.0, 0.5, 2.5}) {
     Navigator driver{patient({0, 0, 5, 0}), 1};
     Pose2 X_ML{1.6 + 0.1 * std::cos(theta), 0.1 * std::sin(theta), theta};
-    for (double t = 0.0; t < 5.0; t += kPeriod) {
+    for (double t = 0.0; t < 5.0; t += kSteerPeriod) {
       const Hand hand = driver.steer(X_MB, X_ML, t);
       EXPECT_EQ(hand.linear, 0.0);
-      X_ML.theta += kPeriod * hand.angular;
+      X_ML.theta += kSteerPeriod * hand.angular;
     }
     EXPECT_NEAR(X_ML.theta, 0.0, 0.05);
   }
@@ -78,7 +78,7 @@ TEST(Navigator, TurnsALeaderThatLooksTheWrongWayToItsPointOnceItsRobotIsThere) {
 TEST(Navigator, BacksOutAfterPushingInVain) {
   Navigator driver{params({0, 0, 5, 0}), 3};
   bool backed_out = false;
-  for (double t = 0.0; t < 4.0; t += kPeriod)
+  for (double t = 0.0; t < 4.0; t += kSteerPeriod)
     backed_out = backed_out || driver.steer({}, {}, t).linear < -0.3;
   EXPECT_TRUE(backed_out);
 }
@@ -90,7 +90,7 @@ TEST(Navigator, BeginsFartherBackAfterTwoTriesInVain) {
   double t = 0.0;
   const Pose2 X_MJ{2.0, -1.0, -1.57};  // jammed
   const auto push_until = [&](bool backs_out) {
-    for (const double end = t + 20.0; t < end; t += kPeriod)
+    for (const double end = t + 20.0; t < end; t += kSteerPeriod)
       if ((driver.steer(X_MJ, X_MJ, t).linear < 0.0) == backs_out) return true;
     return false;
   };
@@ -99,7 +99,7 @@ TEST(Navigator, BeginsFartherBackAfterTwoTriesInVain) {
   ASSERT_TRUE(push_until(true));
   Hand hand{-1.0, 0.0};
   const Pose2 X_MB{1.2, 0.0, -0.87};  // where it came to
-  for (const double end = t + 4.5; t < end; t += kPeriod) hand = driver.steer(X_MB, X_MB, t);
+  for (const double end = t + 4.5; t < end; t += kSteerPeriod) hand = driver.steer(X_MB, X_MB, t);
   EXPECT_GT(hand.angular, 0.1) << "to a place of the route before that of the trouble";
 }
 

@@ -14,7 +14,7 @@
 namespace tandem {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInf = std::numeric_limits<double>::infinity();
 
 double distance_to_cell(const Grid& grid, int ix, int iy, const Eigen::Vector2d& p_MQ) {
   const Eigen::Vector2d d = (p_MQ - grid.center(ix, iy)).cwiseAbs();
@@ -48,7 +48,7 @@ Eigen::Vector2d random_point(std::mt19937& random, const Grid& grid, double beyo
 }
 
 double distance_by_force(const StaticMap& map, const Eigen::Vector2d& p_MQ) {
-  double d = kInfinity;
+  double d = kInf;
   for (int iy = -1; iy <= map.grid().height; ++iy)
     for (int ix = -1; ix <= map.grid().width; ++ix)
       if (map.is_obstacle(ix, iy)) d = std::min(d, distance_to_cell(map.grid(), ix, iy, p_MQ));
@@ -63,8 +63,8 @@ TEST(StaticMap, DistanceIsALowerBoundWithinADiagonalOfTheTruth) {
       const Eigen::Vector2d p_MQ = random_point(random, map.grid(), 0.0);
       const double truth = distance_by_force(map, p_MQ), bound = map.distance(p_MQ);
       ASSERT_LE(bound, truth + 1e-12);
-      if (truth == kInfinity) {
-        ASSERT_EQ(bound, kInfinity);
+      if (truth == kInf) {
+        ASSERT_EQ(bound, kInf);
       } else {
         ASSERT_GE(bound, truth - std::sqrt(2.0) * map.grid().resolution - 1e-6);
       }
@@ -89,7 +89,7 @@ TEST(StaticMap, DistanceIsALowerBoundOutsideOfTheGridToo) {
 TEST(StaticMap, OutsideIsAnObstacleIfTheUnknownIs) {
   const Grid grid{0.1, {0.0, 0.0}, 10, 10, std::vector<Cell>(100, Cell::kFree)};
   EXPECT_EQ(StaticMap(grid, true).distance({-3.0, 0.5}), 0.0);
-  EXPECT_EQ(StaticMap(grid, false).distance({-3.0, 0.5}), kInfinity);
+  EXPECT_EQ(StaticMap(grid, false).distance({-3.0, 0.5}), kInf);
   EXPECT_NEAR(StaticMap(grid, true).distance({0.25, 0.55}), 0.25, 1e-6);
   const Footprint robot = rectangle(0.2, 0.2, 0.0);
   EXPECT_NEAR(StaticMap(grid, true).clearance(robot, {0.25, 0.55, 0.0}, 1.0), 0.15, 1e-9);
@@ -107,7 +107,7 @@ void expect_exact_clearance(std::mt19937& random,
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector2d p = random_point(random, map.grid(), 0.5);
       const Pose2 X_MB{p.x(), p.y(), 7.0 * unit(random)};
-      const double cap = i % 5 == 0 ? kInfinity : 2.0 * unit(random);
+      const double cap = i % 5 == 0 ? kInf : 2.0 * unit(random);
       double truth = cap;
       for (int iy = 0; iy < map.grid().height; ++iy)
         for (int ix = 0; ix < map.grid().width; ++ix)
@@ -211,11 +211,11 @@ TEST(StaticMap, NumbersThatAreNotFiniteCountAsContact) {
   const StaticMap map({0.1, {0.0, 0.0}, 10, 10, std::vector<Cell>(100, Cell::kFree)}, false);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(map.distance({nan, 0.5}), 0.0);
-  EXPECT_EQ(map.distance({kInfinity, 0.5}), 0.0);
+  EXPECT_EQ(map.distance({kInf, 0.5}), 0.0);
   EXPECT_EQ(map.clearance(rectangle(1.0, 0.5, 0.0), {0.5, nan, 0.0}, 1.0), 0.0);
   EXPECT_EQ(map.cast_ray({nan, 0.5}, 0.0, 1.0), 0.0);
   EXPECT_TRUE(map.cells_near({nan, 0.5}, 1.0).empty());
-  EXPECT_EQ(map.distance({1e300, 0.5}), kInfinity);
+  EXPECT_EQ(map.distance({1e300, 0.5}), kInf);
 }
 
 TEST(StaticMap, RefusesAGridWhoseSizesContradict) {

@@ -9,17 +9,15 @@
 #include <string>
 #include <utility>
 
+#include "model/random.hpp"
 #include "tandem/model/footprint.hpp"
 
 namespace tandem {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
-using Random = std::mt19937;
-
-double uniform(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
+using test::Random;
+using test::uniform;
 
 // One shape in two forms: the parts under test, and its true outline, which is not convex.
 struct Shape {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/model/footprint.hpp"
+#include "model/random.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,14 +10,13 @@
 #include <random>
 #include <utility>
 
+#include "model/random.hpp"
+
 namespace tandem {
 namespace {
 
-using Random = std::mt19937;
-
-double uniform(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
+using test::Random;
+using test::uniform;
 
 // Convex outline around the origin: points on an ellipse in order of angle.
 Footprint random_footprint(Random& random) {

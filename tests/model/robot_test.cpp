@@ -63,7 +63,7 @@ TEST(RobotParams, DescribesAnOutlineOfSeveralParts) {
   EXPECT_EQ(footprint.parts[1][1], Eigen::Vector2d(0.7, 0.0));
 }
 
-std::string complaint(const RobotParams& robot) {
+std::string complaint_about(const RobotParams& robot) {
   try {
     check(robot);
     (void)footprint_of(robot);
@@ -74,24 +74,23 @@ std::string complaint(const RobotParams& robot) {
 }
 
 TEST(RobotParams, RefusesCountsThatDoNotFitTheVertices) {
-  const auto complaint_about = [](std::vector<double> counts) {
+  const auto of_counts = [](std::vector<double> counts) {
     RobotParams robot = two_parts();
     robot.footprint_parts = std::move(counts);
-    return complaint(robot);
+    return complaint_about(robot);
   };
-  EXPECT_EQ(complaint_about({4, 4}),
+  EXPECT_EQ(of_counts({4, 4}),
             "footprint_parts: the parts have 8 vertices in all, but footprint gives 7");
-  EXPECT_NE(complaint_about({5, 2}).find("footprint_parts = 2 outside [3, 100]"),
-            std::string::npos);
-  EXPECT_EQ(complaint_about({3.5, 3.5}),
+  EXPECT_NE(of_counts({5, 2}).find("footprint_parts = 2 outside [3, 100]"), std::string::npos);
+  EXPECT_EQ(of_counts({3.5, 3.5}),
             "footprint_parts: number 1 must be a whole number of vertices, at least 3");
-  EXPECT_NE(complaint_about({7}).find("part 1, vertex 4"), std::string::npos);
+  EXPECT_NE(of_counts({7}).find("part 1, vertex 4"), std::string::npos);
 }
 
 TEST(RobotParams, RefusesPartsWithoutVertices) {
   RobotParams robot;
   robot.footprint_parts = {4};
-  EXPECT_EQ(complaint(robot),
+  EXPECT_EQ(complaint_about(robot),
             "footprint_parts: the parts have 4 vertices in all, but footprint gives 0");
 }
 

@@ -21,7 +21,7 @@ namespace {
 using std_msgs::msg::Float64;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 
 TEST(Component, RunsFromItsLibraryWithParametersAndRemappings) {
   rt::NodeOptions options{.name = "tripler", .ns = "/a", .remappings = {{"out", "/result"}}};

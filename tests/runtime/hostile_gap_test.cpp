@@ -19,15 +19,15 @@ using geometry_msgs::msg::Twist;
 using test::Datagram;
 using test::Octets;
 
-constexpr double kTimeout = 20.0;                     // [s]
-constexpr double kMaxKept = test::most_memory(20.0);  // [MB]
+constexpr double kAnswerTimeout = 20.0;                    // [s]
+constexpr double kMaxGapMemory = test::most_memory(20.0);  // [MB]
 
 // `peer echo` subscribes to /ping reliably and answers on /pong.
 class ForgedWriter : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(test::spin_until([&] { return writer_.matched() == 1 && pong_.matched() == 1; },
-                                 kTimeout, node_));
+                                 kAnswerTimeout, node_));
     ASSERT_TRUE(answers());
   }
   [[nodiscard]] bool answers() {
@@ -36,7 +36,7 @@ class ForgedWriter : public testing::Test {
     const Twist message;
     (void)codec_.encode(&message, bytes);
     (void)writer_.write(bytes);
-    return test::spin_until([&] { return answers_ > before; }, kTimeout, node_);
+    return test::spin_until([&] { return answers_ > before; }, kAnswerTimeout, node_);
   }
   // From our writer, to all participants.
   [[nodiscard]] Datagram forged() const {
@@ -66,7 +66,7 @@ TEST_F(ForgedWriter, FillsNoMemoryByWideGaps) {
   const double before = memory();
   for (const std::int64_t start : {3, 1000, 1'000'000})
     for (int i = 0; i < 3; ++i) send(forged().add_gap(start, start + 20'000'000, 0, 0, entity()));
-  EXPECT_FALSE(test::spin_until([&] { return memory() > before + kMaxKept; }, 1.0, node_));
+  EXPECT_FALSE(test::spin_until([&] { return memory() > before + kMaxGapMemory; }, 1.0, node_));
   EXPECT_EQ(peer_.wait(0.0), std::nullopt);
 }
 
@@ -77,7 +77,7 @@ TEST_F(ForgedWriter, FillsNoMemoryByManyGapsAndNumbers) {
     send(forged().add_data({.writer = entity(), .number = 5'000'000 + 2 * i}, Octets(8, 1)));
     if (i % 100 == 0) node_.spin_some(0.001);
   }
-  EXPECT_LT(memory(), before + kMaxKept);
+  EXPECT_LT(memory(), before + kMaxGapMemory);
   EXPECT_TRUE(answers());  // none of it was of numbers that the writer reaches soon
 }
 

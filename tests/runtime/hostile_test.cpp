@@ -31,7 +31,7 @@ struct GainParams {
 
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 
 template <class M>
 Bytes encoded(const M& message) {

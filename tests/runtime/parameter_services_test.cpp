@@ -17,7 +17,7 @@ namespace srv = rcl_interfaces::srv;
 namespace types = rcl_interfaces::msg::ParameterType_Constants;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 
 struct DriveParams {
   double gain = 1.0;

@@ -18,7 +18,7 @@ using rcl_interfaces::msg::ParameterValue;
 namespace types = rcl_interfaces::msg::ParameterType_Constants;
 using Names = std::vector<std::string>;
 
-struct GateParams {
+struct TableParams {
   double margin = 0.1;
   double margin_max = 0.5;
   int steps = 5;
@@ -62,7 +62,7 @@ struct TwoOfOneName {
 };
 
 struct Both {
-  GateParams gate;
+  TableParams gate;
   FrameParams frames;
 
   template <class Visitor>
@@ -87,11 +87,11 @@ ParameterValue empty_list(std::uint8_t type) {
   return list;
 }
 
-// GateParams may change while margin ≤ margin_max; FrameParams may not change.
+// TableParams may change while margin ≤ margin_max; FrameParams may not change.
 class Table : public testing::Test {
  protected:
   void SetUp() override {
-    table_.declare(rt::make_group<GateParams>(gate_, rt::names_of(*gate_), [this](const auto& p) {
+    table_.declare(rt::make_group<TableParams>(gate_, rt::names_of(*gate_), [this](const auto& p) {
       if (p.margin > p.margin_max) throw std::invalid_argument("margin exceeds margin_max");
       offered_ = p;
     }));
@@ -108,18 +108,18 @@ class Table : public testing::Test {
     return set({parameter(name, value(yaml))});
   }
 
-  std::shared_ptr<GateParams> gate_ = std::make_shared<GateParams>();
+  std::shared_ptr<TableParams> gate_ = std::make_shared<TableParams>();
   std::shared_ptr<FrameParams> frames_ = std::make_shared<FrameParams>();
-  std::optional<GateParams> offered_;
+  std::optional<TableParams> offered_;
   rt::ParameterTable table_;
 };
 
-struct Setting {
+struct Assignment {
   const char *name, *yaml;
   std::vector<std::string> complaint;  // parts of it; none: accepted
 };
 
-class SetParameter : public Table, public testing::WithParamInterface<Setting> {};
+class SetParameter : public Table, public testing::WithParamInterface<Assignment> {};
 
 TEST_P(SetParameter, IsTakenOrRefusedWithTheReason) {
   const auto& [name, yaml, complaint] = GetParam();
@@ -136,30 +136,30 @@ TEST_P(SetParameter, IsTakenOrRefusedWithTheReason) {
 INSTANTIATE_TEST_SUITE_P(
     Values, SetParameter,
     testing::Values(
-        Setting{"margin", "0.25", {}}, Setting{"margin", "0", {}},  // an integer will do
-        Setting{"margin", "1.5", {"margin", "1.5", "[0, 1]", "[m] gap"}},
-        Setting{"margin", "-0.001", {"margin", "[0, 1]"}},
-        Setting{"margin", ".nan", {"margin", "nan", "[0, 1]"}},
-        Setting{"margin", ".inf", {"margin", "inf", "[0, 1]"}},
-        Setting{"margin", "\"0.5\"", {"margin", "\"0.5\"", "not a number"}},
-        Setting{"margin", "true", {"margin", "true", "not a number"}},
-        Setting{"margin", "[0.5]", {"margin", "not a number"}},
-        Setting{"margin", "~", {"margin", "nothing", "not a number"}},
-        Setting{"margin", "0.6", {"margin exceeds margin_max"}}, Setting{"steps", "50", {}},
-        Setting{"steps", "51", {"steps", "51", "[1, 50]"}},
-        Setting{"steps", "2.5", {"steps", "2.5", "not an integer"}},
-        Setting{"steps", "5000000000", {"steps", "5000000000", "not an integer"}},
-        Setting{"enforce", "false", {}}, Setting{"enforce", "0", {"enforce", "true or false"}},
-        Setting{"mode", "manual", {}},
-        Setting{"mode", "auto", {"mode", "auto", "manual, shared", "who drives"}},
-        Setting{"mode", "1", {"mode", "a string"}}, Setting{"map", "\"7\"", {}},
-        Setting{"map", "7", {"map", "a string"}}, Setting{"outline", "[0.5, -1]", {}},
-        Setting{"outline", "[]", {}}, Setting{"outline", "[0, 9]", {"outline", "9", "[-5, 5]"}},
-        Setting{"outline", "[a]", {"outline", "\"a\"", "a list of numbers"}},
-        Setting{"outline", "1.0", {"outline", "a list of numbers"}},
-        Setting{"margn", "0.2", {"margn", "0.2", "not a parameter of this node"}},
-        Setting{"", "0.2", {"not a parameter of this node"}},
-        Setting{"frames.odom", "map", {"frames.odom", "read-only"}}));
+        Assignment{"margin", "0.25", {}}, Assignment{"margin", "0", {}},  // an integer will do
+        Assignment{"margin", "1.5", {"margin", "1.5", "[0, 1]", "[m] gap"}},
+        Assignment{"margin", "-0.001", {"margin", "[0, 1]"}},
+        Assignment{"margin", ".nan", {"margin", "nan", "[0, 1]"}},
+        Assignment{"margin", ".inf", {"margin", "inf", "[0, 1]"}},
+        Assignment{"margin", "\"0.5\"", {"margin", "\"0.5\"", "not a number"}},
+        Assignment{"margin", "true", {"margin", "true", "not a number"}},
+        Assignment{"margin", "[0.5]", {"margin", "not a number"}},
+        Assignment{"margin", "~", {"margin", "nothing", "not a number"}},
+        Assignment{"margin", "0.6", {"margin exceeds margin_max"}}, Assignment{"steps", "50", {}},
+        Assignment{"steps", "51", {"steps", "51", "[1, 50]"}},
+        Assignment{"steps", "2.5", {"steps", "2.5", "not an integer"}},
+        Assignment{"steps", "5000000000", {"steps", "5000000000", "not an integer"}},
+        Assignment{"enforce", "false", {}}, Assignment{"enforce", "0", {"enforce", "true or false"}},
+        Assignment{"mode", "manual", {}},
+        Assignment{"mode", "auto", {"mode", "auto", "manual, shared", "who drives"}},
+        Assignment{"mode", "1", {"mode", "a string"}}, Assignment{"map", "\"7\"", {}},
+        Assignment{"map", "7", {"map", "a string"}}, Assignment{"outline", "[0.5, -1]", {}},
+        Assignment{"outline", "[]", {}}, Assignment{"outline", "[0, 9]", {"outline", "9", "[-5, 5]"}},
+        Assignment{"outline", "[a]", {"outline", "\"a\"", "a list of numbers"}},
+        Assignment{"outline", "1.0", {"outline", "a list of numbers"}},
+        Assignment{"margn", "0.2", {"margn", "0.2", "not a parameter of this node"}},
+        Assignment{"", "0.2", {"not a parameter of this node"}},
+        Assignment{"frames.odom", "map", {"frames.odom", "read-only"}}));
 
 TEST_F(Table, ChangeIsInForceAfterTheOwnerTookIt) {
   EXPECT_EQ(set("margin", "0.25"), "");
@@ -187,7 +187,7 @@ TEST_F(Table, TakesBackWhatOneOwnerTookIfAnotherRefuses) {
   auto other = std::make_shared<FrameParams>();
   rt::ParameterTable table;
   std::vector<double> margins;
-  table.declare(rt::make_group<GateParams>(gate_, rt::names_of(*gate_),
+  table.declare(rt::make_group<TableParams>(gate_, rt::names_of(*gate_),
                                            [&](const auto& p) { margins.push_back(p.margin); }));
   table.declare(rt::make_group<FrameParams>(
       other, rt::names_of(*other), [](const auto&) { throw std::invalid_argument("no"); }));

@@ -24,7 +24,7 @@ using std_srvs::srv::Trigger;
 using test::ChildProcess;
 using test::spin_until;
 
-constexpr double kTimeout = 20.0;  // [s]
+using test::kTimeout;
 
 TEST(TwoProcesses, ExchangeMessagesInBothDirections) {
   ChildProcess peer{"peer", {"echo"}};

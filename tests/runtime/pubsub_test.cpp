@@ -14,7 +14,7 @@ namespace {
 using geometry_msgs::msg::Twist;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 constexpr rt::Topic<Twist> kTwist{"cmd_vel", rt::kDefault};
 
 Twist twist(double v) {

@@ -16,7 +16,7 @@ namespace {
 using std_srvs::srv::SetBool;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 constexpr rt::ServiceName<SetBool> kSwitch{"switch"};
 
 SetBool::Request request(bool data) {

@@ -12,7 +12,7 @@ namespace {
 
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 const rt::Topic<rosgraph_msgs::msg::Clock> kClockTopic{"/clock", rt::kClock};
 
 TEST(Beat, SkipsMissedBeatsAndKeepsItsGrid) {

@@ -19,7 +19,6 @@
 
 namespace tandem::test {
 
-inline constexpr double kTimeout = 10.0;  // [s]
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 using Values = std::map<std::string, std::string>;

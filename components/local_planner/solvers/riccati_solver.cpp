@@ -18,7 +18,7 @@ constexpr double kColdBarrier = 1e-2, kRaisedBarrier = 1e-3;  // times the slack
 constexpr double kColdPush = 1e-2, kWarmPush = 1e-8;  // initial relative distance from bounds
 constexpr double kShort = 0.1;  // a step cut below this fraction makes no progress …
 constexpr int kShortCount = 4;  // … if this many occur in a row
-constexpr int kPatience = 20;   // iterations at the final barrier after which it counts as stuck
+constexpr int kMaxAtEnd = 20;   // iterations at the final barrier after which it counts as stuck
 constexpr int kRecentrings = 3;
 constexpr int kBacktracks = 20;
 
@@ -182,7 +182,7 @@ bool Chain<n>::advance_point(const Ocp& ocp) {
   const bool is_short = !moved || std::min(step.alpha_primal, step.alpha_dual) < kShort;
   short_steps = is_short ? short_steps + 1 : 0;
   at_end = mu == kTarget ? at_end + 1 : 0;
-  const bool is_stuck = !moved || short_steps == kShortCount || at_end > kPatience;
+  const bool is_stuck = !moved || short_steps == kShortCount || at_end > kMaxAtEnd;
   if (is_stuck && recentrings < kRecentrings) {
     ++recentrings;
     short_steps = 0;

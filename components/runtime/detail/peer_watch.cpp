@@ -8,7 +8,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr double kPeriod = 0.1;  // [s] between checks for discovery changes
+constexpr double kLookPeriod = 0.1;  // [s] between checks for discovery changes
 
 std::string counted(const std::vector<QosMismatch>& mismatches, bool peer_writes) {
   std::string text;
@@ -72,7 +72,7 @@ double PeerWatch::poll(double now) {
     notify_requests(known);
     check(known, now);
   }
-  return now + kPeriod;  // even if settled: discovery does not wake the loop
+  return now + kLookPeriod;  // even if settled: discovery does not wake the loop
 }
 
 void PeerWatch::notify_requests(const std::vector<KnownEndpoint>& known) {

@@ -7,7 +7,7 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
 constexpr QoS kQueue = Server::kQueue;
 constexpr double kMatchWait = 1.0;       // maximum wait of a reply for the client's reader [s]
 constexpr double kRetry = 0.005;         // [s] between checks for matched endpoints
@@ -66,7 +66,7 @@ double Server::send_replies(double now) {
     const bool is_reachable = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
     return is_reachable || now >= reply.deadline;  // a client that has left would not receive it
   });
-  return replies_.empty() ? kForever : now + kRetry;
+  return replies_.empty() ? kNoDeadline : now + kRetry;
 }
 
 void Server::send(Reply& reply) {
@@ -114,7 +114,7 @@ double Caller::poll(double now) {
   expire(now);
   if (!waiting_.empty() && ready()) send_waiting();
   if (!waiting_.empty()) return now + kRetry;
-  double next = kForever;
+  double next = kNoDeadline;
   for (const auto& [number, call] : asked_) next = std::min(next, call.deadline);
   return next;
 }

@@ -12,13 +12,12 @@
 #include <string>
 #include <utility>
 
+#include "support/spin_until.hpp"
 #include "tandem/dashboard/web/foxglove_protocol.hpp"
 #include "tandem/dashboard/web/web_server.hpp"
 #include "tandem/runtime/time.hpp"
 
 namespace tandem::test {
-
-inline constexpr double kTimeout = 10.0;  // [s]
 
 /// Connects on construction.
 class PageClient {

@@ -14,8 +14,6 @@ namespace {
 using test::Datagram;
 using test::Octets;
 
-constexpr std::uint32_t kSpdp = 0x000100c2, kPublications = 0x000003c2;
-
 Octets stranger(int number) {
   Octets prefix(12, 7);
   std::memcpy(prefix.data() + 8, &number, sizeof number);
@@ -28,14 +26,17 @@ Datagram participant(int number, std::uint32_t lease = 20) {
   test::append(duration, std::uint32_t{0}, true);
   return std::move(Datagram{}
                        .prefix(stranger(number))
-                       .add_announcement(kSpdp, {{0x50, Octets(16, 1)}, {0x02, duration}}));
+                       .add_announcement(rt::rtps_message::kSpdpWriter,
+                                         {{0x50, Octets(16, 1)}, {0x02, duration}}));
 }
 
 Datagram endpoint(int participant, std::int64_t number) {
   Octets payload{0, 3, 0, 0, 1, 0, 0, 0};
-  return std::move(Datagram{}
-                       .prefix(stranger(participant))
-                       .add_data({.writer = kPublications, .number = number}, payload));
+  return std::move(
+      Datagram{}
+          .prefix(stranger(participant))
+          .add_data({.writer = rt::rtps_message::kSedpPublicationsWriter, .number = number},
+                    payload));
 }
 
 class AnnouncementsTest : public testing::Test {

@@ -27,7 +27,7 @@ namespace {
 using rmw_dds_common::msg::ParticipantEntitiesInfo;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 
 class GraphTest : public testing::Test {
  protected:

@@ -17,8 +17,8 @@ using geometry_msgs::msg::Twist;
 using geometry_msgs::msg::TwistStamped;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
-constexpr double kSettled = 1.5;   // [s] after which a node has said what it has to say
+using test::kTimeout;
+constexpr double kSettled = 1.5;  // [s] after which a node has said what it has to say
 constexpr rt::Topic<Twist> kTwist{"cmd_vel"};
 constexpr rt::Topic<TwistStamped> kStamped{"cmd_vel"};
 constexpr rt::Topic<std_msgs::msg::Bool> kStop{"e_stop", rt::kLatched};

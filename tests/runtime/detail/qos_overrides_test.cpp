@@ -11,7 +11,7 @@
 namespace tandem {
 namespace {
 
-constexpr rt::Topic<geometry_msgs::msg::Twist> kTwist{"cmd_vel"};
+constexpr rt::Topic<geometry_msgs::msg::Twist> kCommand{"cmd_vel"};
 
 rt::NodeOptions with(std::map<std::string, std::string> values) {
   rt::NodeOptions options{.name = "tuned", .ns = "/chair"};
@@ -29,8 +29,8 @@ TEST(QosOverrides, ChangeWhatANodeOffersAndRequests) {
   rt::Node node{with({{"qos_overrides./chair/cmd_vel.publisher.reliability", "best_effort"},
                       {"qos_overrides./chair/cmd_vel.subscription.durability", "transient_local"},
                       {"qos_overrides./chair/cmd_vel.subscription.depth", "3"}})};
-  const auto publisher = node.create_publisher(kTwist);
-  const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
+  const auto publisher = node.create_publisher(kCommand);
+  const auto subscription = node.create_subscription(kCommand, [](const auto&) {});
   const auto info = info_of(node, "/chair/cmd_vel");
   ASSERT_EQ(info.publishers.size(), 1U);
   EXPECT_EQ(info.publishers[0].reliability, 0);
@@ -45,10 +45,10 @@ TEST(QosOverrides, ChangeWhatANodeOffersAndRequests) {
 TEST(QosOverrides, HoldForEverySubscriptionButForItsOtherDurability) {
   rt::Node node{with({{"qos_overrides./chair/cmd_vel.subscription.reliability", "best_effort"},
                       {"qos_overrides./chair/cmd_vel.subscription.durability", "volatile"}})};
-  const auto first = node.create_subscription(kTwist, [](const auto&) {});
+  const auto first = node.create_subscription(kCommand, [](const auto&) {});
   const auto second = node.create_subscription(
       rt::Topic<geometry_msgs::msg::TwistStamped>{"cmd_vel"}, [](const auto&) {});
-  const auto latched = node.create_subscription(kTwist, rt::kLatched, [](const auto&) {});
+  const auto latched = node.create_subscription(kCommand, rt::kLatched, [](const auto&) {});
   std::vector<rt::Policies> all;
   ASSERT_TRUE(test::spin_until(
       [&] {
@@ -75,7 +75,7 @@ TEST(QosOverrides, ForAnUnopenedTopicAreRefused) {
 TEST(QosOverrides, AreRefusedIfInvalid) {
   rt::Node node{with({{"qos_overrides./chair/cmd_vel.publisher.reliability", "perhaps"}})};
   try {
-    const auto publisher = node.create_publisher(kTwist);
+    const auto publisher = node.create_publisher(kCommand);
     FAIL() << "accepted";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string{error.what()}.find("not one of {reliable, best_effort}"),

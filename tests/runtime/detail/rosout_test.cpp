@@ -20,7 +20,7 @@ using rcl_interfaces::srv::GetLoggerLevels;
 using rcl_interfaces::srv::SetLoggerLevels;
 using test::spin_until;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 constexpr rt::QoS kRosOut{rt::Reliability::kReliable, rt::Durability::kTransientLocal, 1000};
 
 class RosOut : public testing::Test {

@@ -18,7 +18,7 @@ using type_description_interfaces::msg::IndividualTypeDescription;
 using type_description_interfaces::msg::TypeDescription;
 using type_description_interfaces::srv::GetTypeDescription;
 
-constexpr double kTimeout = 10.0;  // [s]
+using test::kTimeout;
 
 std::string json(const IndividualTypeDescription& type) {
   std::string text;
