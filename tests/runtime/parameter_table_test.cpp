@@ -149,12 +149,13 @@ INSTANTIATE_TEST_SUITE_P(
         Assignment{"steps", "51", {"steps", "51", "[1, 50]"}},
         Assignment{"steps", "2.5", {"steps", "2.5", "not an integer"}},
         Assignment{"steps", "5000000000", {"steps", "5000000000", "not an integer"}},
-        Assignment{"enforce", "false", {}}, Assignment{"enforce", "0", {"enforce", "true or false"}},
-        Assignment{"mode", "manual", {}},
+        Assignment{"enforce", "false", {}},
+        Assignment{"enforce", "0", {"enforce", "true or false"}}, Assignment{"mode", "manual", {}},
         Assignment{"mode", "auto", {"mode", "auto", "manual, shared", "who drives"}},
         Assignment{"mode", "1", {"mode", "a string"}}, Assignment{"map", "\"7\"", {}},
         Assignment{"map", "7", {"map", "a string"}}, Assignment{"outline", "[0.5, -1]", {}},
-        Assignment{"outline", "[]", {}}, Assignment{"outline", "[0, 9]", {"outline", "9", "[-5, 5]"}},
+        Assignment{"outline", "[]", {}},
+        Assignment{"outline", "[0, 9]", {"outline", "9", "[-5, 5]"}},
         Assignment{"outline", "[a]", {"outline", "\"a\"", "a list of numbers"}},
         Assignment{"outline", "1.0", {"outline", "a list of numbers"}},
         Assignment{"margn", "0.2", {"margn", "0.2", "not a parameter of this node"}},
@@ -188,7 +189,7 @@ TEST_F(Table, TakesBackWhatOneOwnerTookIfAnotherRefuses) {
   rt::ParameterTable table;
   std::vector<double> margins;
   table.declare(rt::make_group<TableParams>(gate_, rt::names_of(*gate_),
-                                           [&](const auto& p) { margins.push_back(p.margin); }));
+                                            [&](const auto& p) { margins.push_back(p.margin); }));
   table.declare(rt::make_group<FrameParams>(
       other, rt::names_of(*other), [](const auto&) { throw std::invalid_argument("no"); }));
   const std::vector<Parameter> both{parameter("margin", value("0.3")),
