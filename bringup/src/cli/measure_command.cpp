@@ -118,6 +118,11 @@ void print_axis(const char* name, const char* unit, const std::optional<StepResp
     std::printf("  %6.2f %-7s %5d", response->braking, unit, response->stops);
   else
     std::printf("  %-14s %5d", "no stop", 0);
+  constexpr double kUnbounded = 50.0;  // [m/s²], [rad/s²]; no base accelerates like that
+  if (response->a_up < kUnbounded)
+    std::printf("  %6.2f %-7s", response->a_up, unit);
+  else
+    std::printf("  %-14s", "no bound");
   std::printf("  %5.1f %%\n", 100.0 * response->residual);
 }
 
@@ -151,8 +156,8 @@ void run(const MeasureRequest& request) {
     throw std::runtime_error(request.recording +
                              ": the commands hardly change; record steps from zero to full speed "
                              "and back, forward and turning");
-  std::printf("%-8s %9s %9s  %-14s %5s  %7s\n", "axis", "delay", "lag", "braking", "stops",
-              "error");
+  std::printf("%-8s %9s %9s  %-14s %5s  %-14s  %7s\n", "axis", "delay", "lag", "braking", "stops",
+              "speeds up", "error");
   print_axis("forward", "m/s²", v);
   print_axis("turning", "rad/s²", w);
   print_parameters(all, v, w);
@@ -176,8 +181,11 @@ void add_measure_command(CLI::App& app) {
       "Prints the lines for the robot's file. `delay`: from sending a command to the arrival of "
       "its "
       "first effect; `lag`: the motors' time constant; `braking`: the least mean deceleration "
-      "between 90 % and 10 % of the speed; `error`: what the model leaves over. The "
-      "safety filter needs the worst values: repeat it with full load and on the worst floor.");
+      "between 90 % and 10 % of the speed; `speeds up`: the largest acceleration; `error`: what "
+      "the "
+      "model leaves over. The safety filter needs the worst values: repeat it with full load and "
+      "on "
+      "the worst floor.");
   command->callback([request] { run(*request); });
 }
 
