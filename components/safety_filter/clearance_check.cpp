@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tandem {
 namespace {
@@ -41,6 +42,33 @@ double slack_behind(const std::vector<NearCell>& near, const Footprint& footprin
   return slack;
 }
 
+NearCell see(const Eigen::Vector2d& p_MC, double side, const Pose2& X_MB,
+             const Footprint& footprint) {
+  return {direction_to(p_MC, side, X_MB, footprint),
+          distance_to_square(footprint, X_MB, p_MC, side)};
+}
+
+// The extremes of the pose's error, without those in which the outline overlaps a cell: the robot
+// is not there.
+std::vector<PossiblePose> possible_poses(const Pose2& X_MB, double position_error,
+                                         double heading_error, const Footprint& footprint,
+                                         const std::vector<Eigen::Vector2d>& close, double side) {
+  std::vector<PossiblePose> all;
+  for (const double turned : {-heading_error, heading_error})
+    for (const auto& [x, y] : {std::pair{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}}) {
+      PossiblePose possible;
+      possible.X_MB = compose(X_MB, {position_error * x, position_error * y, turned});
+      possible.X_NM = compose(possible.X_MB, inverse(X_MB));
+      bool clear = true;
+      for (const auto& p_MC : close) {
+        possible.near.push_back(see(p_MC, side, possible.X_MB, footprint));
+        clear = clear && possible.near.back().gap > kDifference;
+      }
+      if (clear) all.push_back(std::move(possible));
+    }
+  return all;
+}
+
 // The outline shrunk until it overlaps none of the squares; without parts if it always does.
 Footprint inset_until_clear(const Footprint& footprint, const Pose2& X_MB,
                             const std::vector<Eigen::Vector2d>& squares, double side) {
@@ -53,6 +81,36 @@ Footprint inset_until_clear(const Footprint& footprint, const Pose2& X_MB,
   }
 }
 
+// Slack of the square around p_MC if the robot started at that possible pose (PossiblePose) [m].
+double slack_from(const PossiblePose& possible, const Footprint& footprint,
+                  const Eigen::Vector2d& p_MC, const Pose2& X_MB, const StaticMap& map,
+                  double most) {
+  const double side = map.grid().resolution;
+  const Pose2 X_NB = compose(possible.X_NM, X_MB);
+  const double gap = distance_to_square(footprint, X_NB, p_MC, side);
+  const double at_start = distance_to_square(footprint, possible.X_MB, p_MC, side);
+  double slack = gap - std::min(most, at_start) + kRounding;
+  if (slack >= 0.0 || gap <= kDifference) return slack;
+  const Eigen::Vector2d g_M = gap * direction_to(p_MC, side, X_NB, footprint);
+  for (const NearCell& cell : possible.near)
+    slack = std::max(slack, g_M.dot(cell.u_M) - std::min(most, cell.gap) + kRounding);
+  return slack;
+}
+
+// Slack of a square that is nearer than the level, for a motion that starts inside it [m].
+double slack_inside(const Eigen::Vector2d& p_MC, const Pose2& X_MB, const Body& body,
+                    const StaticMap& map, const RequiredClearance& required, double deviation) {
+  double slack = slack_behind(required.near, body.footprint, p_MC, X_MB, map, deviation);
+  if (slack < 0.0 && !required.overlapped.empty())
+    slack = slack_behind(required.overlapped, required.inset, p_MC, X_MB, map, deviation);
+  const double most = required.sure_level + deviation;
+  for (const PossiblePose& possible : required.possible) {
+    if (slack < 0.0) break;
+    slack = std::min(slack, slack_from(possible, body.footprint, p_MC, X_MB, map, most));
+  }
+  return slack;
+}
+
 // Clearance in hand at a pose, computed cell by cell, for a motion that starts inside the level
 // [m].
 double in_hand_near(const Pose2& X_MB, const Body& body, const StaticMap& map,
@@ -61,12 +119,7 @@ double in_hand_near(const Pose2& X_MB, const Body& body, const StaticMap& map,
   double in_hand = kShortLookAhead;
   for (const auto& p_MC : map.squares_near(X_MB.position(), body.radius + need + kShortLookAhead)) {
     double slack = distance_to_square(body.footprint, X_MB, p_MC, side) - need;
-    if (slack < 0.0)
-      slack =
-          std::max(slack, slack_behind(required.near, body.footprint, p_MC, X_MB, map, deviation));
-    if (slack < 0.0 && !required.overlapped.empty())
-      slack = std::max(
-          slack, slack_behind(required.overlapped, required.inset, p_MC, X_MB, map, deviation));
+    if (slack < 0.0) slack = slack_inside(p_MC, X_MB, body, map, required, deviation);
     in_hand = std::min(in_hand, slack);
     if (in_hand < 0.0) break;
   }
@@ -85,26 +138,27 @@ double in_hand_at(const Pose2& X_MB, const Body& body, const StaticMap& map,
 
 }  // namespace
 
-RequiredClearance required_clearance(double level, const Pose2& X_MB, const Body& body,
-                                     const StaticMap& map, const DriftBounds& drift) {
-  RequiredClearance required{level, {}, {}, {}, drift};
+RequiredClearance required_clearance(double level, const Pose2& X_MB, double position_error,
+                                     const Body& body, const StaticMap& map,
+                                     const DriftBounds& drift) {
+  RequiredClearance required{.level = level, .drift = drift};
   const double side = map.grid().resolution;
-  const auto see = [&](const Eigen::Vector2d& p_MC, const Footprint& footprint) {
-    return NearCell{direction_to(p_MC, side, X_MB, footprint),
-                    distance_to_square(footprint, X_MB, p_MC, side)};
-  };
-  std::vector<Eigen::Vector2d> overlapped;
+  std::vector<Eigen::Vector2d> close, overlapped;
   for (const auto& p_MC : map.squares_near(X_MB.position(), body.radius + level)) {
     const double gap = distance_to_square(body.footprint, X_MB, p_MC, side);
-    if (gap <= kDifference)
-      overlapped.push_back(p_MC);
-    else if (gap < level)
-      required.near.push_back(see(p_MC, body.footprint));
+    if (gap >= level) continue;
+    close.push_back(p_MC);
+    if (gap <= kDifference) overlapped.push_back(p_MC);
+    if (gap > kDifference) required.near.push_back(see(p_MC, side, X_MB, body.footprint));
   }
+  required.sure_level = level - position_error - body.radius * drift.heading_error;
+  required.possible =
+      possible_poses(X_MB, position_error, drift.heading_error, body.footprint, close, side);
   if (overlapped.empty()) return required;
   required.inset = inset_until_clear(body.footprint, X_MB, overlapped, side);
   if (required.inset.parts.empty()) return required;
-  for (const auto& p_MC : overlapped) required.overlapped.push_back(see(p_MC, required.inset));
+  for (const auto& p_MC : overlapped)
+    required.overlapped.push_back(see(p_MC, side, X_MB, required.inset));
   return required;
 }
 

@@ -21,6 +21,20 @@ struct NearCell {
   double gap = 0.0;     ///< [m]
 };
 
+/// A pose that the robot may have had at the start, given the errors of the measured one, and what
+/// is required of a cell if it did: that the cell stays sure_level + d away, or is no nearer than
+/// at the start, or lies behind a near cell i,
+///
+///   g · u_i ≥ min(gap_i, sure_level + d).                                                   (2)
+///
+/// Unlike in (1), d is not added to gap_i: among the possible poses there often is one that nearly
+/// touches the cell, and then no motion could pass.
+struct PossiblePose {
+  Pose2 X_MB;                  ///< at the start
+  Pose2 X_NM;                  ///< maps measured poses of the motion to those that start at X_MB
+  std::vector<NearCell> near;  ///< the cells that are near by measurement, from this pose
+};
+
 /// Clearance that is required of a motion.
 ///
 /// At every pose each obstacle cell must be at least level + d away, where d is the deviation
@@ -34,12 +48,19 @@ struct NearCell {
 /// The robot may therefore slide along a wall it is too close to, but may approach neither that
 /// wall nor anything on its other sides. For cells that the outline overlaps at the start, (1) is
 /// evaluated with a smaller outline that is clear of them.
+///
+/// The vectors of (1) are those of the measured pose. Beside a corner of the outline an error of
+/// the pose turns them by up to a quarter turn, and a wrong heading makes one end of a long side
+/// look nearer than the other. The same motion must therefore also be clear from the other poses
+/// that the measurement allows, see PossiblePose.
 struct RequiredClearance {
-  double level = 0.0;          ///< [m]
-  std::vector<NearCell> near;  ///< empty if the motion starts outside the level
-  Footprint inset;             ///< smaller outline, clear of the cells that the outline overlaps
-  std::vector<NearCell> overlapped;  ///< the overlapped cells, measured from `inset`
-  DriftBounds drift;                 ///< bounds of the odometry's drift
+  double level = 0.0;               ///< [m]
+  std::vector<NearCell> near = {};  ///< empty if the motion starts outside the level
+  Footprint inset = {};  ///< smaller outline, clear of the cells that the outline overlaps
+  std::vector<NearCell> overlapped = {};  ///< the overlapped cells, measured from `inset`
+  double sure_level = 0.0;  ///< the part of `level` that is not for the pose's error [m]
+  std::vector<PossiblePose> possible = {};  ///< empty if the motion starts outside the level
+  DriftBounds drift = {};                   ///< bounds of the odometry's drift
 };
 
 /// The robot's outline and its size.
@@ -48,10 +69,11 @@ struct Body {
   double radius = 0.0;  ///< circumradius [m]
 };
 
-/// The clearance required of a motion that starts at X_MB.
+/// The clearance required of a motion that starts at the measured pose X_MB, which is off by at
+/// most `position_error` [m] and the drift's heading error.
 [[nodiscard]] RequiredClearance required_clearance(double level, const Pose2& X_MB,
-                                                   const Body& body, const StaticMap& map,
-                                                   const DriftBounds& drift);
+                                                   double position_error, const Body& body,
+                                                   const StaticMap& map, const DriftBounds& drift);
 
 /// Whether the body keeps the required clearance on its whole path from X_MB, for all motions of
 /// the cell. Uses conservative advancement: between two checks no point of the outline travels

@@ -196,9 +196,10 @@ SafetyFilter::Scene SafetyFilter::look_at(const RobotState& state, const StaticM
   scene.map = &map;
   scene.clearance = map.clearance(body_.footprint, state.X_MB, kClearanceCap);
   const double level = required_level(wanted, scene.clearance);
-  scene.required = {level, {}, {}, {}, drift_};
+  scene.required = {.level = level, .drift = drift_};
   if (scene.clearance < level)
-    scene.required = required_clearance(level, state.X_MB, body_, map, drift_);
+    scene.required =
+        required_clearance(level, state.X_MB, params_.position_error, body_, map, drift_);
   if (!unseen_ || unseen_check_->is_slow({std::max(robot_.v_max, -robot_.v_min), robot_.w_max}))
     return scene;
   scene.unseen = unseen_.get();

@@ -90,7 +90,7 @@ bool UnseenCheck::stays_off(std::span<const TwistRange> fast, const ShareCell& c
   if (gap <= 0.0) return false;
   // Between two checked poses the gap shrinks by at most half of their spacing.
   const double level = std::min(0.5 * kCheckSpacing, 0.5 * gap);
-  return stays_clear(fast, cell, X_MB, body, unseen, {level, {}, {}, {}, drift_});
+  return stays_clear(fast, cell, X_MB, body, unseen, {.level = level, .drift = drift_});
 }
 
 }  // namespace tandem

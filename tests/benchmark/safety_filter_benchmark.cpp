@@ -61,6 +61,7 @@ BENCHMARK_CAPTURE(filter_call, in_a_corridor_1_6_m_wide, 0.8, 0.0, Twist2{0.8, 0
 BENCHMARK_CAPTURE(filter_call, in_a_corridor_1_0_m_wide, 0.5, 0.0, Twist2{0.5, 0.05});
 BENCHMARK_CAPTURE(filter_call, slowed_beside_a_wall, 0.8, 0.4, Twist2{0.8, 0.5});
 BENCHMARK_CAPTURE(filter_call, blocked_beside_a_wall, 0.8, 0.48, Twist2{0.8, 1.0});
+BENCHMARK_CAPTURE(filter_call, within_the_margin_of_a_wall, 0.8, 0.5, Twist2{0.3, -0.5});
 BENCHMARK_CAPTURE(simulator_step, free, 5.0);
 BENCHMARK_CAPTURE(simulator_step, in_a_corridor_1_0_m_wide, 0.5);
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // safety_filter_rollouts [STEPS [FIRST_SEED]]: runs the property test on all cores for STEPS steps
-// (default 1e8), plus a tenth of that among people, and then shows what happens beyond the bounds.
+// (default 1e8), plus a tenth of that from within the margin and a tenth among people, and then
+// shows what happens beyond the bounds.
 // Exit status 1 on a contact within the bounds.
+#include "safety_filter/inside_rollouts.hpp"
 #include "safety_filter/people_rollouts.hpp"
 
 #include <atomic>
@@ -88,10 +90,12 @@ int main(int argc, char** argv) {
   }
   const Tally tally =
       run("within the bounds", steps, first, [](unsigned seed) { return run_scene(seed); });
+  const Tally inside = run("from within the margin", 0.1 * steps, first,
+                           [](unsigned seed) { return run_inside_scene(seed); });
   const Tally people =
       run("among people", 0.1 * steps, first, [](unsigned seed) { return run_people_scene(seed); });
   std::printf("%-34s walked into %ld times while it stood, %.1f m per scene\n", "",
               people.walked_into, people.travel / static_cast<double>(people.rollouts));
   if (steps >= 1e6) print_beyond();
-  return tally.contacts + people.contacts == 0 && tally.unfinished == 0 ? 0 : 1;
+  return tally.contacts + inside.contacts + people.contacts == 0 && tally.unfinished == 0 ? 0 : 1;
 }

@@ -281,12 +281,13 @@ inline std::optional<Placement> free_place(const Outline& outline, const CellWor
 inline constexpr int kRolloutsPerScene = 6;
 inline constexpr double kLongestRest = 25.0;  // [s] the robot must stand after this time
 
-/// Pushes for up to 30 s, or until the robot has hardly moved for 4 s, then no command, or no
-/// filter, until it stands.
+/// Pushes for up to `longest` seconds, or until the robot has hardly moved for 4 s. Then there is
+/// no command, or no filter, until it stands.
 inline void roll_out(Loop& loop, Attack& attack, const SafetyFilterParams& params, Random& random,
-                     Tally& tally) {
+                     Tally& tally, double longest = 30.0) {
   const double period = params.control_period;
-  const double end = loop.now() + uniform(random, 0.3, pick(random, 2) ? 3.0 : 30.0);
+  const double most = pick(random, 2) ? std::min(3.0, longest) : longest;
+  const double end = loop.now() + uniform(random, 0.3, most);
   double moved_to = loop.base().travel(), moved_at = loop.now();
   for (; loop.now() < end && loop.now() < moved_at + 4.0; ++tally.steps) {
     const Twist2 command = attack.command(loop.base().at(), loop.now());
