@@ -13,7 +13,7 @@ namespace tandem::test {
 namespace {
 
 const long kSteps = samples(40'000, 1'500, 150'000);
-const unsigned kInsideScenes = samples(20, 1, 200);
+const unsigned kInsideScenes = samples(10, 1, 200);
 const unsigned kPeopleScenes = samples(200, 10, 400);
 
 TEST(SafetyFilter, NeverEndsInContactWhateverIsCommanded) {
@@ -36,9 +36,10 @@ TEST(SafetyFilter, NoiseOfThePoseBesideACornerEndsInNoContact) {
   EXPECT_EQ(run_scene(8'000'555).contacts, 0);
 }
 
+// That rule touched something in scene 46, and came within 4 mm in scene 48.
 TEST(SafetyFilter, ComesNoNearerFromWithinTheMargin) {
   Tally tally;
-  for (unsigned seed = 1; seed <= kInsideScenes; ++seed) tally.add(run_inside_scene(seed));
+  for (unsigned i = 0; i < kInsideScenes; ++i) tally.add(run_inside_scene(46 + i));
   EXPECT_EQ(tally.contacts, 0) << "in scene " << tally.contact_seed;
   EXPECT_GE(tally.min_clearance, least_rest({}) - 0.5 * kCheckSpacing)
       << "in scene " << tally.closest_seed;
