@@ -106,10 +106,10 @@ std::vector<TopicInfo> Node::topics() const {
   return all;
 }
 
-std::shared_ptr<void> Node::await_publisher(const char* topic, TypeRef type,
-                                            std::function<void()> fn) {
-  return core_->peers().when_published(dds_topic_name(core_->resolve(topic)),
-                                       Codec{type}.dds_name(), std::move(fn));
+std::shared_ptr<void> Node::watch_publishers(const char* topic, TypeRef type,
+                                             PublishersChanged fn) {
+  return core_->peers().watch_publishers(dds_topic_name(core_->resolve(topic)),
+                                         Codec{type}.dds_name(), std::move(fn));
 }
 
 Service Node::make_service(const char* service, Responder responder) {

@@ -99,12 +99,12 @@ class TANDEM_EXPORT Node {
   /// The topic's full name "/ns/name" after remapping.
   [[nodiscard]] std::string resolve(const char* topic) const;
 
-  /// Calls `fn` once, as soon as a publisher of that type is discovered on the topic. Destroying
-  /// the result cancels the call.
+  /// Calls `fn` with what all publishers of that type on the topic offer, at most 0.1 s after one
+  /// is discovered or has left. Destroying the result cancels the calls.
   template <class M>
-  [[nodiscard]] std::shared_ptr<void> when_published(const Topic<M>& topic,
-                                                     std::function<void()> fn) {
-    return await_publisher(topic.name, type_ref<M>(), std::move(fn));
+  [[nodiscard]] std::shared_ptr<void> watch_publishers(const Topic<M>& topic,
+                                                       PublishersChanged fn) {
+    return watch_publishers(topic.name, type_ref<M>(), std::move(fn));
   }
 
   /// `fn(const Request&, Response&)` fills the response.
@@ -188,8 +188,8 @@ class TANDEM_EXPORT Node {
   [[nodiscard]] AnyPublisher make_publisher(const char* topic, TypeRef type, const QoS& qos);
   [[nodiscard]] Subscription make_subscription(const char* topic, const QoS& qos, Receiver receiver,
                                                Accepts accepts = Accepts::kCompatible);
-  [[nodiscard]] std::shared_ptr<void> await_publisher(const char* topic, TypeRef type,
-                                                      std::function<void()> fn);
+  [[nodiscard]] std::shared_ptr<void> watch_publishers(const char* topic, TypeRef type,
+                                                       PublishersChanged fn);
   [[nodiscard]] Service make_service(const char* service, Responder responder);
   [[nodiscard]] AnyClient make_client(const char* service, TypeRef request, TypeRef response);
   template <class P>
