@@ -155,6 +155,7 @@ double Node::now() const { return core_->now(); }
 double Node::steady_now() const { return steady_seconds(); }
 bool Node::clock_is_silent() const { return core_->clock_is_silent(); }
 bool Node::use_sim_time() const { return core_->use_sim_time; }
+void Node::fix_time_source() { core_->parameters.make_read_only(kUseSimTime); }
 std::shared_ptr<void> Node::on_time_jump(std::function<void()> fn) {
   return core_->on_time_jump(std::move(fn));
 }

@@ -157,11 +157,15 @@ class TANDEM_EXPORT Node {
   /// still then and no message ages, so that a node that moves a robot must stop it. Always false
   /// without use_sim_time.
   [[nodiscard]] bool clock_is_silent() const;
-  /// Whether the node's clock is /clock.
+  /// Whether the node's clock is /clock. The parameter `use_sim_time` may change while the node
+  /// runs, unless fix_time_source() was called.
   [[nodiscard]] bool use_sim_time() const;
-  /// Calls `fn` whenever /clock jumps back, before a later message is delivered: times taken from
-  /// now() earlier may then lie in the future, and their age is unknown. Never calls it without
-  /// use_sim_time. Destroying the result cancels the calls.
+  /// Makes the parameter `use_sim_time` read-only, for a node that must not take its time from
+  /// another clock because somebody sets a parameter.
+  void fix_time_source();
+  /// Calls `fn` whenever /clock jumps back, or `use_sim_time` is changed, before a later message is
+  /// delivered: times taken from now() earlier may then lie in the future, and their age is
+  /// unknown. Destroying the result cancels the calls.
   [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   /// Timestamp for message headers: system clock, or /clock under use_sim_time.
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
