@@ -249,5 +249,18 @@ TEST(Lifespan, KeepsOldSamplesFromLateSubscriptions) {
   EXPECT_TRUE(spin_until([&] { return got_fleeting == 1; }, kTimeout, node));
 }
 
+// Lyrical's rmw_fastrtps adds the key bufbe, whose value has colons.
+TEST(UserData, GivesTheTypeHashAmongKeysThatAreNotKnown) {
+  const std::string hash = "RIHS01_9c45bf16";
+  for (const std::string text :
+       {"typehash=RIHS01_9c45bf16;", "typehash=RIHS01_9c45bf16",
+        "bufbe=cpu:1,cuda:2;typehash=RIHS01_9c45bf16;", "typehash=RIHS01_9c45bf16;bufbe=cpu:1;",
+        ";;bufbe;typehash=RIHS01_9c45bf16;",
+        "enclave=/;oldtypehash=RIHS01_0;typehash=RIHS01_9c45bf16"})
+    EXPECT_EQ(rt::type_hash_in(text), hash) << text;
+  for (const std::string text : {"", ";", "bufbe=cpu:1;", "oldtypehash=RIHS01_0;", "typehash"})
+    EXPECT_EQ(rt::type_hash_in(text), "") << text;
+}
+
 }  // namespace
 }  // namespace tandem
