@@ -7,6 +7,7 @@
 #include "tandem/io/topics.hpp"
 #include "tandem/map/map_file.hpp"
 #include "tandem/model/frame_tree.hpp"
+#include "tandem/model/urdf.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -38,12 +39,18 @@ double source_timeout(const RobotParams& robot) {
 
 rt::Interface DiffDriveSimNode::interface() {
   return TwistInput::interface(topics::cmd_vel) +
-         rt::Interface{
-             .subscribes = {topics::initial_pose},
-             .publishes = {topics::clock, topics::odom, topics::ground_truth, topics::tf,
-                           topics::tf_static, topics::scan, topics::collision, topics::people},
-             .serves = {services::reset},
-             .other_input = "a map file"};
+         rt::Interface{.subscribes = {topics::initial_pose},
+                       .publishes = {topics::clock,
+                                     topics::odom,
+                                     topics::ground_truth,
+                                     topics::tf,
+                                     topics::tf_static,
+                                     topics::scan,
+                                     topics::collision,
+                                     topics::people,
+                                     {topics::robot_description, "publish_description: true"}},
+                       .serves = {services::reset},
+                       .other_input = "a map file"};
 }
 
 DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
@@ -65,6 +72,8 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
   cmd_vel_.check_stamps_by([this] { return sim_.state().t; });
   subscribe();
   publish_frames();
+  if (params_->publish_description)
+    description_.emplace(node, urdf_of(params_->robot, params_->frames.base));
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
 }
 
