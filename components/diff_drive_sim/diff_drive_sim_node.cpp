@@ -38,19 +38,13 @@ double source_timeout(const RobotParams& robot) {
 }  // namespace
 
 rt::Interface DiffDriveSimNode::interface() {
-  return TwistInput::interface(topics::cmd_vel) +
-         rt::Interface{.subscribes = {topics::initial_pose},
-                       .publishes = {topics::clock,
-                                     topics::odom,
-                                     topics::ground_truth,
-                                     topics::tf,
-                                     topics::tf_static,
-                                     topics::scan,
-                                     topics::collision,
-                                     topics::people,
-                                     {topics::robot_description, "publish_description: true"}},
-                       .serves = {services::reset},
-                       .other_input = "a map file"};
+  return TwistInput::interface(topics::cmd_vel) + RobotDescription::interface() +
+         rt::Interface{
+             .subscribes = {topics::initial_pose},
+             .publishes = {topics::clock, topics::odom, topics::ground_truth, topics::tf,
+                           topics::tf_static, topics::scan, topics::collision, topics::people},
+             .serves = {services::reset},
+             .other_input = "a map file"};
 }
 
 DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)

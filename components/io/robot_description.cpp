@@ -10,6 +10,10 @@ constexpr double kSettling = 1.0;  // [s]
 
 }  // namespace
 
+rt::Interface RobotDescription::interface() {
+  return {.publishes = {{topics::robot_description, "publish_description: true"}}};
+}
+
 RobotDescription::RobotDescription(rt::Node& node, std::string urdf) : node_{node} {
   urdf_.data(std::move(urdf));
   publishers_ = node.watch_publishers(topics::robot_description, [this](const auto& offered) {

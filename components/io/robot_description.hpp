@@ -18,6 +18,8 @@ class RobotDescription {
  public:
   /// `node` must outlive this.
   RobotDescription(rt::Node& node, std::string urdf);
+  /// The topic that it opens, in a component with the parameter `publish_description`.
+  [[nodiscard]] static rt::Interface interface();
   RobotDescription(const RobotDescription&) = delete;
   RobotDescription& operator=(const RobotDescription&) = delete;
 
