@@ -64,7 +64,7 @@ void Recorder::serve() {
       if (bag_) throw std::invalid_argument("a recording is running: stop it first");
       begin(folder_of(asked.uri()));
     } catch (const std::exception& error) {
-      node_.log().warn("~/record: {}", error.what());
+      node_.log().warn("~/record: {}", printable(error.what()));
       answer.return_code(1);
       answer.error_string(error.what());
     }
