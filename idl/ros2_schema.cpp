@@ -66,6 +66,12 @@ void collect(const DescribedType& type, std::set<std::string_view>& found) {
 
 }  // namespace
 
+std::optional<std::string> msg_file(std::string_view type) {
+  const DescribedType* described = described_type(type);
+  if (described == nullptr) return std::nullopt;
+  return members_of(*described);
+}
+
 std::optional<std::string> ros2msg(std::string_view type) {
   const DescribedType* described = described_type(type);
   if (described == nullptr) return std::nullopt;

@@ -13,4 +13,7 @@ namespace tandem::runtime {
 /// and default values. nullopt as described_type() is null. Thread-safe.
 [[nodiscard]] std::optional<std::string> ros2msg(std::string_view type);
 
+/// The definition of the type alone, as in its .msg file. nullopt as described_type() is null.
+[[nodiscard]] std::optional<std::string> msg_file(std::string_view type);
+
 }  // namespace tandem::runtime

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/arbitration/arbitration_node.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,14 +12,17 @@
 namespace tandem {
 namespace {
 
-// Subscriptions of e_stop. A reader receives nothing from a sender that offers a weaker QoS than it
-// requests, and a reader that requests less misses samples sent before discovery; hence three
-// readers. The order matters: a program that presses once sends as soon as one reader is matched,
+// Subscriptions of e_stop: a reader receives nothing from a sender that offers a weaker QoS than it
+// requests. The order matters: a program that presses once sends as soon as one reader is matched,
 // and the first is matched first.
-constexpr std::array<rt::QoS, 3> kStopReaders{
+constexpr std::array<rt::QoS, 2> kStopReaders{
     {{rt::Reliability::kReliable, rt::Durability::kVolatile, ArbitrationNode::kStopDepth},
-     {rt::Reliability::kReliable, rt::Durability::kTransientLocal, ArbitrationNode::kStopDepth},
      {rt::Reliability::kBestEffort, rt::Durability::kVolatile, ArbitrationNode::kStopDepth}}};
+// Another one for what a latched sender sent before it was discovered. The middleware of a volatile
+// sender warns that this reader will get no messages, so it exists only beside latched senders.
+constexpr rt::QoS kLatchedStop{rt::Reliability::kReliable, rt::Durability::kTransientLocal,
+                               ArbitrationNode::kStopDepth};
+constexpr double kLatchedStopLeft = 1.0;  // [s] for what the last of them sent
 
 // Topic of the node whose trouble `why` repeats; null if the reason is arbitration's own.
 const char* topic_behind(const std::string& why) {
@@ -40,6 +44,7 @@ rt::Interface ArbitrationNode::interface() {
       .publishes = {topics::cmd_vel_arbitrated, topics::arbitration_status},
       .serves = {services::set_policy, services::release_emergency_stop}};
   for (const rt::QoS& qos : kStopReaders) own.subscribes.emplace_back(topics::e_stop, qos);
+  own.subscribes.emplace_back(topics::e_stop, kLatchedStop, "a node publishes it latched");
   return TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
          TwistInput::interface(topics::cmd_vel_shared) +
          TwistInput::interface(topics::cmd_vel_nav, topics::kUserInput) + own +
@@ -94,11 +99,24 @@ void ArbitrationNode::on_command(const Twist2& twist, Source source) {
 }
 
 void ArbitrationNode::subscribe_emergency_stop() {
-  for (std::size_t i = 0; i < stops_.size(); ++i)
-    stops_[i] =
-        node_.create_subscription(topics::e_stop, kStopReaders[i], [this, i](const auto& msg) {
-          on_stop(stops_[i].sender(), stops_[i].sequence(), msg.data());
-        });
+  for (std::size_t i = 0; i < stops_.size(); ++i) subscribe_stop(stops_[i], kStopReaders[i]);
+  stop_publishers_ = node_.watch_publishers(topics::e_stop, [this](const auto& offered) {
+    const bool latched = std::any_of(offered.begin(), offered.end(),
+                                     [](const auto& sender) { return sender.durability >= 1; });
+    if (latched && !latched_stop_) subscribe_stop(latched_stop_.emplace(), kLatchedStop);
+    latched_left_ = {};
+    if (!latched && latched_stop_)
+      latched_left_ = node_.create_wall_timer(kLatchedStopLeft, [this] {
+        latched_stop_.reset();
+        latched_left_ = {};
+      });
+  });
+}
+
+void ArbitrationNode::subscribe_stop(rt::Subscription& stop, const rt::QoS& qos) {
+  stop = node_.create_subscription(topics::e_stop, qos, [this, &stop](const auto& msg) {
+    on_stop(stop.sender(), stop.sequence(), msg.data());
+  });
 }
 
 void ArbitrationNode::on_stop(const rt::PublisherId& sender, std::uint64_t sequence, bool pressed) {

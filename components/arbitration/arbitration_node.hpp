@@ -61,6 +61,7 @@ class ArbitrationNode {
  private:
   void on_command(const Twist2& twist, Source source);
   void subscribe_emergency_stop();
+  void subscribe_stop(rt::Subscription& stop, const rt::QoS& qos);
   void on_stop(const rt::PublisherId& sender, std::uint64_t sequence, bool pressed);
   void update_stop_senders();
   void offer_services();
@@ -89,7 +90,10 @@ class ArbitrationNode {
   TwistInput user_, shared_, nav_;
   StopWords stop_words_;
   rt::Subscription stick_, planner_, filter_;
-  std::array<rt::Subscription, 3> stops_;
+  std::array<rt::Subscription, 2> stops_;
+  std::optional<rt::Subscription> latched_stop_;  // while a sender is latched
+  std::shared_ptr<void> stop_publishers_;
+  rt::Timer latched_left_;
   rt::Service set_policy_, release_;
   rt::Timer watchdog_, status_timer_;
   std::shared_ptr<void> time_jump_;

@@ -7,6 +7,7 @@
 #include "tandem/io/topics.hpp"
 #include "tandem/map/map_file.hpp"
 #include "tandem/model/frame_tree.hpp"
+#include "tandem/model/urdf.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -37,7 +38,7 @@ double source_timeout(const RobotParams& robot) {
 }  // namespace
 
 rt::Interface DiffDriveSimNode::interface() {
-  return TwistInput::interface(topics::cmd_vel) +
+  return TwistInput::interface(topics::cmd_vel) + RobotDescription::interface() +
          rt::Interface{
              .subscribes = {topics::initial_pose},
              .publishes = {topics::clock, topics::odom, topics::ground_truth, topics::tf,
@@ -65,6 +66,8 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
   cmd_vel_.check_stamps_by([this] { return sim_.state().t; });
   subscribe();
   publish_frames();
+  if (params_->publish_description)
+    description_.emplace(node, urdf_of(params_->robot, params_->frames.base));
   timer_ = node.create_wall_timer(params_->step / params_->speed_factor, [this] { tick(); });
 }
 

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "tandem/diff_drive_sim/diff_drive_sim.hpp"
 #include "tandem/diff_drive_sim/single_source.hpp"
 #include "tandem/io/conversions.hpp"
+#include "tandem/io/robot_description.hpp"
 #include "tandem/io/twist_input.hpp"
 #include "tandem/map/slice.hpp"
 #include "tandem/runtime/node.hpp"
@@ -32,6 +34,7 @@ struct DiffDriveSimNodeParams {
   double scan_angle = kAllAround;
   std::string scan_frame = "base_scan";
   bool single_source = true;
+  bool publish_description = true;
   StampParams input{.max_stamp_age = 0.0};  // not all senders use the simulated time
 
   template <class Visitor>
@@ -61,6 +64,8 @@ struct DiffDriveSimNodeParams {
     field("single_source", single_source,
           "the base stands while commands of two programs arrive within base_timeout, because one "
           "of them bypasses the safety filter");
+    field("publish_description", publish_description,
+          "whether the robot's shape is published on robot_description, unless another node does");
     input.visit(field);
   }
 };
@@ -125,6 +130,7 @@ class DiffDriveSimNode {
   rt::Publisher<sensor_msgs::msg::LaserScan> scan_;
   rt::Publisher<tandem_msgs::msg::Collision> collision_;
   rt::Publisher<tandem_msgs::msg::ObstacleArray> people_;
+  std::optional<RobotDescription> description_;
   TwistInput cmd_vel_;
   rt::Subscription initial_pose_;
   rt::Service reset_;

@@ -120,6 +120,8 @@ inline constexpr Topic<sensor_msgs::msg::LaserScan> scan{"scan", kSensorData};
 inline constexpr Topic<sensor_msgs::msg::PointCloud2> cloud_in{"cloud_in", kSensorData};
 /// The simulator's contacts.
 inline constexpr Topic<tandem_msgs::msg::Collision> collision{"collision"};
+/// The robot's shape as URDF, for RViz.
+inline constexpr Topic<std_msgs::msg::String> robot_description{"robot_description", kLatched};
 /// Simulated time.
 inline constexpr auto clock = runtime::every_node::clock;
 /// Where to put the simulated robot.

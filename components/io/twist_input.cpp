@@ -21,8 +21,12 @@ TwistInput::TwistInput(rt::Node& node, const rt::Topic<geometry_msgs::msg::Twist
       command_{std::move(command)},
       plain_{
           node.create_subscription(topic, qos, [this](const auto& msg) { receive(msg, plain_); })},
-      stamped_wanted_{
-          node.when_published(stamped_topic_, [this, qos] { subscribe_stamped(qos); })} {}
+      stamped_publishers_{node.watch_publishers(stamped_topic_, [this, qos](const auto& offered) {
+        if (offered.empty())
+          stamped_.reset();
+        else if (!stamped_)
+          subscribe_stamped(qos);
+      })} {}
 
 rt::Interface TwistInput::interface(const rt::Topic<geometry_msgs::msg::Twist>& topic,
                                     const rt::QoS& qos) {
@@ -33,7 +37,7 @@ void TwistInput::subscribe_stamped(const rt::QoS& qos) {
   node_.log().info("{} is received as TwistStamped too", stamped_topic_.name);
   stamped_ = node_.create_subscription(stamped_topic_, qos, [this](const auto& msg) {
     if (is_of_robot(msg.header().frame_id()) && check_.in_time(msg.header().stamp()))
-      receive(msg.twist(), stamped_);
+      receive(msg.twist(), *stamped_);
   });
 }
 
@@ -50,7 +54,7 @@ bool TwistInput::is_of_robot(const std::string& frame) const {
 
 void TwistInput::receive(const geometry_msgs::msg::Twist& msg, const rt::Subscription& from) {
   sender_ = from.sender();
-  is_stamped_ = &from == &stamped_;
+  is_stamped_ = &from != &plain_;
   if (const auto twist = from_msg(msg)) return command_(*twist);
   if (passes_not_finite_) return command_({msg.linear().x(), msg.angular().z()});
   node_.log().write_every(1.0, rt::LogLevel::kWarn, stamped_topic_.name,

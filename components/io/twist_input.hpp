@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "tandem/io/conversions.hpp"
@@ -13,9 +14,10 @@
 
 namespace tandem {
 
-/// Subscribes to a velocity topic: to Twist immediately, to TwistStamped once a node publishes that
-/// type. Commands that are not finite are logged and dropped, and so are those in the map or odom
-/// frame: v and w refer to the robot's frame, whatever its name.
+/// Subscribes to a velocity topic: to Twist always, to TwistStamped while a node publishes that
+/// type, because tools of ROS 2 refuse a topic with two types. Commands that are not finite are
+/// logged and dropped, and so are those in the map or odom frame: v and w refer to the robot's
+/// frame, whatever its name.
 class TwistInput {
  public:
   /// Takes a command, on the node's thread.
@@ -60,8 +62,9 @@ class TwistInput {
   bool passes_not_finite_ = false;
   rt::PublisherId sender_{};
   bool is_stamped_ = false;
-  rt::Subscription plain_, stamped_;
-  std::shared_ptr<void> stamped_wanted_;
+  rt::Subscription plain_;
+  std::optional<rt::Subscription> stamped_;
+  std::shared_ptr<void> stamped_publishers_;
 };
 
 }  // namespace tandem

@@ -5,6 +5,7 @@
 
 #include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
+#include "tandem/model/urdf.hpp"
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
@@ -18,7 +19,7 @@ rt::Interface LocalPlannerNode::interface() {
                                      topics::planner_status}} +
          TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
          TwistInput::interface(topics::cmd_vel) + RobotStateInput::interface() +
-         Diagnostics::interface();
+         RobotDescription::interface() + Diagnostics::interface();
 }
 
 LocalPlannerNode::LocalPlannerNode(rt::Node& node)
@@ -41,6 +42,8 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
       on_command_{node, topics::cmd_vel, params_->stamp,
                   [this](const Twist2& twist) { inputs_.on_command(twist, node_.now()); }} {
   for (TwistInput* input : {&on_user_, &on_command_}) input->set_frames(params_->input.frames);
+  if (params_->publish_description)
+    description_.emplace(node, urdf_of(params_->robot, params_->input.frames.base));
   const auto& goal = params_->goal;
   if (!goal.empty() && goal.size() != 3)
     throw std::invalid_argument("goal: expected three numbers: x, y and heading");

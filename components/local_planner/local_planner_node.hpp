@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "tandem/io/diagnostics.hpp"
+#include "tandem/io/robot_description.hpp"
 #include "tandem/io/robot_state_input.hpp"
 #include "tandem/io/twist_input.hpp"
 #include "tandem/local_planner/nmpc.hpp"
@@ -36,6 +38,7 @@ struct LocalPlannerNodeParams {
   std::string fixtures;
   PlanInputParams timeouts;
   StampParams stamp;
+  bool publish_description = false;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -47,6 +50,8 @@ struct LocalPlannerNodeParams {
     field("fixtures", fixtures, "YAML file of guidance lines; empty: none");
     timeouts.visit(field);
     stamp.visit(field);
+    field("publish_description", publish_description,
+          "whether the robot's shape is published on robot_description, unless another node does");
   }
 };
 
@@ -95,6 +100,7 @@ class LocalPlannerNode {
   rt::Publisher<nav_msgs::msg::Path> plan_, user_path_;
   rt::Publisher<tandem_msgs::msg::PlannerStatus> status_out_;
   Diagnostics diagnostics_;
+  std::optional<RobotDescription> description_;
   StampCheck leader_stamp_;
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;

@@ -7,28 +7,52 @@
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
+namespace {
+
+constexpr double kTick = 1e-6;  // [s] any time after 0
+
+octomap_msgs::msg::Octomap to_msg(const octomap::OcTree& tree) {
+  octomap_msgs::msg::Octomap msg;
+  msg.binary(true);
+  msg.id("OcTree");
+  msg.resolution(tree.getResolution());
+  msg.data(encode_octomap(tree));
+  return msg;
+}
+
+}  // namespace
 
 rt::Interface MapServerNode::interface() {
   return {.publishes = {topics::octomap_binary, topics::map}, .other_input = "a map file"};
 }
 
 MapServerNode::MapServerNode(rt::Node& node)
-    : params_{node.declare_parameters<Params>()},
+    : node_{node},
+      params_{node.declare_parameters<Params>()},
       octomap_{node.create_publisher(topics::octomap_binary)},
       map_{node.create_publisher(topics::map)} {
   if (params_->map.empty())
     throw std::invalid_argument("map: give the path of an OctoMap (.bt, .ot) or of a map's YAML");
   const auto tree = load_map(params_->map);
-  const auto map_header = header(node.stamp(), params_->frames.map);
-  octomap_msgs::msg::Octomap msg;
-  msg.header(map_header);
-  msg.binary(true);
-  msg.id("OcTree");
-  msg.resolution(tree->getResolution());
-  msg.data(encode_octomap(*tree));
-  octomap_.publish(msg);
-  map_.publish(to_msg(slice(*tree, params_->slice), map_header));
-  node.log().info("serving {}", params_->map);
+  octomap_msg_ = to_msg(*tree);
+  map_msg_ = to_msg(slice(*tree, params_->slice), {});
+  if (node.use_sim_time())
+    clock_begins_ = node.create_timer(kTick, [this] { publish(); });
+  else
+    publish();
+}
+
+void MapServerNode::publish() {
+  const auto map_header = header(node_.stamp(), params_->frames.map);
+  octomap_msg_.header(map_header);
+  map_msg_.header(map_header);
+  map_msg_.info().map_load_time(map_header.stamp());
+  octomap_.publish(octomap_msg_);
+  map_.publish(map_msg_);
+  octomap_msg_ = {};
+  map_msg_ = {};
+  clock_begins_ = {};
+  node_.log().info("serving {}", params_->map);
 }
 
 }  // namespace tandem

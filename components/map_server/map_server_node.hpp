@@ -21,7 +21,8 @@ struct MapServerParams {
   }
 };
 
-/// Publishes a map file once on octomap_binary and map, latched for late subscribers.
+/// Publishes a map file once on octomap_binary and map, latched for late subscribers: at the start,
+/// under use_sim_time as soon as /clock gives the time for its stamps.
 class MapServerNode {
  public:
   using Params = MapServerParams;
@@ -31,9 +32,15 @@ class MapServerNode {
   [[nodiscard]] static rt::Interface interface();
 
  private:
+  void publish();
+
+  rt::Node& node_;
   rt::Parameters<MapServerParams> params_;
+  octomap_msgs::msg::Octomap octomap_msg_;  // empty once published
+  nav_msgs::msg::OccupancyGrid map_msg_;    // likewise
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
   rt::Publisher<nav_msgs::msg::OccupancyGrid> map_;
+  rt::Timer clock_begins_;
 };
 
 }  // namespace tandem

@@ -28,8 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kModulePrefix = "libtandem_";
 constexpr std::string_view kSuffix = ".so";
-// Parameters that the runtime gives every node.
-constexpr const char *kUseSimTime = "use_sim_time", *kQosOverrides = "qos_overrides.";
+constexpr const char* kQosOverrides = "qos_overrides.";
 
 struct Registry {
   std::mutex mutex;
@@ -53,12 +52,12 @@ fs::path program_folder() {
   return fs::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
-// The folder of libtandem_runtime.so.
-fs::path runtime_folder() {
+// The path of libtandem_runtime.so.
+fs::path runtime_file() {
   Dl_info info{};
   if (dladdr(reinterpret_cast<const void*>(&registry), &info) == 0) return {};
   std::error_code ignored;
-  return fs::weakly_canonical(info.dli_fname, ignored).parent_path();
+  return fs::weakly_canonical(info.dli_fname, ignored);
 }
 
 fs::path file_of(const std::string& component) {
@@ -73,7 +72,7 @@ std::vector<std::string> find_folders() {
       if (!folder.empty()) folders.push_back(fs::absolute(folder));
   }
   folders.push_back(program_folder());
-  if (const auto folder = runtime_folder(); !folder.empty()) {
+  if (const auto folder = runtime_file().parent_path(); !folder.empty()) {
     if (folder != program_folder()) folders.push_back(folder);
     folders.push_back(folder / "tandem");
   }
@@ -134,6 +133,9 @@ Module find_module(const std::string& component) {
     const fs::path file = folder / file_of(component);
     std::error_code ignored;
     if (!fs::exists(file, ignored)) continue;
+    if (fs::equivalent(file, runtime_file(), ignored))
+      throw std::invalid_argument("'" + component + "' is no component: " + file.string() +
+                                  " is the library that components use");
     const auto module = read_module(file);
     if (const auto obstacle = obstacle_to(module, component); !obstacle.empty())
       throw std::invalid_argument("component '" + component + "': " + file.string() + " " +
@@ -210,15 +212,16 @@ ComponentDescription description_of(const std::string& component) {
 }
 
 bool is_parameter_of_every_node(const std::string& name) {
-  return name == kUseSimTime || name.starts_with(kQosOverrides);
+  return name == kUseSimTime || name == kTypeDescriptionService || name.starts_with(kQosOverrides);
 }
 
 void check_parameters(const std::string& component, const NodeOptions& options) {
   const ComponentDescription description = description_of(component);
   ParameterStore store{make_node_name(options.ns, options.name).full(), options.parameters};
   for (const Field& field : description.parameters) store.load(field);
-  bool use_sim_time = false;
-  store(kUseSimTime, use_sim_time, "");
+  bool truth = false;
+  store(kUseSimTime, truth, "");
+  store(kTypeDescriptionService, truth, "");
   store.accept_all(kQosOverrides);
   store.check_unknown();
 }

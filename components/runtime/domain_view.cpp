@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/node_core.hpp"
 
 namespace tandem::runtime {
@@ -39,9 +40,11 @@ template <class Info>
 std::pair<std::string, Announced> digest(const Info& info, GraphForm form) {
   Announced announced{form, {}, {}};
   for (const auto& entry : info.node_entities_info_seq()) {
-    const std::string name =
-        NodeName{entry.node_namespace().c_str(), entry.node_name().c_str()}.full();
-    announced.nodes.push_back(name);
+    std::string name = NodeName{entry.node_namespace().c_str(), entry.node_name().c_str()}.full();
+    if (auto shown = shown_name(name))
+      name = *std::move(shown);
+    else
+      announced.nodes.push_back(name);
     for (const auto* gids : {&entry.reader_gid_seq(), &entry.writer_gid_seq()})
       for (const auto& gid : *gids) announced.owner[hex(gid.data().begin(), kGuid)] = name;
   }

@@ -106,10 +106,10 @@ std::vector<TopicInfo> Node::topics() const {
   return all;
 }
 
-std::shared_ptr<void> Node::await_publisher(const char* topic, TypeRef type,
-                                            std::function<void()> fn) {
-  return core_->peers().when_published(dds_topic_name(core_->resolve(topic)),
-                                       Codec{type}.dds_name(), std::move(fn));
+std::shared_ptr<void> Node::watch_publishers(const char* topic, TypeRef type,
+                                             PublishersChanged fn) {
+  return core_->peers().watch_publishers(dds_topic_name(core_->resolve(topic)),
+                                         Codec{type}.dds_name(), std::move(fn));
 }
 
 Service Node::make_service(const char* service, Responder responder) {
@@ -155,6 +155,7 @@ double Node::now() const { return core_->now(); }
 double Node::steady_now() const { return steady_seconds(); }
 bool Node::clock_is_silent() const { return core_->clock_is_silent(); }
 bool Node::use_sim_time() const { return core_->use_sim_time; }
+void Node::fix_time_source() { core_->parameters.make_read_only(kUseSimTime); }
 std::shared_ptr<void> Node::on_time_jump(std::function<void()> fn) {
   return core_->on_time_jump(std::move(fn));
 }

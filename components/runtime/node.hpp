@@ -99,12 +99,12 @@ class TANDEM_EXPORT Node {
   /// The topic's full name "/ns/name" after remapping.
   [[nodiscard]] std::string resolve(const char* topic) const;
 
-  /// Calls `fn` once, as soon as a publisher of that type is discovered on the topic. Destroying
-  /// the result cancels the call.
+  /// Calls `fn` with what all publishers of that type on the topic offer, at most 0.1 s after one
+  /// is discovered or has left. Destroying the result cancels the calls.
   template <class M>
-  [[nodiscard]] std::shared_ptr<void> when_published(const Topic<M>& topic,
-                                                     std::function<void()> fn) {
-    return await_publisher(topic.name, type_ref<M>(), std::move(fn));
+  [[nodiscard]] std::shared_ptr<void> watch_publishers(const Topic<M>& topic,
+                                                       PublishersChanged fn) {
+    return watch_publishers(topic.name, type_ref<M>(), std::move(fn));
   }
 
   /// `fn(const Request&, Response&)` fills the response.
@@ -157,11 +157,15 @@ class TANDEM_EXPORT Node {
   /// still then and no message ages, so that a node that moves a robot must stop it. Always false
   /// without use_sim_time.
   [[nodiscard]] bool clock_is_silent() const;
-  /// Whether the node's clock is /clock.
+  /// Whether the node's clock is /clock. The parameter `use_sim_time` may change while the node
+  /// runs, unless fix_time_source() was called.
   [[nodiscard]] bool use_sim_time() const;
-  /// Calls `fn` whenever /clock jumps back, before a later message is delivered: times taken from
-  /// now() earlier may then lie in the future, and their age is unknown. Never calls it without
-  /// use_sim_time. Destroying the result cancels the calls.
+  /// Makes the parameter `use_sim_time` read-only, for a node that must not take its time from
+  /// another clock because somebody sets a parameter.
+  void fix_time_source();
+  /// Calls `fn` whenever /clock jumps back, or `use_sim_time` is changed, before a later message is
+  /// delivered: times taken from now() earlier may then lie in the future, and their age is
+  /// unknown. Destroying the result cancels the calls.
   [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   /// Timestamp for message headers: system clock, or /clock under use_sim_time.
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
@@ -188,8 +192,8 @@ class TANDEM_EXPORT Node {
   [[nodiscard]] AnyPublisher make_publisher(const char* topic, TypeRef type, const QoS& qos);
   [[nodiscard]] Subscription make_subscription(const char* topic, const QoS& qos, Receiver receiver,
                                                Accepts accepts = Accepts::kCompatible);
-  [[nodiscard]] std::shared_ptr<void> await_publisher(const char* topic, TypeRef type,
-                                                      std::function<void()> fn);
+  [[nodiscard]] std::shared_ptr<void> watch_publishers(const char* topic, TypeRef type,
+                                                       PublishersChanged fn);
   [[nodiscard]] Service make_service(const char* service, Responder responder);
   [[nodiscard]] AnyClient make_client(const char* service, TypeRef request, TypeRef response);
   template <class P>

@@ -2,9 +2,11 @@
 #include "tandem/runtime/parameter_fields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include <spdlog/fmt/fmt.h>
 #include <yaml-cpp/yaml.h>
@@ -127,8 +129,6 @@ bool read(const WireValue& value, std::vector<std::string>& out) {
 // --- YAML
 // -----------------------------------------------------------------------------------------
 
-bool is_quoted(const YAML::Node& node) { return node.Tag() == "!"; }
-
 template <class T>
 std::optional<T> as(const YAML::Node& node) {
   T value{};
@@ -136,12 +136,23 @@ std::optional<T> as(const YAML::Node& node) {
   return value;
 }
 
+template <class T>
+WireValue tagged(const YAML::Node& node) {
+  const auto value = as<T>(node);
+  return value ? to_value(*value) : WireValue{};
+}
+
+// The tags are those that rcl reads; with another one, such as !!binary, there is no value.
 WireValue from_scalar(const YAML::Node& node) {
-  if (!is_quoted(node)) {
-    if (const auto integer = as<std::int64_t>(node)) return to_value(*integer);
-    if (const auto number = as<double>(node)) return to_value(*number);
-    if (const auto truth = as<bool>(node)) return to_value(*truth);
-  }
+  const std::string_view tag = node.Tag();
+  if (tag == "tag:yaml.org,2002:float") return tagged<double>(node);
+  if (tag == "tag:yaml.org,2002:int") return tagged<std::int64_t>(node);
+  if (tag == "tag:yaml.org,2002:bool") return tagged<bool>(node);
+  if (tag == "!" || tag == "tag:yaml.org,2002:str") return to_value(node.Scalar());  // "!": quoted
+  if (tag.starts_with("tag:")) return {};
+  if (const auto integer = as<std::int64_t>(node)) return to_value(*integer);
+  if (const auto number = as<double>(node)) return to_value(*number);
+  if (const auto truth = as<bool>(node)) return to_value(*truth);
   return to_value(node.Scalar());
 }
 
@@ -287,6 +298,13 @@ WireValue value_from_yaml(const std::string& yaml) {
   } catch (const YAML::Exception&) {  // invalid YAML is not a parameter value
   }
   return {};
+}
+
+const char* type_name(std::uint8_t type) {
+  constexpr std::array kNames{"not set",      "bool",        "integer",    "double",
+                              "string",       "byte_array",  "bool_array", "integer_array",
+                              "double_array", "string_array"};
+  return type < kNames.size() ? kNames[type] : "unknown type";
 }
 
 std::string to_text(const WireValue& value) { return shortened(long_text(value)); }

@@ -3,6 +3,7 @@
 // parameter files, the command line and the parameter services.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
@@ -71,6 +72,9 @@ TANDEM_EXPORT void assign(const Field& field, const rcl_interfaces::msg::Paramet
 /// Parses YAML text as a parameter value; quoted values are strings. PARAMETER_NOT_SET if invalid.
 [[nodiscard]] TANDEM_EXPORT rcl_interfaces::msg::ParameterValue value_from_yaml(
     const std::string& yaml);
+
+/// ROS 2's name of a rcl_interfaces/ParameterType, as "double_array".
+[[nodiscard]] TANDEM_EXPORT const char* type_name(std::uint8_t type);
 
 /// The value as one line of readable text.
 [[nodiscard]] TANDEM_EXPORT std::string to_text(const rcl_interfaces::msg::ParameterValue& value);

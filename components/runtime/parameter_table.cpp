@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <spdlog/fmt/fmt.h>
+
 namespace tandem::runtime {
 namespace {
 
 using rcl_interfaces::msg::Parameter;
 using WireValue = rcl_interfaces::msg::ParameterValue;
 using rcl_interfaces::msg::SetParametersResult;
+namespace types = rcl_interfaces::msg::ParameterType_Constants;
 
 constexpr char kSeparator = '.';
 
@@ -29,6 +32,37 @@ bool is_under(std::string_view name, std::string_view prefix, std::uint64_t dept
   if (!name.starts_with(prefix)) return false;
   if (name.size() == prefix.size()) return true;
   return name[prefix.size()] == kSeparator && within(name.substr(prefix.size() + 1), depth);
+}
+
+// The refusals below say first what rclcpp says.
+std::string wrong_type(const Field& field, const WireValue& value) {
+  return fmt::format(
+      "Wrong parameter type, parameter {{{}}} is of type {{{}}}, setting it to {{{}}} is not "
+      "allowed.",
+      field.name, type_name(value_of(field).type()), type_name(value.type()));
+}
+
+void set_value(const Field& field, const WireValue& value) {
+  if (value.type() == types::PARAMETER_NOT_SET)
+    throw std::invalid_argument("cannot undeclare a statically typed parameter");
+  try {
+    assign(field, value);
+  } catch (const std::invalid_argument&) {
+    if (value.type() == value_of(field).type()) throw;  // an integer that is too large
+    throw std::invalid_argument(wrong_type(field, value));
+  }
+}
+
+void check_value(const Field& field) {
+  try {
+    check(field);
+  } catch (const std::invalid_argument& error) {
+    const bool integer = std::holds_alternative<int*>(field.value);
+    if (!integer && !std::holds_alternative<double*>(field.value)) throw;
+    throw std::invalid_argument(fmt::format("Parameter {{{}}} doesn't comply with {} range. {}",
+                                            field.name, integer ? "integer" : "floating point",
+                                            error.what()));
+  }
 }
 
 bool is_listed(const std::string& name, const ParameterTable::Names& prefixes,
@@ -57,6 +91,10 @@ ParameterTable::Place ParameterTable::find(const std::string& name) const {
     for (std::size_t i = 0; i < group->in_force.size(); ++i)
       if (group->in_force[i].name == name) return {group.get(), i};
   return {nullptr, 0};
+}
+
+void ParameterTable::make_read_only(const std::string& name) {
+  if (const auto [group, index] = find(name); group != nullptr) group->live.erase(name);
 }
 
 std::vector<WireValue> ParameterTable::get(const Names& names) const {
@@ -133,19 +171,18 @@ void ParameterTable::apply(std::span<const Parameter> parameters,
   std::vector<ParameterGroup*> touched;
   for (const Parameter& parameter : parameters) {
     const auto [group, index] = find(parameter.name());
-    const std::string change = parameter.name() + " = " + to_text(parameter.value());
-    if (group == nullptr) throw std::invalid_argument(change + " is not a parameter of this node");
+    const std::string refusal = "parameter '" + parameter.name() + "' cannot be set because it ";
+    if (group == nullptr) throw std::invalid_argument(refusal + "was not declared");
     if (!group->live.contains(parameter.name()))
-      throw std::invalid_argument(change +
-                                  ": it is read-only and can be set only when the node starts");
+      throw std::invalid_argument(refusal + "is read-only");
     if (std::find(touched.begin(), touched.end(), group) == touched.end()) {
       group->begin();
       touched.push_back(group);
     }
-    assign(group->wanted[index], parameter.value());
+    set_value(group->wanted[index], parameter.value());
   }
   for (const ParameterGroup* group : touched)
-    for (const Field& field : group->wanted) check(field);
+    for (const Field& field : group->wanted) check_value(field);
   for (ParameterGroup* group : touched) {
     group->exchange();
     exchanged.push_back(group);

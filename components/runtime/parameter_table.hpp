@@ -43,6 +43,9 @@ class TANDEM_EXPORT ParameterTable {
   /// because one given value would set both fields.
   void declare(ParameterGroup group);
 
+  /// Makes a declared parameter read-only from now on.
+  void make_read_only(const std::string& name);
+
   /// Like rclpy, returns PARAMETER_NOT_SET for an undeclared name.
   [[nodiscard]] std::vector<rcl_interfaces::msg::ParameterValue> get(const Names& names) const;
   /// rcl_interfaces/ParameterType of each name; PARAMETER_NOT_SET for an undeclared one.

@@ -58,6 +58,9 @@ template <class M>
 /// A publisher's DDS GUID, unique in its domain.
 using PublisherId = std::array<std::uint8_t, 16>;
 
+/// Takes the QoS of all publishers of a topic; none are left if it is empty.
+using PublishersChanged = std::function<void(const std::vector<Policies>& offered)>;
+
 /// The type-erased part of `Publisher<M>`.
 class TANDEM_EXPORT AnyPublisher {
  public:

@@ -44,6 +44,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
                  filter_.on_command(twist, node_.now());
                  update();
                }} {
+  node.fix_time_source();  // a publisher of /clock would decide how old messages are
   if (!params_->filter.enforce && !node.use_sim_time())
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");

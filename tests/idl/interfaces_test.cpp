@@ -38,6 +38,14 @@ TEST(Interfaces, HaveTheTypeHashesOfRos2) {
     EXPECT_EQ(rt::type_hash(std::string{"lifecycle_msgs::"} + type), hash) << type;
 }
 
+// Of rosbag2_interfaces of Jazzy and Kilted, as far as later releases did not change them.
+TEST(RecorderServices, HaveTheTypeHashesOfRos2) {
+  EXPECT_EQ(rt::type_hash("rosbag2_interfaces::srv::dds_::Record_Response_"),
+            "RIHS01_7fcd82e86a46c0f0ee3927b80053c528194e620132a714bfcd207124fc4ae623");
+  EXPECT_EQ(rt::type_hash("rosbag2_interfaces::srv::dds_::Stop_Request_"),
+            "RIHS01_2ba13fee320757e55d4c44f1de0a13e6bb4511968a2aec7f015436e1e137674e");
+}
+
 TEST(Interfaces, HaveADefinitionWithConstants) {
   EXPECT_EQ(rt::ros2msg("lifecycle_msgs/msg/State"),
             "uint8 PRIMARY_STATE_UNKNOWN=0\nstring URL=\"https://design.ros2.org; a text\"\n"

@@ -3,12 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "support/captured_log.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/domain_view.hpp"
 
 namespace tandem {
 namespace {
@@ -54,6 +58,49 @@ TEST_F(TwistInputTest, ReceivesBothTypesUnderOneName) {
   with_stamp.publish(stamped(2.0, 0.0));
   ASSERT_TRUE(await([&] { return got_.size() == 2; }));
   EXPECT_EQ(got_, (std::vector<double>{1.0, 2.0}));
+}
+
+// A topic with two types is refused by `ros2 topic echo`.
+TEST_F(TwistInputTest, SubscribesToStampedCommandsOnlyWhileTheyArePublished) {
+  const auto types = [&] {
+    std::set<std::string> all;
+    for (const auto& topic : sender_.topics())
+      if (topic.name == "/cmd_vel") all.insert(topic.type);
+    return all;
+  };
+  const std::set<std::string> one{"geometry_msgs/msg/Twist"};
+  ASSERT_TRUE(await([&] { return types() == one; }));
+  for (const double v : {1.0, 2.0}) {
+    const auto publisher = sender_.create_publisher(kStamped);
+    ASSERT_TRUE(await([&] { return publisher.matched() == 1; }));
+    publisher.publish(stamped(v, 0.0));
+    ASSERT_TRUE(await([&] { return !got_.empty() && got_.back() == v; }));
+    EXPECT_EQ(types().size(), 2U);
+    const auto second = sender_.create_publisher(kStamped);
+    ASSERT_TRUE(await([&] { return second.matched() == 1; }));
+  }
+  EXPECT_TRUE(await([&] { return types() == one; }));
+}
+
+// The second type is subscribed to in a second participant, under a hidden node name.
+TEST_F(TwistInputTest, IsOneNodeInTheViewOfTheDomain) {
+  const rt::DomainView view{sender_};
+  const auto with_stamp = sender_.create_publisher(kStamped);
+  ASSERT_TRUE(await([&] { return with_stamp.matched() == 1; }));
+  const auto subscriptions = [&] {
+    std::map<std::string, std::string> nodes;  // by type
+    for (const auto& endpoint : view.look().endpoints)
+      if (endpoint.topic == "/cmd_vel" && !endpoint.writes) nodes[endpoint.type] = endpoint.node;
+    return nodes;
+  };
+  const std::map<std::string, std::string> expected{
+      {"geometry_msgs/msg/Twist", "/receiver"}, {"geometry_msgs/msg/TwistStamped", "/receiver"}};
+  EXPECT_TRUE(await([&] { return subscriptions() == expected; }));
+  std::vector<std::string> nodes;
+  for (const auto& participant : view.look().participants)
+    nodes.insert(nodes.end(), participant.nodes.begin(), participant.nodes.end());
+  std::sort(nodes.begin(), nodes.end());
+  EXPECT_EQ(nodes, (std::vector<std::string>{"/receiver", "/sender"}));
 }
 
 TEST_F(TwistInputTest, IdentifiesTheSenderOfACommand) {
@@ -113,6 +160,37 @@ TEST_F(TwistInputTest, AcceptsCommandsInTheRobotsFramesButNotInMapOrOdom) {
   EXPECT_GE(got_.front(), 3.0);
   EXPECT_GE(
       log.lines("cmd_vel is given in frame `map`, which does not move with the robot: dropped"), 1);
+}
+
+// The table in bringup/ROS2.md.
+TEST(StampsOfCommands, AreThoseOfTheNodesClockOrOfTheSystem) {
+  rt::Node source{"clock_source"}, usual{"usual"};
+  rt::Node simulated{rt::NodeOptions{.name = "simulated", .use_sim_time = true}};
+  const auto clock =
+      source.create_publisher(rt::Topic<rosgraph_msgs::msg::Clock>{"/clock", rt::kClock});
+  rosgraph_msgs::msg::Clock time;
+  time.clock(rt::to_stamp(100'000'000'000));
+  ASSERT_TRUE(spin_until(
+      [&] {
+        clock.publish(time);
+        return simulated.now() == 100.0;
+      },
+      kTimeout, source, simulated));
+  const StampCheck by_clock{simulated, "cmd_vel_user", {}}, by_system{usual, "cmd_vel_user", {}};
+  const auto at = [](double seconds) {
+    return rt::to_stamp(static_cast<std::int64_t>(seconds * 1e9));
+  };
+  const auto ago = [](double seconds) {
+    return rt::to_stamp(rt::system_nanoseconds() - static_cast<std::int64_t>(seconds * 1e9));
+  };
+  for (const auto* check : {&by_clock, &by_system}) {
+    EXPECT_TRUE(check->in_time({}));  // 0
+    EXPECT_TRUE(check->in_time(ago(0.1)));
+    for (const double off : {2.0, -2.0}) EXPECT_FALSE(check->in_time(ago(off))) << off;
+  }
+  for (const double off : {0.4, -0.4}) EXPECT_TRUE(by_clock.in_time(at(100.0 + off))) << off;
+  for (const double off : {2.0, -2.0}) EXPECT_FALSE(by_clock.in_time(at(100.0 + off))) << off;
+  EXPECT_FALSE(by_system.in_time(at(100.0)));
 }
 
 TEST_F(TwistInputTest, AZeroStampCountsAsUnstamped) {

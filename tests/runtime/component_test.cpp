@@ -149,6 +149,16 @@ TEST(Component, IsDescribedByItsModule) {
   EXPECT_EQ(to_text(out.qos), "reliable, transient local, depth 1");
 }
 
+TEST(Component, IsNotTheRuntimeItself) {
+  try {
+    (void)rt::package_of("runtime");
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(std::string{error.what()}.starts_with("'runtime' is no component: "))
+        << error.what();
+  }
+}
+
 TEST(Component, ThatIsUnknownHasNoDescription) {
   EXPECT_THROW((void)rt::description_of("nonsense"), std::invalid_argument);
 }

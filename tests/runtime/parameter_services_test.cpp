@@ -2,6 +2,7 @@
 // Tests access to a node's parameters over DDS, as `ros2 param` does it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "support/private_domain.hpp"
@@ -106,10 +107,14 @@ TEST_F(ParameterServices, SetEachForItselfButAtomicallyAllOrNone) {
 
 TEST_F(ParameterServices, ListDescribeAndNameTypes) {
   const auto list = ask<srv::ListParameters>("/robot/drive/list_parameters", {}).result();
-  EXPECT_EQ(list.names(), (std::vector<std::string>{"use_sim_time", "gain", "enabled"}));
+  const std::string events = "qos_overrides./parameter_events.publisher.";
+  EXPECT_EQ(list.names(),
+            (std::vector<std::string>{"use_sim_time", "start_type_description_service",
+                                      events + "reliability", events + "durability",
+                                      events + "depth", events + "history", "gain", "enabled"}));
 
   srv::DescribeParameters::Request describe;
-  describe.names({"gain", "use_sim_time"});
+  describe.names({"gain", "start_type_description_service"});
   const auto descriptors =
       ask<srv::DescribeParameters>("/robot/drive/describe_parameters", describe).descriptors();
   ASSERT_EQ(descriptors.size(), 2U);
@@ -121,6 +126,55 @@ TEST_F(ParameterServices, ListDescribeAndNameTypes) {
   name_types.names({"enabled", "nobody"});
   EXPECT_EQ(ask<srv::GetParameterTypes>("/robot/drive/get_parameter_types", name_types).types(),
             (std::vector<std::uint8_t>{types::PARAMETER_BOOL, types::PARAMETER_NOT_SET}));
+}
+
+TEST_F(ParameterServices, ChangeTheTimeSourceOfARunningNode) {
+  rt::Node source{"clock_source"};
+  const auto clock =
+      source.create_publisher(rt::Topic<rosgraph_msgs::msg::Clock>{"/clock", rt::kClock});
+  const auto set_use_sim_time = [&](bool value) {
+    Parameter parameter;
+    parameter.name("use_sim_time");
+    parameter.value().type(types::PARAMETER_BOOL);
+    parameter.value().bool_value(value);
+    return set({parameter}).at(0);
+  };
+  int jumps = 0;
+  const auto jump = node_.on_time_jump([&] { ++jumps; });
+  EXPECT_TRUE(set_use_sim_time(true).successful());
+  EXPECT_TRUE(node_.use_sim_time());
+  EXPECT_EQ(node_.now(), 0.0);
+  EXPECT_EQ(jumps, 1);
+  rosgraph_msgs::msg::Clock time;
+  time.clock(rt::to_stamp(12'500'000'000));
+  ASSERT_TRUE(spin_until(
+      [&] {
+        clock.publish(time);
+        return node_.now() == 12.5;
+      },
+      kTimeout, node_));
+  EXPECT_TRUE(set_use_sim_time(false).successful());
+  EXPECT_EQ(jumps, 2);
+  EXPECT_NEAR(node_.now(), node_.steady_now(), 1.0);
+  EXPECT_TRUE(spin_until([&] { return clock.matched() == 0; }, kTimeout, node_));
+  node_.fix_time_source();
+  EXPECT_EQ(set_use_sim_time(true).reason(),
+            "parameter 'use_sim_time' cannot be set because it is read-only");
+  EXPECT_FALSE(node_.use_sim_time());
+}
+
+TEST(StartTypeDescriptionService, AsAParameterDecidesWhetherItIsServed) {
+  rt::NodeOptions options{.name = "silent"};
+  options.parameters.values["start_type_description_service"] = {"false", "test"};
+  rt::Node silent{options}, usual{"usual"}, tool{"tool"};
+  const auto served = [&](const std::string& name) {
+    const auto all = tool.services();
+    return std::any_of(all.begin(), all.end(), [&](const auto& info) { return info.name == name; });
+  };
+  EXPECT_TRUE(spin_until(
+      [&] { return served("/usual/get_type_description") && served("/silent/list_parameters"); },
+      kTimeout, tool));
+  EXPECT_FALSE(served("/silent/get_type_description"));
 }
 
 TEST_F(ParameterServices, AnswerNothingToTooManyNames) {

@@ -137,30 +137,47 @@ INSTANTIATE_TEST_SUITE_P(
     Values, SetParameter,
     testing::Values(
         Assignment{"margin", "0.25", {}}, Assignment{"margin", "0", {}},  // an integer will do
-        Assignment{"margin", "1.5", {"margin", "1.5", "[0, 1]", "[m] gap"}},
+        Assignment{"margin",
+                   "1.5",
+                   {"Parameter {margin} doesn't comply with floating point range. ", "margin = 1.5",
+                    "[0, 1]", "[m] gap"}},
         Assignment{"margin", "-0.001", {"margin", "[0, 1]"}},
         Assignment{"margin", ".nan", {"margin", "nan", "[0, 1]"}},
+        Assignment{"margin", "!!float 0", {}}, Assignment{"margin", "!!float 5e-1", {}},
+        Assignment{"margin", "!!str 0.5", {"{double}", "{string}"}},
+        Assignment{"margin", "!!float half", {"cannot undeclare"}},
+        Assignment{"steps", "!!int 7", {}},
+        Assignment{"steps", "!!float 7", {"{integer}", "{double}"}},
+        Assignment{"enforce", "!!bool yes", {}}, Assignment{"map", "!!str 7", {}},
+        Assignment{"map", "!!binary Zm9v", {"cannot undeclare"}},
+        Assignment{"outline", "[!!float 1, !!float 2]", {}},
         Assignment{"margin", ".inf", {"margin", "inf", "[0, 1]"}},
-        Assignment{"margin", "\"0.5\"", {"margin", "\"0.5\"", "not a number"}},
-        Assignment{"margin", "true", {"margin", "true", "not a number"}},
-        Assignment{"margin", "[0.5]", {"margin", "not a number"}},
-        Assignment{"margin", "~", {"margin", "nothing", "not a number"}},
+        Assignment{"margin",
+                   "\"0.5\"",
+                   {"Wrong parameter type, parameter {margin} is of type {double}, setting it to "
+                    "{string} is not allowed."}},
+        Assignment{"margin", "true", {"{margin} is of type {double}", "to {bool}"}},
+        Assignment{"margin", "[0.5]", {"{double}", "{double_array}"}},
+        Assignment{"margin", "~", {"cannot undeclare a statically typed parameter"}},
         Assignment{"margin", "0.6", {"margin exceeds margin_max"}}, Assignment{"steps", "50", {}},
-        Assignment{"steps", "51", {"steps", "51", "[1, 50]"}},
-        Assignment{"steps", "2.5", {"steps", "2.5", "not an integer"}},
+        Assignment{"steps", "51", {"{steps} doesn't comply with integer range", "51", "[1, 50]"}},
+        Assignment{"steps", "2.5", {"{steps}", "{integer}", "{double}"}},
         Assignment{"steps", "5000000000", {"steps", "5000000000", "not an integer"}},
         Assignment{"enforce", "false", {}},
-        Assignment{"enforce", "0", {"enforce", "true or false"}}, Assignment{"mode", "manual", {}},
+        Assignment{"enforce", "0", {"{enforce}", "{bool}", "{integer}"}},
+        Assignment{"mode", "manual", {}},
         Assignment{"mode", "auto", {"mode", "auto", "manual, shared", "who drives"}},
-        Assignment{"mode", "1", {"mode", "a string"}}, Assignment{"map", "\"7\"", {}},
-        Assignment{"map", "7", {"map", "a string"}}, Assignment{"outline", "[0.5, -1]", {}},
-        Assignment{"outline", "[]", {}},
+        Assignment{"mode", "1", {"{mode}", "{string}", "{integer}"}},
+        Assignment{"map", "\"7\"", {}}, Assignment{"map", "7", {"{map}", "{string}", "{integer}"}},
+        Assignment{"outline", "[0.5, -1]", {}}, Assignment{"outline", "[]", {}},
         Assignment{"outline", "[0, 9]", {"outline", "9", "[-5, 5]"}},
-        Assignment{"outline", "[a]", {"outline", "\"a\"", "a list of numbers"}},
-        Assignment{"outline", "1.0", {"outline", "a list of numbers"}},
-        Assignment{"margn", "0.2", {"margn", "0.2", "not a parameter of this node"}},
-        Assignment{"", "0.2", {"not a parameter of this node"}},
-        Assignment{"frames.odom", "map", {"frames.odom", "read-only"}}));
+        Assignment{"outline", "[a]", {"{outline}", "{double_array}", "{string_array}"}},
+        Assignment{"outline", "1.0", {"{outline}", "{double_array}", "{double}"}},
+        Assignment{"margn", "0.2", {"parameter 'margn' cannot be set because it was not declared"}},
+        Assignment{"", "0.2", {"was not declared"}},
+        Assignment{"frames.odom",
+                   "map",
+                   {"parameter 'frames.odom' cannot be set because it is read-only"}}));
 
 TEST_F(Table, ChangeIsInForceAfterTheOwnerTookIt) {
   EXPECT_EQ(set("margin", "0.25"), "");
@@ -287,6 +304,13 @@ TEST_F(Table, ListsByPrefixAndDepth) {
   EXPECT_EQ(names({"margin"}, 0), Names{"margin"});  // not margin_max
   EXPECT_EQ(names({"wheel", "frames"}, 0), Names{"frames.odom"});
   EXPECT_EQ(table_.list({}, 0).prefixes(), (Names{"frames", "wheels.left", "wheels.right"}));
+}
+
+TEST_F(Table, ChangesNothingThatWasMadeReadOnlyLater) {
+  table_.make_read_only("margin");
+  EXPECT_EQ(set("margin", "0.2"), "parameter 'margin' cannot be set because it is read-only");
+  EXPECT_TRUE(table_.describe({"margin"}).at(0).read_only());
+  EXPECT_EQ(set("steps", "7"), "");
 }
 
 TEST_F(Table, ReportsDeclarationsAndChangesButNotRefusals) {

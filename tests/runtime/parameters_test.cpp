@@ -100,6 +100,19 @@ TEST_F(ParameterFile, GivesEveryKindOfValue) {
   EXPECT_EQ(params_.limits.a_max, 1.0);  // an integer will do for a number
 }
 
+// As rcl of Lyrical reads them.
+TEST_F(ParameterFile, MayHaveTheTagsOfYaml) {
+  ASSERT_EQ(load("gate:\n  ros__parameters:\n    margin: !!float 1\n    steps: !!int 7\n"
+                 "    enforce: !!bool false\n    map: !!str 7\n    outline: [!!float 1, -2.5]\n"),
+            "");
+  EXPECT_EQ(params_.margin, 1.0);
+  EXPECT_EQ(params_.steps, 7);
+  EXPECT_FALSE(params_.enforce);
+  EXPECT_EQ(params_.map, "7");
+  EXPECT_EQ(params_.outline, (std::vector<double>{1.0, -2.5}));
+  expect_complaint("gate:\n  ros__parameters:\n    steps: !!float 7\n", {path_ + ":3", "steps"});
+}
+
 // The output format of `ros2 param dump /gate`: keys split at dots, sorted, with PyYAML's quotes.
 TEST_F(ParameterFile, IsWhatRos2ParamDumpWrites) {
   ASSERT_EQ(load("/gate:\n  ros__parameters:\n    a_max: 1.0e-05\n    enforce: false\n"

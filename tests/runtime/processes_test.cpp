@@ -97,6 +97,11 @@ INSTANTIATE_TEST_SUITE_P(
               true},
         Reach{
             "LocalhostOnlySinceIron", {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_DISTRO", "jazzy"}}, true},
+        Reach{
+            "LocalhostOnlyOfKilted", {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_DISTRO", "kilted"}}, true},
+        Reach{"LocalhostOnlyOfLyrical",
+              {{"ROS_LOCALHOST_ONLY", "1"}, {"ROS_DISTRO", "lyrical"}},
+              true},
         Reach{"SubnetWithPeers", {{"ROS_STATIC_PEERS", "192.0.2.1;127.0.0.1"}}, true},
         Reach{"SubnetWithPeersByName", {{"ROS_STATIC_PEERS", "localhost;192.0.2.1"}}, true}),
     [](const auto& reach) { return reach.param.name; });

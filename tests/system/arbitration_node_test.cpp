@@ -2,6 +2,7 @@
 // Tests arbitration over DDS: its inputs, the emergency stop, its services and the clock.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -157,7 +158,7 @@ class EmergencyStopOverDds : public ArbitrationOverDds {
   [[nodiscard]] rt::Publisher<std_msgs::msg::Bool> button(const rt::QoS& qos) {
     return node_.create_publisher(topics::e_stop, qos);
   }
-  // Three readers, of which a volatile publisher matches two, a best effort one one.
+  // A reliable publisher matches two readers, a best effort one one, a latched one three.
   [[nodiscard]] bool is_known(const rt::Publisher<std_msgs::msg::Bool>& button, int readers) {
     return wait_until([&] { return button.matched() == readers; });
   }
@@ -192,6 +193,29 @@ TEST_F(EmergencyStopOverDds, IsNotWithdrawnByAnotherPublisherWhileOneThatIsAlive
     ASSERT_FALSE(is_released());
   }
   say(pressed, false);
+  EXPECT_TRUE(is_released_soon());
+}
+
+// Its own middleware would warn a volatile publisher of a latched reader.
+TEST_F(EmergencyStopOverDds, IsReadLatchedOnlyBesideALatchedPublisher) {
+  const auto latched_readers = [&] {
+    long readers = 0;
+    for (const auto& topic : node_.topics())
+      if (topic.name == "/e_stop")
+        readers += std::count_if(topic.subscriptions.begin(), topic.subscriptions.end(),
+                                 [](const auto& reader) { return reader.durability >= 1; });
+    return readers;
+  };
+  const auto usual = button(rt::kDefault);
+  ASSERT_TRUE(is_known(usual, 2));
+  EXPECT_EQ(latched_readers(), 0);
+  auto latched = button(rt::kLatched);
+  say(latched, true);  // before anybody reads it
+  ASSERT_TRUE(wait_until([&] { return reason_ == Reason::kEmergencyStop; }));
+  ASSERT_TRUE(is_known(latched, 3));
+  latched = {};
+  EXPECT_TRUE(wait_until([&] { return latched_readers() == 0; }));
+  say(usual, false);
   EXPECT_TRUE(is_released_soon());
 }
 

@@ -171,7 +171,13 @@ void run_system_file(const std::string& file, Uses& uses) {
     run(node, uses, [](const auto&, const auto&) { return true; });
 }
 
-constexpr const char* kStamped = "a node publishes TwistStamped";
+// What is opened a while after the start: beside the node `other` of run_rare_uses(), or when other
+// nodes have been discovered.
+bool is_awaited(const Described& described) {
+  return described.condition == "a node publishes TwistStamped" ||
+         described.condition == "a node publishes it latched" ||
+         described.condition == "publish_description: true";
+}
 
 // Endpoints that are opened on request only, or by the first of a process's nodes.
 bool is_on_request(const Described& described) {
@@ -198,7 +204,7 @@ const std::vector<Rare>& rare_uses() {
       {"hindsight", {{"static_map", "grid"}, {"goals", "[1.0, 1.0, 0.0]"}}},
       {"teleop", {}},
       {"haptics", {}},
-      {"local_planner", {}},
+      {"local_planner", {{"publish_description", "true"}}},
       {"arbitration", {}},
       {"diff_drive_sim", {{"map", source_path("maps/forest.bt")}}}};
   return all;
@@ -211,7 +217,7 @@ SystemNode node_of(const Rare& rare) {
   return node;
 }
 
-// Runs each of them while another node publishes every command as TwistStamped.
+// Runs each of them while another node publishes every command as TwistStamped, and e_stop latched.
 void run_rare_uses(Uses& uses) {
   rt::Node other{"other"};
   std::vector<rt::Publisher<geometry_msgs::msg::TwistStamped>> stamped;
@@ -219,13 +225,14 @@ void run_rare_uses(Uses& uses) {
                             topics::cmd_vel_nav, topics::cmd_vel_arbitrated})
     stamped.push_back(
         other.create_publisher(rt::Topic<geometry_msgs::msg::TwistStamped>{topic.name, topic.qos}));
-  const auto has_stamped = [](const Description& description, const std::set<Opened>& opened) {
+  const auto latched = other.create_publisher(topics::e_stop);
+  const auto has_all = [](const Description& description, const std::set<Opened>& opened) {
     return std::all_of(description.endpoints.begin(), description.endpoints.end(),
                        [&](const Described& described) {
-                         return described.condition != kStamped || opened.contains(described);
+                         return !is_awaited(described) || opened.contains(described);
                        });
   };
-  for (const Rare& rare : rare_uses()) run(node_of(rare), uses, has_stamped);
+  for (const Rare& rare : rare_uses()) run(node_of(rare), uses, has_all);
 }
 
 TEST(ComponentInterfaces, AreWhatTheComponentsOpen) {

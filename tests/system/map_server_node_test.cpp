@@ -53,6 +53,36 @@ TEST_F(MapServerOverDds, GivesALateJoinerBothMaps) {
             std::count(expected.cells.begin(), expected.cells.end(), Cell::kOccupied));
 }
 
+TEST_F(MapServerOverDds, StampsBothMapsWithTheTimeOfTheStart) {
+  const auto server = load("map_server", {{"map", kForest}});
+  octomap_msgs::msg::Octomap octomap;
+  nav_msgs::msg::OccupancyGrid grid;
+  const auto octomap_in =
+      node_.create_subscription(topics::octomap_binary, [&](const auto& msg) { octomap = msg; });
+  const auto grid_in = node_.create_subscription(topics::map, [&](const auto& msg) { grid = msg; });
+  ASSERT_TRUE(wait_until([&] { return !octomap.data().empty() && !grid.data().empty(); }));
+  EXPECT_NEAR(rt::to_seconds(grid.header().stamp()), rt::to_seconds(node_.stamp()), 60.0);
+  EXPECT_EQ(grid.info().map_load_time(), grid.header().stamp());
+  EXPECT_EQ(octomap.header().stamp(), grid.header().stamp());
+}
+
+TEST_F(MapServerOverDds, WaitsForTheTimeOfASimulation) {
+  const auto server = load("map_server", {{"map", kForest}, {"use_sim_time", "true"}});
+  const auto clock = node_.create_publisher(topics::clock);
+  nav_msgs::msg::OccupancyGrid grid;
+  const auto grid_in = node_.create_subscription(topics::map, [&](const auto& msg) { grid = msg; });
+  ASSERT_TRUE(wait_until([&] { return clock.matched() >= 1 && grid_in.matched() == 1; }));
+  EXPECT_TRUE(grid.data().empty());
+  rosgraph_msgs::msg::Clock time;
+  time.clock(rt::to_stamp(7'250'000'000));
+  ASSERT_TRUE(wait_until([&] {
+    clock.publish(time);
+    return !grid.data().empty();
+  }));
+  EXPECT_EQ(rt::to_seconds(grid.header().stamp()), 7.25);
+  EXPECT_EQ(grid.info().map_load_time(), grid.header().stamp());
+}
+
 TEST_F(MapServerOverDds, ServesAMapOfNav2s) {
   std::ofstream{folder_ / "room.pgm"} << "P2 2 2 255 0 205 254 254";
   std::ofstream{folder_ / "room.yaml"} << "image: room.pgm\nresolution: 0.5\norigin: [1, -2, 0]\n"

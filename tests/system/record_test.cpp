@@ -2,9 +2,13 @@
 // `tandem record` and `tandem play` in their own processes.
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "bringup/bag/bag.hpp"
 #include "support/child_process.hpp"
@@ -27,6 +31,16 @@ std::map<std::string, int> messages_by_topic(const fs::path& folder) {
   return counts;
 }
 
+// The recorded std_msgs/Float64, in their order.
+std::vector<double> values_of(const fs::path& folder) {
+  std::vector<double> values;
+  BagReader bag{folder};
+  for (BagMessage message; bag.next(message);)
+    if (const auto number = rt::decode<std_msgs::msg::Float64>(message.bytes))
+      values.push_back(number->data());
+  return values;
+}
+
 class Recording : public testing::Test {
  protected:
   Recording() {
@@ -39,6 +53,25 @@ class Recording : public testing::Test {
   template <class Predicate>
   bool wait_until(Predicate predicate) {
     return spin_until(predicate, kLong, node_);
+  }
+
+  // The recorder's answer to one request.
+  template <class S>
+  typename S::Response ask(const char* service, const typename S::Request& request = {}) {
+    const auto client = node_.create_client(rt::ServiceName<S>{service});
+    std::optional<typename S::Response> answer;
+    client.call(
+        request, [&](const auto& response) { answer = response; }, kLong);
+    EXPECT_TRUE(wait_until([&] { return answer.has_value(); })) << service;
+    return answer.value_or(typename S::Response{});
+  }
+  // The error of a request for a recording in `uri`; empty if it has begun.
+  std::string error_of_recording(const fs::path& uri) {
+    rosbag2_interfaces::srv::Record_Request request;
+    request.uri(uri.string());
+    const auto answer = ask<rosbag2_interfaces::srv::Record>("/tandem_record/record", request);
+    EXPECT_EQ(answer.return_code(), answer.error_string().empty() ? 0 : 1);
+    return answer.error_string();
   }
 
   fs::path root_, folder_;
@@ -130,6 +163,52 @@ TEST_F(Recording, AcceptsNamesWithoutASlashAndReportsSilentTopics) {
   EXPECT_EQ(record.wait(kLong), 0);
   ChildProcess play{"../tandem", {"play", folder_, "--topics", "/numbres"}};
   EXPECT_EQ(play.wait(kLong), 1);
+}
+
+// As rosbag2's recorder of Jazzy and Kilted.
+TEST_F(Recording, IsPausedEndedAndBegunAgainByServices) {
+  namespace srv = rosbag2_interfaces::srv;
+  const auto numbers = node_.create_publisher(rt::Topic<std_msgs::msg::Float64>{"/numbers"});
+  const auto publish = [&](double value) {
+    std_msgs::msg::Float64 msg;
+    msg.data(value);
+    numbers.publish(msg);
+  };
+  const auto is_paused = [&] { return ask<srv::IsPaused>("/tandem_record/is_paused").paused(); };
+  const auto is_recorded_in = [&](const fs::path& folder, double value) {
+    return wait_until([&] {
+      publish(value);
+      return messages_by_topic(folder).contains("/numbers");
+    });
+  };
+  ChildProcess record{"../tandem", {"record", "-o", folder_, "/numbers"}};
+  ASSERT_TRUE(wait_until([&] { return numbers.matched() == 1; }));
+  ASSERT_TRUE(is_recorded_in(folder_, 1.0));
+  EXPECT_FALSE(is_paused());
+  ask<srv::Pause>("/tandem_record/pause");
+  publish(2.0);
+  EXPECT_TRUE(is_paused());  // received after the 2
+  ask<srv::Resume>("/tandem_record/resume");
+  EXPECT_FALSE(is_paused());
+  publish(3.0);
+  EXPECT_FALSE(is_paused());  // received after the 3
+  EXPECT_NE(error_of_recording("second"), "") << "one is running";
+  ask<srv::Stop>("/tandem_record/stop");
+  ASSERT_TRUE(wait_until([&] { return numbers.matched() == 0; }));
+  const auto values = values_of(folder_);
+  EXPECT_EQ(values.front(), 1.0);
+  EXPECT_EQ(std::count(values.begin(), values.end(), 2.0), 0);
+  EXPECT_EQ(values.back(), 3.0);
+
+  EXPECT_NE(error_of_recording(""), "");
+  EXPECT_NE(error_of_recording(folder_), "") << "it exists";
+  EXPECT_NE(error_of_recording("/tmp/tandem_elsewhere"), "");
+  EXPECT_NE(error_of_recording("../elsewhere"), "");
+  EXPECT_EQ(error_of_recording("file://" + (root_ / "second").string()), "");
+  ASSERT_TRUE(is_recorded_in(root_ / "second", 4.0));
+  record.send(SIGINT);
+  EXPECT_EQ(record.wait(kLong), 0);
+  for (const double value : values_of(root_ / "second")) EXPECT_EQ(value, 4.0);
 }
 
 // Each of three publishers kept its last message, so the one that plays them keeps all three.

@@ -54,9 +54,12 @@ class Monitor {
   void listen_to_person() {
     user_ = node_.create_subscription(topics::cmd_vel_user, topics::kUserInput,
                                       [this](const auto& msg) { drive_.on_user(msg); });
-    stamped_wanted_ = node_.when_published(kUserStamped, [this] {
-      user_stamped_ = node_.create_subscription(kUserStamped, topics::kUserInput,
-                                                [this](const auto& msg) { drive_.on_user(msg); });
+    stamped_publishers_ = node_.watch_publishers(kUserStamped, [this](const auto& offered) {
+      if (offered.empty())
+        user_stamped_.reset();
+      else if (!user_stamped_)
+        user_stamped_ = node_.create_subscription(kUserStamped, topics::kUserInput,
+                                                  [this](const auto& msg) { drive_.on_user(msg); });
     });
     leader_ = node_.create_subscription(topics::leader_pose, topics::kUserInput,
                                         [this](const auto& msg) { drive_.on_leader(msg); });
@@ -93,9 +96,9 @@ class Monitor {
   double started_ = 0.0, heard_ = 0.0;
   std::string trouble_;
 
-  rt::Subscription truth_, collision_, user_, user_stamped_, leader_, end_, planner_, filter_,
-      obstacles_;
-  std::shared_ptr<void> stamped_wanted_;
+  rt::Subscription truth_, collision_, user_, leader_, end_, planner_, filter_, obstacles_;
+  std::optional<rt::Subscription> user_stamped_;
+  std::shared_ptr<void> stamped_publishers_;
   rt::Timer supervisor_;
 };
 

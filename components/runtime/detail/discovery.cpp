@@ -59,12 +59,16 @@ KnownEndpoint from_builtin(const Info& info, bool writes) {
 
 }  // namespace
 
+// "key=value;…"; Lyrical's rmw_fastrtps adds keys of its own.
 std::string type_hash_in(const std::string& user_data) {
   constexpr std::string_view kKey = "typehash=";
-  const auto key = user_data.find(kKey);
-  if (key == std::string::npos) return {};
-  const auto start = key + kKey.size();
-  return user_data.substr(start, user_data.find(';', start) - start);
+  for (std::string_view rest = user_data; !rest.empty();) {
+    const auto end = std::min(rest.find(';'), rest.size());
+    const auto pair = rest.substr(0, end);
+    if (pair.starts_with(kKey)) return std::string{pair.substr(kKey.size())};
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return {};
 }
 
 bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {

@@ -13,6 +13,7 @@
 
 #include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
@@ -27,7 +28,7 @@ struct KnownEndpoint {
 };
 
 /// The type hash ("RIHS01_…") in an endpoint's user data; empty if there is none.
-[[nodiscard]] std::string type_hash_in(const std::string& user_data);
+[[nodiscard]] TANDEM_EXPORT_FOR_TESTS std::string type_hash_in(const std::string& user_data);
 
 /// Whether two endpoints belong to the same process, or to the same enclave under DDS Security,
 /// which hides the process.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "tandem/runtime/log.hpp"
@@ -53,7 +54,24 @@ bool encode(const rtps::GUID_t& participant, const Nodes& nodes, Bytes& bytes) {
   return Codec{type_ref<typename Form::Info>()}.encode(&info, bytes);
 }
 
+constexpr std::string_view kHiddenStart = "_", kHiddenEnd = "_2";
+
+NodeName hidden(const NodeName& node) {
+  return {node.ns, std::string{kHiddenStart} + node.name + std::string{kHiddenEnd}};
+}
+
 }  // namespace
+
+std::optional<std::string> shown_name(const std::string& hidden) {
+  const auto name = hidden.rfind('/') + 1;
+  const std::string_view rest{hidden.data() + name, hidden.size() - name};
+  if (rest.size() <= kHiddenStart.size() + kHiddenEnd.size() || !rest.starts_with(kHiddenStart) ||
+      !rest.ends_with(kHiddenEnd))
+    return std::nullopt;
+  return hidden.substr(0, name) +
+         std::string{rest.substr(kHiddenStart.size(),
+                                 rest.size() - kHiddenStart.size() - kHiddenEnd.size())};
+}
 
 Graph::Graph(Participant& participant, Nodes nodes)
     : participant_{participant},
@@ -97,8 +115,7 @@ void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
 }
 
 Graph::Endpoints& Graph::endpoints_of(const NodeName& node) {
-  if (kind_ == Nodes::kHidden)
-    nodes_.try_emplace(node.full(), Endpoints{{node.ns, "_" + node.name + "_2"}, {}, {}});
+  if (kind_ == Nodes::kHidden) nodes_.try_emplace(node.full(), Endpoints{hidden(node), {}, {}});
   return nodes_.at(node.full());
 }
 

@@ -4,6 +4,8 @@
 
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "tandem/runtime/detail/codec.hpp"
@@ -12,6 +14,10 @@
 #include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
+
+/// The node that the full name of a hidden node ("/ns/_name_2") stands for; nullopt for another
+/// name.
+[[nodiscard]] std::optional<std::string> shown_name(const std::string& hidden);
 
 /// Publishes which endpoints each node of this process has, after each change or batch of changes.
 class TANDEM_EXPORT_FOR_TESTS Graph {

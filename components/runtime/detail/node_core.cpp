@@ -14,12 +14,16 @@
 namespace tandem::runtime {
 namespace {
 
-struct ClockParams {
+// The parameters of every node of rclcpp, besides those of its QoS.
+struct CommonParams {
   bool use_sim_time;
+  bool start_type_description_service = true;
 
   template <class Visitor>
   void visit(Visitor&& field) {
-    field("use_sim_time", use_sim_time, "true: the time is taken from /clock");
+    field(kUseSimTime, use_sim_time, "true: the time is taken from /clock");
+    field(kTypeDescriptionService, start_type_description_service,
+          "whether the node serves ~/get_type_description");
   }
 };
 
@@ -80,7 +84,7 @@ NodeCore::NodeCore(NodeOptions node_options)
       clock_arrival_{steady_seconds()} {
   log.set_level(options.log_level);
   report_security(participant_->security());
-  declare_use_sim_time();
+  declare_common();
   for (const auto& [from, to] : options.remappings) (void)resolve(from.c_str());
   participant_->graph().add_node(name);
   wait_set_.attach_condition(wake_up_);
@@ -103,24 +107,46 @@ NodeCore::~NodeCore() {
   participant_->graph().remove_node(name);
 }
 
-void NodeCore::declare_use_sim_time() {
-  const auto params = std::make_shared<ClockParams>(ClockParams{use_sim_time});
+void NodeCore::declare_common() {
+  const auto params = std::make_shared<CommonParams>(CommonParams{use_sim_time});
   params->visit(store);
   use_sim_time = params->use_sim_time;
-  parameters.declare(make_fixed_group(params));
+  serves_type_descriptions = params->start_type_description_service;
+  parameters.declare(make_group<CommonParams>(
+      params, {kUseSimTime},
+      [this](const CommonParams& wanted) { set_use_sim_time(wanted.use_sim_time); }));
+}
+
+// Times kept so far are of another clock, so this counts as a jump.
+void NodeCore::set_use_sim_time(bool wanted) {
+  if (wanted == use_sim_time) return;
+  use_sim_time = wanted;
+  clock_ = 0;
+  clock_arrival_ = steady_seconds();
+  if (wanted) {
+    follow_clock();
+  } else {
+    close_reader(*clock_reader_);
+    clock_reader_.reset();
+  }
+  report_time_jump();
 }
 
 void NodeCore::follow_clock() {
   using rosgraph_msgs::msg::Clock;
   auto codec = std::make_shared<Codec>(type_ref<Clock>());
-  clock_reader_ = open_reader(
-      {dds_topic_name(resolve(every_node::clock.name)), codec->dds_name(), every_node::clock.qos},
-      [this, codec](const Bytes& bytes, const auto&) {
-        Clock message;
-        if (!codec->decode(bytes, &message)) return false;
-        set_clock(message.clock());
-        return true;
-      });
+  const std::string topic = resolve(every_node::clock.name);
+  clock_reader_ = open_reader({dds_topic_name(topic),
+                               codec->dds_name(),
+                               qos_overrides.apply(every_node::clock.qos, topic, "subscription"),
+                               {},
+                               qos_prefix(topic, "subscription")},
+                              [this, codec](const Bytes& bytes, const auto&) {
+                                Clock message;
+                                if (!codec->decode(bytes, &message)) return false;
+                                set_clock(message.clock());
+                                return true;
+                              });
 }
 
 void NodeCore::set_clock(const builtin_interfaces::msg::Time& time) {
@@ -128,7 +154,10 @@ void NodeCore::set_clock(const builtin_interfaces::msg::Time& time) {
   const bool jumps_back = now < clock_;
   clock_ = now;
   clock_arrival_ = steady_seconds();
-  if (!jumps_back) return;
+  if (jumps_back) report_time_jump();
+}
+
+void NodeCore::report_time_jump() {
   std::erase_if(time_jumps_, [](const auto& fn) { return fn.expired(); });
   for (const auto& weak : std::vector(time_jumps_))  // a copy, because a call may add to the list
     if (const auto fn = weak.lock()) (*fn)();

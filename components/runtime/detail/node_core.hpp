@@ -17,6 +17,10 @@
 
 namespace tandem::runtime {
 
+/// Parameters that every node has, as in rclcpp.
+inline constexpr const char* kUseSimTime = "use_sim_time";
+inline constexpr const char* kTypeDescriptionService = "start_type_description_service";
+
 /// Period, function and clock of a Timer.
 struct TimerState {
   Beat beat;
@@ -78,9 +82,12 @@ class NodeCore {
   ParameterTable parameters;
   QosOverrides qos_overrides{store, parameters};
   bool use_sim_time;
+  bool serves_type_descriptions = true;
 
  private:
-  void declare_use_sim_time();
+  void declare_common();
+  void set_use_sim_time(bool wanted);
+  void report_time_jump();
   void follow_clock();
   void set_clock(const builtin_interfaces::msg::Time& time);
   void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
@@ -104,7 +111,7 @@ class NodeCore {
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
   std::shared_ptr<Reader> clock_reader_;
-  std::vector<std::weak_ptr<std::function<void()>>> time_jumps_;  // called when /clock jumps back
+  std::vector<std::weak_ptr<std::function<void()>>> time_jumps_;  // called when the time jumps
   std::unique_ptr<NodeServices> services_;
   std::unique_ptr<GuardReport> guard_report_;
   std::atomic<std::int64_t> clock_ = 0;  // last time received on /clock [ns]

@@ -41,13 +41,19 @@ rcl_interfaces::msg::SetLoggerLevelsResult set_level(
 NodeServices::NodeServices(NodeCore& node)
     : node_{node},
       event_codec_{type_ref<ParameterEvent>()},
-      events_{node.open_writer({dds_topic_name(every_node::parameter_events.name),
-                                event_codec_.dds_name(), every_node::parameter_events.qos})} {
+      events_{node.open_writer(
+          {dds_topic_name(every_node::parameter_events.name),
+           event_codec_.dds_name(),
+           node.qos_overrides.apply(every_node::parameter_events.qos,
+                                    every_node::parameter_events.name, "publisher"),
+           {},
+           qos_prefix(every_node::parameter_events.name, "publisher")})} {
   if (node.options.logs_to_rosout) rosout_.emplace(node);
   serve_parameters();
   serve_logger_levels();
-  serve(every_node::get_type_description, kServices,
-        [](const auto& asked, auto& answer) { answer = describe_type(asked); });
+  if (node.serves_type_descriptions)
+    serve(every_node::get_type_description, kServices,
+          [](const auto& asked, auto& answer) { answer = describe_type(asked); });
   node.parameters.on_event = [this](const auto& declared, const auto& changed) {
     announce(declared, changed);
   };

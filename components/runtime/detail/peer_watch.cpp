@@ -49,15 +49,8 @@ void PeerWatch::remove(const rtps::GUID_t& guid) {
   ++changes_;
 }
 
-std::shared_ptr<void> PeerWatch::when_published(const std::string& topic, const std::string& type,
-                                                std::function<void()> fn) {
-  return each_publisher(topic, type, [fn = std::move(fn)](const Policies&) mutable {
-    if (fn) std::exchange(fn, nullptr)();
-  });
-}
-
-std::shared_ptr<void> PeerWatch::each_publisher(const std::string& topic, const std::string& type,
-                                                std::function<void(const Policies&)> fn) {
+std::shared_ptr<void> PeerWatch::watch_publishers(const std::string& topic, const std::string& type,
+                                                  PublishersChanged fn) {
   auto request = std::make_shared<Request>(Request{topic, type, std::move(fn), {}});
   requests_.push_back(request);
   ++changes_;
@@ -83,14 +76,15 @@ void PeerWatch::notify_requests(const std::vector<KnownEndpoint>& known) {
 
 void PeerWatch::notify(Request& request, const std::vector<KnownEndpoint>& known) {
   std::set<rtps::GUID_t> publishers;
-  std::vector<Policies> fresh;
+  std::vector<Policies> offered;
   for (const auto& peer : known) {
     if (!fits_request(peer, request.topic, request.type)) continue;
     publishers.insert(peer.guid);
-    if (!request.reported.contains(peer.guid)) fresh.push_back(peer.policies);
+    offered.push_back(peer.policies);
   }
+  if (publishers == request.reported) return;
   request.reported = std::move(publishers);
-  for (const auto& offered : fresh) request.fn(offered);
+  request.fn(offered);
 }
 
 void PeerWatch::check(const std::vector<KnownEndpoint>& known, double now) {

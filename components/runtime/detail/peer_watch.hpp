@@ -26,17 +26,10 @@ class PeerWatch {
   void add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void remove(const rtps::GUID_t& guid);
 
-  /// Calls `fn` once, as soon as that topic has a publisher of that type (both DDS names).
-  /// Destroying the result cancels the call.
-  [[nodiscard]] std::shared_ptr<void> when_published(const std::string& topic,
-                                                     const std::string& type,
-                                                     std::function<void()> fn);
-
-  /// Calls `fn` once per publisher of that type on that topic, with the QoS it offers. Destroying
-  /// the result cancels the calls.
-  [[nodiscard]] std::shared_ptr<void> each_publisher(const std::string& topic,
-                                                     const std::string& type,
-                                                     std::function<void(const Policies&)> fn);
+  /// As Node::watch_publishers(), for DDS names.
+  [[nodiscard]] std::shared_ptr<void> watch_publishers(const std::string& topic,
+                                                       const std::string& type,
+                                                       PublishersChanged fn);
 
   /// Runs the checks and callbacks due at `now` [s]; returns when to poll next [s].
   double poll(double now);
@@ -49,8 +42,8 @@ class PeerWatch {
   };
   struct Request {
     std::string topic, type;
-    std::function<void(const Policies&)> fn;
-    std::set<rtps::GUID_t> reported;  // publishers already passed to fn
+    PublishersChanged fn;
+    std::set<rtps::GUID_t> reported;  // the publishers last passed to fn
   };
 
   void notify_requests(const std::vector<KnownEndpoint>& known);

@@ -10,6 +10,7 @@ struct QosParams {
   std::string prefix;  // "qos_overrides./odom.publisher."
   std::string reliability, durability;
   int depth;
+  std::string history = "keep_last";
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -18,8 +19,15 @@ struct QosParams {
     field((prefix + "durability").c_str(), durability, OneOf{{"volatile", "transient_local"}},
           "whether late subscriptions receive earlier samples");
     field((prefix + "depth").c_str(), depth, Range{1.0, 10'000.0}, "number of samples kept");
+    field((prefix + "history").c_str(), history, OneOf{{"keep_last"}}, "which samples are kept");
   }
 };
+
+QosParams params_of(const QoS& qos, const std::string& prefix) {
+  return {prefix, qos.reliability == Reliability::kReliable ? "reliable" : "best_effort",
+          qos.durability == Durability::kTransientLocal ? "transient_local" : "volatile",
+          qos.depth};
+}
 
 }  // namespace
 
@@ -28,32 +36,32 @@ std::string qos_prefix(const std::string& topic, const std::string& kind) {
 }
 
 struct QosOverrides::Applied {
-  QoS first;  // the QoS before the override, at the first call
-  std::shared_ptr<const QosParams> params;
+  QoS first, wanted;  // before and after the overrides, at the first call
 };
 
 QoS QosOverrides::apply(const QoS& qos, const std::string& topic, const std::string& kind) {
   const std::string prefix = qos_prefix(topic, kind) + ".";
-  if (!store_.gives_any(prefix)) return qos;
   auto& applied = applied_[prefix];
-  if (!applied) {
-    const bool reliable = qos.reliability == Reliability::kReliable;
-    const bool latched = qos.durability == Durability::kTransientLocal;
-    const auto params =
-        std::make_shared<QosParams>(QosParams{prefix, reliable ? "reliable" : "best_effort",
-                                              latched ? "transient_local" : "volatile", qos.depth});
-    params->visit(store_);
-    parameters_.declare(make_fixed_group(params));
-    applied = std::make_shared<const Applied>(Applied{qos, params});
-  }
-  const auto& [first, params] = *applied;
+  if (!applied) applied = std::make_shared<const Applied>(Applied{qos, declare(qos, prefix)});
+  const auto& [first, wanted] = *applied;
+  QoS tuned = qos;
+  if (wanted.reliability != first.reliability) tuned.reliability = wanted.reliability;
+  if (wanted.depth != first.depth) tuned.depth = wanted.depth;
+  if (wanted.durability != first.durability && qos.durability == first.durability)
+    tuned.durability = wanted.durability;
+  return tuned;
+}
+
+QoS QosOverrides::declare(const QoS& qos, const std::string& prefix) {
+  const auto params = std::make_shared<QosParams>(params_of(qos, prefix));
+  params->visit(store_);
+  parameters_.declare(make_fixed_group(params));
   QoS wanted = qos;
   wanted.reliability =
       params->reliability == "reliable" ? Reliability::kReliable : Reliability::kBestEffort;
+  wanted.durability =
+      params->durability == "transient_local" ? Durability::kTransientLocal : Durability::kVolatile;
   wanted.depth = params->depth;
-  if (qos.durability == first.durability)
-    wanted.durability = params->durability == "transient_local" ? Durability::kTransientLocal
-                                                                : Durability::kVolatile;
   return wanted;
 }
 

@@ -16,20 +16,24 @@ namespace tandem::runtime {
 [[nodiscard]] std::string qos_prefix(const std::string& topic, const std::string& kind);
 
 /// A node's parameters qos_overrides.<topic>.<publisher|subscription>.{reliability, durability,
-/// depth}.
+/// depth, history}.
 class QosOverrides {
  public:
   QosOverrides(ParameterStore& store, ParameterTable& parameters)
       : store_{store}, parameters_{parameters} {}
 
-  /// Returns `qos` with the overrides given for `topic` (full name) and declares them as
-  /// parameters. They apply to every endpoint of the topic and kind. Exception: the durability
+  /// Returns `qos` with the overrides given for `topic` (full name); the first call declares the
+  /// parameters. What differs from the QoS of the first endpoint applies to every endpoint of the
+  /// topic and kind; a value that repeats it, as one from `ros2 param dump` does, changes nothing,
+  /// so that a node can still open endpoints that differ from each other. Exception: the durability
   /// override is skipped for an additional endpoint whose durability differs from the first one's,
   /// so that a node can receive from latched and volatile publishers. Throws std::invalid_argument
   /// for an invalid value.
   [[nodiscard]] QoS apply(const QoS& qos, const std::string& topic, const std::string& kind);
 
  private:
+  [[nodiscard]] QoS declare(const QoS& qos, const std::string& prefix);
+
   ParameterStore& store_;
   ParameterTable& parameters_;
   struct Applied;

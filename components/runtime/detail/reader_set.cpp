@@ -65,9 +65,10 @@ void ReaderSet::open(const QoS& qos) {
 }
 
 void ReaderSet::accept_every_publisher(std::function<QoS(const QoS&)> tuned) {
-  publishers_wanted_ = node_.peers().each_publisher(
-      endpoint_.topic, endpoint_.type,
-      [this, tuned = std::move(tuned)](const Policies& publisher) { open_for(publisher, tuned); });
+  publishers_wanted_ = node_.peers().watch_publishers(
+      endpoint_.topic, endpoint_.type, [this, tuned = std::move(tuned)](const auto& publishers) {
+        for (const Policies& publisher : publishers) open_for(publisher, tuned);
+      });
 }
 
 // Additional readers are volatile, so that each matches every publisher that a more demanding

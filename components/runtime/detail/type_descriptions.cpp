@@ -6,12 +6,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "ros2_schema.hpp"
 #include "type_hashes.hpp"
 
 namespace tandem::runtime {
 namespace {
 
 using type_description_interfaces::msg::IndividualTypeDescription;
+using type_description_interfaces::msg::TypeSource;
 using type_description_interfaces::srv::GetTypeDescription;
 
 IndividualTypeDescription describe(const DescribedType& type) {
@@ -26,6 +28,16 @@ IndividualTypeDescription describe(const DescribedType& type) {
     out.type().nested_type_name() = std::string{field.nested};
   }
   return description;
+}
+
+// As rcl gives it: a request or response has no file of its own.
+TypeSource source_of(std::string_view type) {
+  const bool of_service = type.ends_with("_Request") || type.ends_with("_Response");
+  TypeSource source;
+  source.type_name(std::string{type});
+  source.encoding(of_service ? "implicit" : "msg");
+  if (!of_service) source.raw_file_contents(*msg_file(type));
+  return source;
 }
 
 // Collects the types nested in `type`, sorted by name as REP-2016 requires.
@@ -55,6 +67,9 @@ GetTypeDescription::Response describe_type(const GetTypeDescription::Request& re
   for (const auto name : nested)
     answer.type_description().referenced_type_descriptions().push_back(
         describe(*described_type(name)));
+  if (!request.include_type_sources()) return answer;
+  answer.type_sources().push_back(source_of(type->name));
+  for (const auto name : nested) answer.type_sources().push_back(source_of(name));
   return answer;
 }
 

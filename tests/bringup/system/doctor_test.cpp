@@ -65,6 +65,14 @@ TEST(Doctor, FindsTypesAndHashesThatDiffer) {
   EXPECT_TRUE(examine(sick).empty());
 }
 
+TEST(Doctor, AcceptsTwoTypesIfANodeSubscribesToBoth) {
+  auto well = domain();
+  well.participants.push_back({"cc", false, GraphForm::kSinceIron, {}});  // of /tandem's process
+  well.endpoints.push_back({"cc", "/tandem", "/odom", "nav_msgs/msg/Path", false, {1, 0}, "h3"});
+  well.endpoints.push_back({"bb", "/robot", "/odom", "nav_msgs/msg/Path", true, {1, 0}, "h3"});
+  EXPECT_TRUE(examine(well).empty());
+}
+
 TEST(Doctor, FindsDuplicateNodesPlainDdsProgramsAndHumbleBesideOthers) {
   auto sick = domain();
   sick.participants[1].nodes = {"/tandem"};

@@ -3,24 +3,27 @@
 command and, except where a test names them, not our messages. Run through with_rclpy or beside_ros2."""
 import importlib
 import subprocess
+import tempfile
 import unittest
+from xml.etree import ElementTree
 
 import rclpy_node
 import robot
 from rclpy_node import CONTAINER, NODES, Received, call, names, result_of, spin_until
-from robot import start, until
+from robot import start, stop, until
 
 import rclpy
 from rcl_interfaces.msg import Log, LoggerLevel, ParameterType
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 from type_description_interfaces.srv import GetTypeDescription
 
@@ -161,6 +164,13 @@ class Topics(unittest.TestCase):
         self.assertEqual(len(map_.data), map_.info.width * map_.info.height)
         self.assertIn(100, map_.data)
 
+    def test_of_the_robots_shape_is_a_urdf_document(self):
+        with Received(String, '/robot_description', QoSProfile(depth=1, durability=LATCHED)) as descriptions:
+            urdf = ElementTree.fromstring(descriptions.any().data)
+        self.assertEqual([link.get('name') for link in urdf.findall('link')], ['base_link'])
+        self.assertEqual(urdf.find('link/visual/geometry/box').get('size').split()[:2], ['0.89', '0.58'])
+        self.assertEqual(len(urdf.findall('link/visual/geometry/cylinder')), 2)
+
     @of_our_messages
     def test_carry_our_own_types(self):
         with Received(ObstacleArray, '/obstacles', QoSPresetProfiles.SYSTEM_DEFAULT.value) as received:
@@ -210,6 +220,9 @@ class Topics(unittest.TestCase):
         with Received(Odometry, '/odom', 1) as clock:
             clock.next()
             self.drive(TwistStamped, stamped, lambda speed: speed.angular.z < -0.1)
+        # `ros2 topic echo` and `ros2 bag record` refuse a topic with two types.
+        until(lambda: dict(node.get_topic_names_and_types())['/cmd_vel_user'] == ['geometry_msgs/msg/Twist']
+              and not [name for name in names() if name.endswith('_2')], 'one type is left')
 
     def test_of_an_emergency_stop_are_received_from_every_kind_of_sender(self):
         release = node.create_client(Trigger, '/arbitration/release_emergency_stop')
@@ -225,6 +238,18 @@ class Topics(unittest.TestCase):
                 return any(line.name == 'arbitration' and line.msg == text for line in log.messages)
             press_and_release(qos, release, lambda: logged('emergency stop'))
             spin_until(lambda: logged('release of the emergency stop: released'), 'the release is logged')
+
+    def test_of_an_emergency_stop_match_a_volatile_publisher_without_a_warning(self):
+        def readers():
+            return [end.qos_profile.durability for end in node.get_subscriptions_info_by_topic('/e_stop')]
+        until(lambda: readers() == [VOLATILE, VOLATILE], 'latched publishers of other tests are forgotten')
+        warnings = []
+        publisher = node.create_publisher(
+            Bool, '/e_stop', 10, event_callbacks=PublisherEventCallbacks(incompatible_qos=warnings.append))
+        spin_until(lambda: publisher.get_subscription_count() == 2, 'as `ros2 topic pub -w 2` waits')
+        self.assertEqual(readers(), [VOLATILE, VOLATILE])
+        self.assertEqual(warnings, [])
+        node.destroy_publisher(publisher)
 
     @of_our_messages
     def test_of_the_arbitration_show_the_emergency_stop(self):
@@ -269,6 +294,33 @@ class Services(unittest.TestCase):
         self.assertEqual(answer.type_description.type_description.type_name, 'tandem_msgs/msg/ObstacleArray')
 
 
+    def test_of_types_give_sources_as_rclpys_do(self):
+        publisher = node.create_publisher(Twist, '/described', 1)
+        [end] = node.get_publishers_info_by_topic('/described')
+        request = GetTypeDescription.Request(type_name=end.topic_type, type_hash=str(end.topic_type_hash))
+
+        def sources_of(owner):
+            answer = call(node.create_client(GetTypeDescription, f'/{owner}/get_type_description'), request)
+            self.assertTrue(answer.successful, answer.failure_reason)
+            return [(source.type_name, source.encoding) for source in answer.type_sources]
+        self.assertEqual(sources_of('local_planner'), sources_of('beside'))
+        node.destroy_publisher(publisher)
+
+    def test_of_the_recorder_are_those_of_rosbag2s(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recorder = start('tandem', 'record', '-o', folder + '/drive', '/odom')
+
+            def served():
+                if '/tandem_record' not in names():
+                    return {}
+                return dict(node.get_service_names_and_types_by_node('tandem_record', '/'))
+            expected = {f'/tandem_record/{name}': [f'rosbag2_interfaces/srv/{kind}'] for name, kind in {
+                'record': 'Record', 'stop': 'Stop', 'pause': 'Pause', 'resume': 'Resume',
+                'is_paused': 'IsPaused'}.items()}
+            until(lambda: expected.items() <= served().items(), 'the services of the recorder')
+            self.assertEqual(stop(recorder), 0)
+
+
 class Parameters(unittest.TestCase):
     def setUp(self):
         self.planner = AsyncParameterClient(node, '/local_planner')
@@ -290,10 +342,27 @@ class Parameters(unittest.TestCase):
         [value] = result_of(self.planner.get_parameters(['weight_heading']), 'get_parameters').values
         self.assertEqual(value.double_value, 2.5)
 
-    def test_of_a_bad_value_are_refused_with_the_reason(self):
-        refused = self.set(20000.0)
-        self.assertFalse(refused.successful)
-        self.assertIn('weight_heading', refused.reason)
+    def test_are_refused_with_the_words_of_rclcpp(self):
+        def reason_of(name, kind, value):
+            [refused] = result_of(self.planner.set_parameters([Parameter(name, kind, value)]),
+                                  'set_parameters').results
+            self.assertFalse(refused.successful)
+            return refused.reason
+        self.assertTrue(reason_of('weight_heading', Parameter.Type.DOUBLE, 20000.0).startswith(
+            "Parameter {weight_heading} doesn't comply with floating point range. "))
+        self.assertEqual(reason_of('weight_heading', Parameter.Type.STRING, 'much'),
+                         'Wrong parameter type, parameter {weight_heading} is of type {double}, setting it to '
+                         '{string} is not allowed.')
+        self.assertEqual(reason_of('weight_heading', Parameter.Type.NOT_SET, None),
+                         'cannot undeclare a statically typed parameter')
+        self.assertEqual(reason_of('weight_headings', Parameter.Type.DOUBLE, 1.0),
+                         "parameter 'weight_headings' cannot be set because it was not declared")
+
+    def test_of_every_rclcpp_node_are_there(self):
+        listed = set(result_of(self.planner.list_parameters(), 'list_parameters').result.names)
+        events = 'qos_overrides./parameter_events.publisher.'
+        self.assertLessEqual({'use_sim_time', 'start_type_description_service', events + 'depth',
+                              events + 'durability', events + 'history', events + 'reliability'}, listed)
 
 
 if __name__ == '__main__':

@@ -2,7 +2,9 @@
 // Tests what a node reports about peers that it cannot receive from or reach.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "support/captured_log.hpp"
 #include "support/private_domain.hpp"
@@ -100,7 +102,8 @@ TEST(PeerWatch, NoticesPeersThatJoinLater) {
   rt::Node node{"patient"}, other{"late"};
   const auto subscription = node.create_subscription(kTwist, [](const auto&) {});
   bool stamped = false;
-  const auto request = node.when_published(kStamped, [&] { stamped = true; });
+  const auto request =
+      node.watch_publishers(kStamped, [&](const auto& offered) { stamped = !offered.empty(); });
   let_pass(kSettled, node);
   const auto careless = other.create_publisher(kTwist, rt::kBestEffort(5));
   const auto publisher = other.create_publisher(kStamped);
@@ -151,23 +154,35 @@ TEST(PeerWatch, ReportsAMismatchedType) {
       kTimeout, node));
 }
 
-TEST(PeerWatch, CallsBackWhenTheTypeIsPublished) {
+TEST(PeerWatch, CallsBackWhenPublishersOfTheTypeComeAndLeave) {
   rt::Node node{"waiting"}, other{"stamping"};
-  int calls = 0;
-  const auto request = node.when_published(kStamped, [&] { ++calls; });
+  std::vector<std::size_t> calls;  // how many publishers there were
+  int best_effort = 0;
+  const auto request = node.watch_publishers(kStamped, [&](const auto& offered) {
+    calls.push_back(offered.size());
+    for (const auto& publisher : offered) best_effort += 1 - publisher.reliability;
+  });
   const auto plain = other.create_publisher(kTwist);
-  EXPECT_FALSE(spin_until([&] { return calls > 0; }, 0.3, node));
-  const auto stamped = other.create_publisher(kStamped);
-  EXPECT_TRUE(spin_until([&] { return calls > 0; }, kTimeout, node));
-  const auto again = other.create_publisher(kStamped);
-  let_pass(0.3, node);
-  EXPECT_EQ(calls, 1);
+  EXPECT_FALSE(spin_until([&] { return !calls.empty(); }, 0.3, node));
+  for (const std::size_t round : {1U, 2U}) {
+    auto stamped = std::optional{other.create_publisher(kStamped)};
+    ASSERT_TRUE(spin_until([&] { return calls.size() == 4 * round - 3; }, kTimeout, node));
+    auto second = std::optional{other.create_publisher(kStamped, rt::kBestEffort(1))};
+    ASSERT_TRUE(spin_until([&] { return calls.size() == 4 * round - 2; }, kTimeout, node));
+    EXPECT_EQ(best_effort, static_cast<int>(round));
+    stamped.reset();
+    ASSERT_TRUE(spin_until([&] { return calls.size() == 4 * round - 1; }, kTimeout, node));
+    second.reset();
+    ASSERT_TRUE(spin_until([&] { return calls.size() == 4 * round; }, kTimeout, node));
+    best_effort = static_cast<int>(round);
+  }
+  EXPECT_EQ(calls, (std::vector<std::size_t>{1, 2, 1, 0, 1, 2, 1, 0}));
 }
 
 TEST(PeerWatch, DoesNotCallBackAfterCancellation) {
   rt::Node node{"gone"};
   int calls = 0;
-  auto request = node.when_published(kStamped, [&] { ++calls; });
+  auto request = node.watch_publishers(kStamped, [&](const auto&) { ++calls; });
   request.reset();
   const auto stamped = node.create_publisher(kStamped);
   let_pass(0.3, node);
@@ -232,6 +247,19 @@ TEST(Lifespan, KeepsOldSamplesFromLateSubscriptions) {
   EXPECT_EQ(got_fleeting, 0);
   fleeting.publish({});
   EXPECT_TRUE(spin_until([&] { return got_fleeting == 1; }, kTimeout, node));
+}
+
+// Lyrical's rmw_fastrtps adds the key bufbe, whose value has colons.
+TEST(UserData, GivesTheTypeHashAmongKeysThatAreNotKnown) {
+  const std::string hash = "RIHS01_9c45bf16";
+  for (const std::string text :
+       {"typehash=RIHS01_9c45bf16;", "typehash=RIHS01_9c45bf16",
+        "bufbe=cpu:1,cuda:2;typehash=RIHS01_9c45bf16;", "typehash=RIHS01_9c45bf16;bufbe=cpu:1;",
+        ";;bufbe;typehash=RIHS01_9c45bf16;",
+        "enclave=/;oldtypehash=RIHS01_0;typehash=RIHS01_9c45bf16"})
+    EXPECT_EQ(rt::type_hash_in(text), hash) << text;
+  for (const std::string text : {"", ";", "bufbe=cpu:1;", "oldtypehash=RIHS01_0;", "typehash"})
+    EXPECT_EQ(rt::type_hash_in(text), "") << text;
 }
 
 }  // namespace

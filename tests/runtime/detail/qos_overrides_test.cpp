@@ -2,10 +2,12 @@
 // Tests setting a topic's QoS by parameters with rclcpp's names.
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <map>
+#include <string>
 
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/node.hpp"
 
 namespace tandem {
@@ -65,6 +67,33 @@ TEST(QosOverrides, HoldForEverySubscriptionButForItsOtherDurability) {
     durable += policies.durability;
   }
   EXPECT_EQ(durable, 1);
+}
+
+// As the emergency stop has it; `ros2 param dump` gives each value of the first subscription.
+TEST(QosOverrides, ThatRepeatTheTopicsOwnQosLeaveEachSubscriptionItsOwn) {
+  const std::string prefix = "qos_overrides./chair/cmd_vel.subscription.";
+  rt::Node node{with({{prefix + "reliability", "reliable"},
+                      {prefix + "durability", "volatile"},
+                      {prefix + "depth", "10"},
+                      {prefix + "history", "keep_last"}})};
+  const auto strong = node.create_subscription(kCommand, [](const auto&) {});
+  const auto weak = node.create_subscription(kCommand, rt::kBestEffort(1), [](const auto&) {});
+  const auto info = info_of(node, "/chair/cmd_vel");
+  ASSERT_EQ(info.subscriptions.size(), 2U);
+  EXPECT_EQ(info.subscriptions[0].reliability + info.subscriptions[1].reliability, 1);
+}
+
+TEST(QosOverrides, AreParametersWhetherGivenOrNot) {
+  rt::Node node{with({})};
+  const auto publisher = node.create_publisher(kCommand);
+  std::map<std::string, std::string> listed;
+  for (const auto& parameter : node.core()->parameters.all())
+    listed[parameter.name()] = rt::to_text(parameter.value());
+  const std::string prefix = "qos_overrides./chair/cmd_vel.publisher.";
+  EXPECT_EQ(listed[prefix + "reliability"], "\"reliable\"");
+  EXPECT_EQ(listed[prefix + "durability"], "\"volatile\"");
+  EXPECT_EQ(listed[prefix + "history"], "\"keep_last\"");
+  EXPECT_EQ(listed[prefix + "depth"], "10");
 }
 
 TEST(QosOverrides, ForAnUnopenedTopicAreRefused) {

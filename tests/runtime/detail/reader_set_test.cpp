@@ -130,7 +130,8 @@ TEST(AcceptsEveryUnless, ParametersForbidIt) {
   options.parameters.values["qos_overrides./stream.subscription.reliability"] = {"reliable",
                                                                                  "test"};
   rt::Node strict{options}, other{"other"};
-  const auto subscription = strict.create_subscription(kStream, [](const auto&) {});
+  const rt::Topic<std_msgs::msg::Float64> stream{"stream", rt::kBestEffort(5), rt::Accepts::kEvery};
+  const auto subscription = strict.create_subscription(stream, [](const auto&) {});
   const auto weak = other.create_publisher(kStream, rt::kBestEffort(1));
   EXPECT_TRUE(spin_until(
       [&] {

@@ -52,8 +52,10 @@ std::string hash_of(const TypeDescription& type) {
 
 class TypeDescriptionService : public testing::Test {
  protected:
-  GetTypeDescription::Response ask(const std::string& name, const std::string& hash) {
+  GetTypeDescription::Response ask(const std::string& name, const std::string& hash,
+                                   bool with_sources = false) {
     GetTypeDescription::Request request;
+    request.include_type_sources(with_sources);
     request.type_name(name);
     request.type_hash(hash);
     std::optional<GetTypeDescription::Response> answer;
@@ -82,6 +84,27 @@ TEST_F(TypeDescriptionService, DescribesWhatTheHashWasMadeOf) {
     EXPECT_TRUE(answer.successful()) << answer.failure_reason();
     EXPECT_EQ(hash_of(answer.type_description()), hash);
   }
+}
+
+TEST_F(TypeDescriptionService, GivesTheSourcesOfATypeOnRequest) {
+  EXPECT_TRUE(ask("geometry_msgs/msg/Twist", "").type_sources().empty());
+  const auto sources = ask("geometry_msgs/msg/Twist", "", true).type_sources();
+  ASSERT_EQ(sources.size(), 2U);
+  EXPECT_EQ(sources[0].type_name(), "geometry_msgs/msg/Twist");
+  EXPECT_EQ(sources[0].encoding(), "msg");
+  EXPECT_EQ(sources[0].raw_file_contents(),
+            "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n");
+  EXPECT_EQ(sources[1].type_name(), "geometry_msgs/msg/Vector3");
+  EXPECT_EQ(sources[1].raw_file_contents(), "float64 x\nfloat64 y\nfloat64 z\n");
+}
+
+TEST_F(TypeDescriptionService, GivesNoFileOfARequestButThoseOfItsFields) {
+  const auto sources = ask("rcl_interfaces/srv/SetParameters_Request", "", true).type_sources();
+  ASSERT_GE(sources.size(), 3U);
+  EXPECT_EQ(sources[0].encoding(), "implicit");
+  EXPECT_EQ(sources[0].raw_file_contents(), "");
+  EXPECT_EQ(sources[1].type_name(), "rcl_interfaces/msg/Parameter");
+  EXPECT_EQ(sources[1].raw_file_contents(), "string name\nrcl_interfaces/ParameterValue value\n");
 }
 
 TEST_F(TypeDescriptionService, KnowsOurOwnTypesWithoutAHash) {
