@@ -72,8 +72,8 @@ TEST_F(LiveParameters, DoNotIncludeTheSafetyFilters) {
 
 TEST_F(LiveParameters, OfArbitrationAreHowItBlends) {
   const auto arbitration = load("arbitration", {});
-  EXPECT_EQ(live("/arbitration"),
-            (Names{"blend_clearance", "blend_disagreement", "blend_min", "blend_rate"}));
+  EXPECT_EQ(live("/arbitration"), (Names{"blend_clearance", "blend_disagreement", "blend_min",
+                                         "blend_rate", "use_sim_time"}));
   EXPECT_EQ(set("/arbitration", "blend_min", 0.5), "");
   EXPECT_NE(set("/arbitration", "user_timeout", 5.0).find("read-only"), std::string::npos);
 }
@@ -105,8 +105,9 @@ TEST_F(LiveParameters, OfThePlannerAreItsMethodToo) {
 
 TEST_F(LiveParameters, OfTheExtractorAreItsFit) {
   const auto extractor = load("obstacle_extractor", {});
-  EXPECT_EQ(live("/obstacle_extractor"), (Names{"range", "max_excess", "smallest_gap",
-                                                "space_per_shape", "tile", "shapes_per_tile"}));
+  EXPECT_EQ(live("/obstacle_extractor"),
+            (Names{"range", "max_excess", "smallest_gap", "space_per_shape", "tile",
+                   "shapes_per_tile", "use_sim_time"}));
   EXPECT_EQ(set("/obstacle_extractor", "range", 5.0), "");
 }
 
