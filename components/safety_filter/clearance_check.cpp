@@ -83,17 +83,15 @@ Footprint inset_until_clear(const Footprint& footprint, const Pose2& X_MB,
 
 // Slack of the square around p_MC if the robot started at that possible pose (PossiblePose) [m].
 double slack_from(const PossiblePose& possible, const Footprint& footprint,
-                  const Eigen::Vector2d& p_MC, const Pose2& X_MB, const StaticMap& map,
-                  double most) {
-  const double side = map.grid().resolution;
+                  const Eigen::Vector2d& p_MC, const Pose2& X_MB, double side) {
   const Pose2 X_NB = compose(possible.X_NM, X_MB);
   const double gap = distance_to_square(footprint, X_NB, p_MC, side);
   const double at_start = distance_to_square(footprint, possible.X_MB, p_MC, side);
-  double slack = gap - std::min(most, at_start) + kRounding;
+  double slack = gap - at_start + kRounding;
   if (slack >= 0.0 || gap <= kDifference) return slack;
   const Eigen::Vector2d g_M = gap * direction_to(p_MC, side, X_NB, footprint);
   for (const NearCell& cell : possible.near)
-    slack = std::max(slack, g_M.dot(cell.u_M) - std::min(most, cell.gap) + kRounding);
+    slack = std::max(slack, g_M.dot(cell.u_M) - cell.gap + kRounding);
   return slack;
 }
 
@@ -103,10 +101,10 @@ double slack_inside(const Eigen::Vector2d& p_MC, const Pose2& X_MB, const Body& 
   double slack = slack_behind(required.near, body.footprint, p_MC, X_MB, map, deviation);
   if (slack < 0.0 && !required.overlapped.empty())
     slack = slack_behind(required.overlapped, required.inset, p_MC, X_MB, map, deviation);
-  const double most = required.sure_level + deviation;
   for (const PossiblePose& possible : required.possible) {
     if (slack < 0.0) break;
-    slack = std::min(slack, slack_from(possible, body.footprint, p_MC, X_MB, map, most));
+    slack =
+        std::min(slack, slack_from(possible, body.footprint, p_MC, X_MB, map.grid().resolution));
   }
   return slack;
 }
@@ -151,7 +149,6 @@ RequiredClearance required_clearance(double level, const Pose2& X_MB, double pos
     if (gap <= kDifference) overlapped.push_back(p_MC);
     if (gap > kDifference) required.near.push_back(see(p_MC, side, X_MB, body.footprint));
   }
-  required.sure_level = level - position_error - body.radius * drift.heading_error;
   required.possible =
       possible_poses(X_MB, position_error, drift.heading_error, body.footprint, close, side);
   if (overlapped.empty()) return required;

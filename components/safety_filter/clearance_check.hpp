@@ -22,13 +22,13 @@ struct NearCell {
 };
 
 /// A pose that the robot may have had at the start, given the errors of the measured one, and what
-/// is required of a cell if it did: that the cell stays sure_level + d away, or is no nearer than
+/// is required of a cell nearer than the level if it did: that the cell comes no nearer than it was
 /// at the start, or lies behind a near cell i,
 ///
-///   g · u_i ≥ min(gap_i, sure_level + d).                                                   (2)
+///   g · u_i ≥ gap_i.                                                                        (2)
 ///
-/// Unlike in (1), d is not added to gap_i: among the possible poses there often is one that nearly
-/// touches the cell, and then no motion could pass.
+/// Unlike in (1), the deviation d is not added: among the possible poses there often is one that
+/// nearly touches the cell, and then no motion could pass.
 struct PossiblePose {
   Pose2 X_MB;                  ///< at the start
   Pose2 X_NM;                  ///< maps measured poses of the motion to those that start at X_MB
@@ -57,8 +57,7 @@ struct RequiredClearance {
   double level = 0.0;               ///< [m]
   std::vector<NearCell> near = {};  ///< empty if the motion starts outside the level
   Footprint inset = {};  ///< smaller outline, clear of the cells that the outline overlaps
-  std::vector<NearCell> overlapped = {};  ///< the overlapped cells, measured from `inset`
-  double sure_level = 0.0;  ///< the part of `level` that is not for the pose's error [m]
+  std::vector<NearCell> overlapped = {};    ///< the overlapped cells, measured from `inset`
   std::vector<PossiblePose> possible = {};  ///< empty if the motion starts outside the level
   DriftBounds drift = {};                   ///< bounds of the odometry's drift
 };
