@@ -47,6 +47,10 @@ class TANDEM_EXPORT ServedGoals {
   void publish() const;
   /// The goal's state.
   [[nodiscard]] GoalStatus status(const GoalId& id) const { return table_.status(id); }
+  /// As Node::is_present().
+  [[nodiscard]] bool is_present(const PublisherId& client) const {
+    return node_.is_present(client);
+  }
   /// Whether the goal was accepted and is not forgotten.
   [[nodiscard]] bool knows(const GoalId& id) const { return status(id) != GoalStatus::kUnknown; }
 
@@ -116,6 +120,11 @@ class ActionServerState : public std::enable_shared_from_this<ActionServerState<
     message.feedback(feedback);
     feedback_.publish(message);
   }
+  /// Whether the client that sent the goal is on the domain.
+  [[nodiscard]] bool has_client(const GoalId& id) const {
+    const auto found = kept_.find(id);
+    return found != kept_.end() && goals_.is_present(found->second.client);
+  }
   /// Ends a goal and answers the clients that wait for its result.
   void finish(const GoalId& id, GoalStatus status, const Result& result) {
     if (!goals_.finish(id, status)) return;
@@ -130,6 +139,7 @@ class ActionServerState : public std::enable_shared_from_this<ActionServerState<
 
   struct Kept {
     std::shared_ptr<const Goal> goal;
+    PublisherId client{};
     typename A::GetResult::Response response;  // once it has ended
     std::vector<Reply<typename A::GetResult>> waiting;
   };
@@ -150,6 +160,7 @@ class ActionServerState : public std::enable_shared_from_this<ActionServerState<
     reply.send(response);
     if (!stamp) return;
     kept_[id].goal = goal;
+    kept_[id].client = reply.client();
     goals_.publish();
     if (answer == GoalAnswer::kExecute) goals_.execute(id);
     handlers_.on_accepted(handle(id));
@@ -200,6 +211,12 @@ class ServerGoal {
   }
   /// Whether a client asked to cancel it, and the component agreed.
   [[nodiscard]] bool is_canceling() const { return status() == GoalStatus::kCanceling; }
+
+  /// Whether the client that sent it is on the domain. One that died is until DDS notices.
+  [[nodiscard]] bool has_client() const {
+    const auto server = server_.lock();
+    return server && server->has_client(id_);
+  }
 
   /// Begins a goal that was accepted by kDefer.
   void execute() const {

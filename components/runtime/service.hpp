@@ -124,20 +124,25 @@ class GenericClient {
   AnyClient client_;
 };
 
-/// Sends a response, given by its address, to one client.
-using AnyReply = std::function<void(const void*)>;
+/// The untyped part of `Reply<S>`.
+struct AnyReply {
+  std::function<void(const void*)> send;  ///< sends the response at that address to the client
+  PublisherId client{};                   ///< the publisher of the client's requests
+};
 
 /// Sends the response to one request of service S, now or later.
 template <class S>
 class Reply {
  public:
   /// Made by the service.
-  explicit Reply(AnyReply send) : send_{std::move(send)} {}
+  explicit Reply(AnyReply reply) : reply_{std::move(reply)} {}
   /// Call once, on the node's thread. Does nothing after the service was closed.
-  void send(const typename S::Response& response) const { send_(&response); }
+  void send(const typename S::Response& response) const { reply_.send(&response); }
+  /// The publisher of the client's requests, for Node::is_present().
+  [[nodiscard]] const PublisherId& client() const { return reply_.client; }
 
  private:
-  AnyReply send_;
+  AnyReply reply_;
 };
 
 /// A reused request and response, and the callback that turns one into the other.

@@ -163,8 +163,10 @@ TEST_F(Action, KeepsTwoClientsApart) {
 
 TEST_F(Action, GoesOnWithoutItsClient) {
   begin();
+  EXPECT_TRUE(server_->goals.front().has_client());
   client_.client = {};
   const auto& goal = server_->goals.front();
+  ASSERT_TRUE(until([&] { return !goal.has_client(); }));
   EXPECT_TRUE(goal.is_active());
   goal.succeed({});
   EXPECT_EQ(goal.status(), GoalStatus::kSucceeded);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "tandem/runtime/detail/reader_set.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -52,16 +54,17 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
   rtps::SampleIdentity to = info.sample_identity;
   const auto& client = info.related_sample_identity.writer_guid();
   if (known(client)) to.writer_guid(client);
-  if (responder_.reply) responder_.reply(reply_to(to));
+  if (responder_.reply) responder_.reply(reply_to(to, info.sample_identity.writer_guid()));
   responder_.request.deliver();
   if (!responder_.reply) respond(to, responder_.response());
   return true;
 }
 
-AnyReply Server::reply_to(const rtps::SampleIdentity& to) {
-  return [self = std::weak_ptr{self_}, to](const void* response) {
+AnyReply Server::reply_to(const rtps::SampleIdentity& to, const rtps::GUID_t& client) {
+  const auto send = [self = std::weak_ptr{self_}, to](const void* response) {
     if (const auto server = self.lock()) (*server)->respond(to, response);
   };
+  return {send, to_id(client)};
 }
 
 void Server::respond(const rtps::SampleIdentity& to, const void* response) {

@@ -31,7 +31,7 @@ class Server {
   };
 
   bool on_request(const Bytes& bytes, const fdds::SampleInfo& info);
-  [[nodiscard]] AnyReply reply_to(const rtps::SampleIdentity& to);
+  [[nodiscard]] AnyReply reply_to(const rtps::SampleIdentity& to, const rtps::GUID_t& client);
   void respond(const rtps::SampleIdentity& to, const void* response);
   double send_replies(double now);
   void send(QueuedReply& reply);
