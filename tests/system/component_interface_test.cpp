@@ -225,7 +225,7 @@ const std::vector<Rare>& rare_uses() {
       {"hindsight", {{"static_map", "grid"}, {"goals", "[1.0, 1.0, 0.0]"}}},
       {"teleop", {}},
       {"haptics", {}},
-      {"local_planner", {{"publish_description", "true"}}},
+      {"local_planner", {{"publish_description", "true"}, {"serve_actions", "true"}}},
       {"arbitration", {}},
       {"diff_drive_sim", {{"map", source_path("maps/forest.bt")}}}};
   return all;

@@ -4,19 +4,19 @@ with_rclpy."""
 import subprocess
 import unittest
 
+import rclpy_node
 import robot
-from robot import start, stop, until
+from rclpy_node import result_of, spin_until
+from robot import start, stop
 
-DOMAIN = robot.take_domain()
-
-import rclpy  # noqa: E402  reads ROS_DOMAIN_ID
-from action_msgs.msg import GoalStatus, GoalStatusArray  # noqa: E402
-from action_msgs.srv import CancelGoal  # noqa: E402
-from rclpy.action import (ActionClient, ActionServer, CancelResponse, GoalResponse,  # noqa: E402
-                          get_action_names_and_types, get_action_server_names_and_types_by_node)
-from rclpy.qos import qos_profile_action_status_default  # noqa: E402
-from rclpy.task import Future  # noqa: E402
-from test_msgs.action import Fibonacci  # noqa: E402
+import rclpy
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
+from rclpy.action import (ActionClient, ActionServer, CancelResponse, GoalResponse, get_action_names_and_types,
+                          get_action_server_names_and_types_by_node)
+from rclpy.qos import qos_profile_action_status_default
+from rclpy.task import Future
+from test_msgs.action import Fibonacci
 
 FIRST = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34]
 ENDLESS = 100  # the peers publish a number each 20 ms
@@ -24,25 +24,7 @@ ENDLESS = 100  # the peers publish a number each 20 ms
 
 def setUpModule():
     global node
-    rclpy.init()
-    node = rclpy.create_node('beside')
-
-
-def tearDownModule():
-    node.destroy_node()
-    rclpy.shutdown()
-
-
-def spin_until(condition, what):
-    def turn():
-        rclpy.spin_once(node, timeout_sec=0.02)
-        return condition()
-    return until(turn, what)
-
-
-def result_of(future, what):
-    spin_until(future.done, what)
-    return future.result()
+    node = rclpy_node.start_node()
 
 
 class OurServer(unittest.TestCase):
