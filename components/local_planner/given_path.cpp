@@ -13,7 +13,7 @@ void GivenPath::follow(std::span<const Eigen::Vector2d> path) {
 }
 
 void GivenPath::advance(const Eigen::Vector2d& p_MB) {
-  const auto passed = static_cast<std::ptrdiff_t>(nearest(points_, p_MB, kSearchAhead));
+  const auto passed = static_cast<std::ptrdiff_t>(nearest_index(points_, p_MB, kSearchAhead));
   points_.erase(points_.begin(), points_.begin() + passed);
 }
 
@@ -23,8 +23,8 @@ double GivenPath::length() const {
   return sum;
 }
 
-std::size_t nearest(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& p,
-                    double most) {
+std::size_t nearest_index(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& p,
+                          double most) {
   std::size_t best = 0;
   double length = 0.0;
   for (std::size_t i = 1; i < points.size() && length < most; ++i) {

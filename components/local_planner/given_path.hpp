@@ -12,7 +12,8 @@ namespace tandem {
 /// A path to follow, from the robot onward, in the map frame [m].
 class GivenPath {
  public:
-  static constexpr double kSpacing = 0.05;  ///< [m] between two points, roughly
+  static constexpr double kSpacing = 0.05;     ///< [m] between two points, roughly
+  static constexpr double kSearchAhead = 2.0;  ///< [m] that the robot can pass in one cycle
 
   /// Replaces the path. The robot has passed none of it.
   void follow(std::span<const Eigen::Vector2d> path);
@@ -30,10 +31,7 @@ class GivenPath {
 };
 
 /// Index of the point nearest to p within the first `most` [m] of the path.
-[[nodiscard]] std::size_t nearest(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& p,
-                                  double most);
-
-/// Most of a path that the robot can pass in one cycle [m].
-inline constexpr double kSearchAhead = 2.0;
+[[nodiscard]] std::size_t nearest_index(std::span<const Eigen::Vector2d> points,
+                                        const Eigen::Vector2d& p, double most);
 
 }  // namespace tandem

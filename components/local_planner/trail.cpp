@@ -24,7 +24,8 @@ void Trail::extend(const Eigen::Vector2d& p_ML, const Eigen::Vector2d& p_MB) {
     if ((points_.back() - next).norm() > 1e-6) points_.push_back(next);
     if (points_.size() > 1000) break;
   }
-  const auto passed = static_cast<std::ptrdiff_t>(nearest(points_, p_MB, kSearchAhead));
+  const auto passed =
+      static_cast<std::ptrdiff_t>(nearest_index(points_, p_MB, GivenPath::kSearchAhead));
   points_.erase(points_.begin(), points_.begin() + passed);
 }
 
@@ -65,7 +66,7 @@ Eigen::Vector2d direction(std::span<const Eigen::Vector2d> trail, std::size_t i)
 }  // namespace
 
 OnTrail along(std::span<const Eigen::Vector2d> trail, const Eigen::Vector2d& p_MQ, double ahead) {
-  std::size_t i = nearest(trail, p_MQ, 1e9);
+  std::size_t i = nearest_index(trail, p_MQ, 1e9);
   for (; i + 1 < trail.size(); ++i) {
     const Eigen::Vector2d step = trail[i + 1] - trail[i];
     const double length = step.norm();
