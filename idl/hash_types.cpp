@@ -144,6 +144,7 @@ class Parser {
       element(field);
     }
     field.name = next();
+    if (field.name.starts_with('_')) field.name.erase(0, 1);  // a reserved word, escaped
     if (peek() == "[") {
       field.capacity = bound("[");
       field.type_id += kArray;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# C++ types of messages and services, and their type hashes, from IDL.
+# C++ types of messages, services and actions, and their type hashes, from IDL.
 
 # tandem_generate_types(<target> FROM <folder> PACKAGES <names...> HEADER <file> [KNOWN <names...>]):
 # static library of the types of FROM/<package>.idl. Packages come after those that they use. HEADER:
@@ -23,6 +23,7 @@ function(tandem_generate_types target)
   set(includes)
   set(types)      # MessageType<M> of each structure
   set(services)   # S::Request, S::Response, S::name
+  set(actions)    # A::Goal, A::Result, A::Feedback, and what carries them
   set(creators)   # MessageType<M>::create()
   set(pubsub_includes)
   set(generated)
@@ -38,9 +39,9 @@ function(tandem_generate_types target)
     foreach(suffix ${sources})
       list(APPEND generated ${code}/${package}${suffix})
     endforeach()
-    file(STRINGS ${arg_FROM}/${idl} lines REGEX "module (msg|srv) |^ *struct ")
+    file(STRINGS ${arg_FROM}/${idl} lines REGEX "module (msg|srv|action) |^ *struct ")
     foreach(line IN LISTS lines)
-      if(line MATCHES "module (msg|srv) ")
+      if(line MATCHES "module (msg|srv|action) ")
         set(kind ${CMAKE_MATCH_1})
       elseif(line MATCHES "struct ([A-Za-z0-9_]+)")
         set(name ${CMAKE_MATCH_1})
@@ -52,9 +53,16 @@ function(tandem_generate_types target)
                "MessageType<${type}>::create() {\n  return create_checked<${type}PubSubType>();\n}\n")
         if(name MATCHES "(.+)_Request")
           set(service ${CMAKE_MATCH_1})
-          string(APPEND services "namespace tandem::${package}::srv {\nstruct ${service} {\n"
+          string(APPEND services "namespace tandem::${package}::${kind} {\nstruct ${service} {\n"
                  "  using Request = ${service}_Request;\n  using Response = ${service}_Response;\n"
-                 "  static constexpr const char* name = \"${package}/srv/${service}\";\n};\n}\n")
+                 "  static constexpr const char* name = \"${package}/${kind}/${service}\";\n};\n}\n")
+        elseif(name MATCHES "(.+)_FeedbackMessage")
+          set(action ${CMAKE_MATCH_1})
+          string(APPEND actions "namespace tandem::${package}::action {\nstruct ${action} {\n")
+          foreach(part Goal Result Feedback SendGoal GetResult FeedbackMessage)
+            string(APPEND actions "  using ${part} = ${action}_${part};\n")
+          endforeach()
+          string(APPEND actions "  static constexpr const char* name = \"${package}/action/${action}\";\n};\n}\n")
         endif()
       endif()
     endforeach()
@@ -63,6 +71,7 @@ function(tandem_generate_types target)
 #include \"msgs.hpp\"
 @includes@
 @services@
+@actions@
 namespace tandem::runtime {
 @types@}
 ")
@@ -101,10 +110,10 @@ namespace tandem::runtime {
 endfunction()
 
 # tandem_add_interfaces(<package> FILES <files...>): target <package>, a library of the package's
-# messages and services; include <package>/messages.hpp. The types are in the namespace tandem
-# (tandem::<package>::msg::X) and are used with topics and services as Tandem's own. FILES: .msg and .srv
-# files, or the one file <package>.idl in the form of Tandem's (share/tandem/idl). They may use the
-# packages of Tandem. Needs fastddsgen, and Python 3 for .msg and .srv files.
+# messages, services and actions; include <package>/messages.hpp. The types are in the namespace tandem
+# (tandem::<package>::msg::X) and are used with topics, services and actions as Tandem's own. FILES: .msg, .srv
+# and .action files, or the one file <package>.idl in the form of Tandem's (share/tandem/idl). They may use the
+# packages of Tandem. Needs fastddsgen, and Python 3 for all but IDL.
 function(tandem_add_interfaces package)
   cmake_parse_arguments(arg "" "" "FILES" ${ARGN})
   if(NOT package MATCHES "^[a-z][a-z0-9_]*$")

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the name, type and QoS of every topic and service, in data-flow order. Names are
+// Defines the name, type and QoS of every topic, service and action, in data-flow order. Names are
 // relative, so that a namespace applies to a whole robot; all can be remapped.
 #pragma once
 
 #include <msgs.hpp>
 
+#include "tandem/runtime/action.hpp"
 #include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/pubsub.hpp"
 #include "tandem/runtime/service.hpp"
@@ -127,6 +128,9 @@ inline constexpr auto clock = runtime::every_node::clock;
 /// Where to put the simulated robot.
 inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> initial_pose{
     "initialpose", kDefault, Accepts::kEvery};
+/// The robot's pose, for clients of Nav2, which publishes it under this name.
+inline constexpr Topic<geometry_msgs::msg::PoseWithCovarianceStamped> amcl_pose{"amcl_pose",
+                                                                                kLatched};
 
 }  // namespace tandem::topics
 
@@ -142,4 +146,28 @@ inline constexpr ServiceName<std_srvs::srv::Trigger> release_emergency_stop{
 /// Puts the simulated robot back to its start.
 inline constexpr ServiceName<std_srvs::srv::Trigger> reset{"~/reset"};
 
+// what clients of Nav2 ask for
+/// Whether the robot is localised, as the lifecycle state of Nav2's localiser.
+inline constexpr ServiceName<lifecycle_msgs::srv::GetState> amcl_state{"amcl/get_state"};
+/// Whether a goal would be accepted, as the lifecycle state of Nav2's navigator.
+inline constexpr ServiceName<lifecycle_msgs::srv::GetState> navigator_state{
+    "bt_navigator/get_state"};
+/// Whether the robot is localised, as Nav2's lifecycle manager tells RViz's panel.
+inline constexpr ServiceName<std_srvs::srv::Trigger> localization_is_active{
+    "lifecycle_manager_localization/is_active"};
+/// Whether a goal would be accepted, likewise.
+inline constexpr ServiceName<std_srvs::srv::Trigger> navigation_is_active{
+    "lifecycle_manager_navigation/is_active"};
+
 }  // namespace tandem::services
+
+namespace tandem::actions {
+
+using runtime::ActionName;
+
+/// Drives to a pose.
+inline constexpr ActionName<nav2_msgs::action::NavigateToPose> navigate_to_pose{"navigate_to_pose"};
+/// Drives along a path.
+inline constexpr ActionName<nav2_msgs::action::FollowPath> follow_path{"follow_path"};
+
+}  // namespace tandem::actions

@@ -93,7 +93,9 @@ bool is_valid(const PlanRequest& request) {
     return o.p_MO.allFinite() && o.v_MO.allFinite() && std::isfinite(o.a) && std::isfinite(o.b) &&
            std::isfinite(o.angle) && o.a > 0.0 && o.b > 0.0;
   };
-  return target && std::isfinite(request.t) && is_finite(request.X_MB) &&
+  const bool path = std::all_of(request.path.begin(), request.path.end(),
+                                [](const Eigen::Vector2d& p) { return p.allFinite(); });
+  return target && path && std::isfinite(request.t) && is_finite(request.X_MB) &&
          is_finite(request.command) && is_finite(request.measured) &&
          std::all_of(request.obstacles.begin(), request.obstacles.end(), is_shape);
 }

@@ -19,7 +19,9 @@ rt::Interface LocalPlannerNode::interface() {
                                      topics::planner_status}} +
          TwistInput::interface(topics::cmd_vel_user, topics::kUserInput) +
          TwistInput::interface(topics::cmd_vel) + RobotStateInput::interface() +
-         RobotDescription::interface() + Diagnostics::interface();
+         RobotDescription::interface() +
+         rt::only_if("serve_actions: true", NavigationActions::interface()) +
+         Diagnostics::interface();
 }
 
 LocalPlannerNode::LocalPlannerNode(rt::Node& node)
@@ -49,6 +51,9 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
     throw std::invalid_argument("goal: expected three numbers: x, y and heading");
   if (!goal.empty()) inputs_.on_goal({goal[0], goal[1], goal[2]});
   status_.method(name(method_));
+  if (params_->navigation.serve_actions)
+    navigation_.emplace(NavigationActions::Planner{node, params_->navigation, robot_, inputs_,
+                                                   [this] { return method_; }});
   subscribe();
   start_timers(params_->live.nmpc.control_period);
   time_jump_ = node.on_time_jump([this] {
@@ -98,10 +103,13 @@ void LocalPlannerNode::subscribe() {
   on_goal_ = node_.create_subscription(topics::goal_pose, [this](const auto& msg) {
     const auto X_MF = robot_.frames().in_map_by_tf(msg.header(), topics::goal_pose.name);
     if (!X_MF) return;
-    if (const auto X_FG = from_msg(msg.pose()))
-      inputs_.on_goal(compose(*X_MF, *X_FG));
-    else
+    const auto X_FG = from_msg(msg.pose());
+    if (!X_FG) {
       node_.log().warn_every(1.0, "goal_pose {}: dropped", fault_of(msg.pose().orientation()));
+      return;
+    }
+    if (navigation_) navigation_->on_goal_pose();
+    inputs_.on_goal(compose(*X_MF, *X_FG));
   });
   on_filter_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
     inputs_.on_filter(msg.enforcing(), msg.refused(), node_.now());
@@ -118,6 +126,7 @@ void LocalPlannerNode::plan() {
   if (const auto reason = inputs_.missing(method_, now)) return stop(*reason);
   planning_ = true;
   standing_for_ = {};
+  inputs_.advance(robot->X_MB.position());
   const PlanRequest request = inputs_.request(method_, *robot, now);
   publish(nmpc_.solve(request), request);
 }

@@ -10,6 +10,8 @@
 #include "tandem/io/robot_description.hpp"
 #include "tandem/io/robot_state_input.hpp"
 #include "tandem/io/twist_input.hpp"
+#include "tandem/local_planner/navigation_node.hpp"
+#include "tandem/local_planner/navigation_params.hpp"
 #include "tandem/local_planner/nmpc.hpp"
 #include "tandem/local_planner/plan_inputs.hpp"
 #include "tandem/map/virtual_fixtures.hpp"
@@ -39,6 +41,7 @@ struct LocalPlannerNodeParams {
   PlanInputParams timeouts;
   StampParams stamp;
   bool publish_description = false;
+  NavigationParams navigation;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -52,6 +55,7 @@ struct LocalPlannerNodeParams {
     stamp.visit(field);
     field("publish_description", publish_description,
           "whether the robot's shape is published on robot_description, unless another node does");
+    navigation.visit(field);
   }
 };
 
@@ -64,7 +68,7 @@ struct LocalPlannerNodeParams {
 
 /// odom, tf, obstacles, cmd_vel and leader_pose | cmd_vel_user | goal_pose → cmd_vel_shared, plan,
 /// user_path, planner/status, /diagnostics. Optional input: safety_filter/status, which reports
-/// whether plans pass.
+/// whether plans pass. With `serve_actions` goals also come from Nav2's actions.
 ///
 /// Plans once per control period; the guidance lines of the file `fixtures` draw the reference.
 /// While a required input is silent it publishes zero and the reason. A watchdog checks the inputs
@@ -106,6 +110,7 @@ class LocalPlannerNode {
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
   std::string standing_for_;  ///< last logged reason for standing
+  std::optional<NavigationActions> navigation_;
   rt::Timer timer_, watchdog_;
   std::shared_ptr<void> time_jump_;
 };

@@ -143,7 +143,8 @@ Plan Nmpc::State::plan_for(const PlanRequest& request, Clock::time_point started
   note_command(request);
   PlanRequest able = request;
   able.user = limit(request.user, robot);
-  const bool led = request.method == Method::kLeader || request.method == Method::kPath;
+  const bool led = request.method == Method::kLeader ||
+                   (request.method == Method::kPath && request.path.empty());
   // During a close approach the leader waits beside the robot, so a plan for it would always stand.
   // Plan for a leader ahead instead, to find out whether plans make progress again.
   if (led && approach.is_near()) {
@@ -152,7 +153,11 @@ Plan Nmpc::State::plan_for(const PlanRequest& request, Clock::time_point started
     trail.clear();
   }
   std::vector<Eigen::Vector2d> way;
-  if (able.method == Method::kPath) {
+  if (able.method == Method::kPath && !request.path.empty()) {
+    trail.clear();
+    way = free_points(request.path, body, request.obstacles, {.margin = params.margin});
+    able.trail = way;
+  } else if (able.method == Method::kPath) {
     trail.extend(request.X_MG.position(), request.X_MB.position());
     way = trail.free_points(body, request.obstacles, {.margin = params.margin},
                             leader_onward(able, params));

@@ -17,7 +17,7 @@ namespace tandem {
 enum class Method {
   kLeader,     ///< Devalla 2020, 3.24 and 3.40: follow the virtual robot X_MG
   kIntention,  ///< Krijnen 2020, 2.3: follow the person's twist, without estimating a goal
-  kPath,       ///< Devalla 2020, 5.1: follow the trail of the virtual robot X_MG
+  kPath,       ///< Devalla 2020, 5.1: follow the trail of the virtual robot X_MG, or a given path
   kGoal,       ///< Devalla 2020, 3.24: a fixed pose X_MG, with a terminal cost
 };
 
@@ -29,7 +29,8 @@ struct PlanRequest {
   Twist2 command = {};                          ///< in force: the last one sent
   Twist2 measured = {};                         ///< twist from odometry
   Pose2 X_MG = {};                              ///< leader or goal; not read by kIntention
-  std::span<const Eigen::Vector2d> trail = {};  ///< kPath: path of the leader, see trail.hpp
+  std::span<const Eigen::Vector2d> path = {};   ///< kPath: to be followed instead, as far as X_MG
+  std::span<const Eigen::Vector2d> trail = {};  ///< kPath: filled in by Nmpc, see trail.hpp
   Twist2 user = {};                             ///< the person's twist; not read by kGoal
   bool rests = false;  ///< the stick is at rest: `user` is zero because zero was received
   std::span<const Obstacle> obstacles = {};     ///< positions and velocities at time t

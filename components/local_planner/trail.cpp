@@ -3,26 +3,15 @@
 
 #include <algorithm>
 
+#include "tandem/local_planner/given_path.hpp"
+
 namespace tandem {
 namespace {
 
-constexpr double kJump = 0.5;         // [m] in a cycle: the leader was repositioned
-constexpr double kSamePlace = 0.2;    // [m] from an earlier point: the leader has returned to it
-constexpr std::size_t kRecent = 12;   // newest points, too close to count as a return
-constexpr double kBridge = 0.15;      // [m] between two points: points between them were left out
-constexpr double kSearchAhead = 2.0;  // [m] most of the trail that the robot can pass in one cycle
-
-// Index of the point nearest to p within the first `most` [m] of the path.
-std::size_t nearest(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& p,
-                    double most) {
-  std::size_t best = 0;
-  double length = 0.0;
-  for (std::size_t i = 1; i < points.size() && length < most; ++i) {
-    length += (points[i] - points[i - 1]).norm();
-    if ((points[i] - p).squaredNorm() < (points[best] - p).squaredNorm()) best = i;
-  }
-  return best;
-}
+constexpr double kJump = 0.5;        // [m] in a cycle: the leader was repositioned
+constexpr double kSamePlace = 0.2;   // [m] from an earlier point: the leader has returned to it
+constexpr std::size_t kRecent = 12;  // newest points, too close to count as a return
+constexpr double kBridge = 0.15;     // [m] between two points: points between them were left out
 
 }  // namespace
 
@@ -35,7 +24,8 @@ void Trail::extend(const Eigen::Vector2d& p_ML, const Eigen::Vector2d& p_MB) {
     if ((points_.back() - next).norm() > 1e-6) points_.push_back(next);
     if (points_.size() > 1000) break;
   }
-  const auto passed = static_cast<std::ptrdiff_t>(nearest(points_, p_MB, kSearchAhead));
+  const auto passed =
+      static_cast<std::ptrdiff_t>(nearest_index(points_, p_MB, GivenPath::kSearchAhead));
   points_.erase(points_.begin(), points_.begin() + passed);
 }
 
@@ -43,14 +33,21 @@ std::vector<Eigen::Vector2d> Trail::free_points(const Body& body,
                                                 std::span<const Obstacle> obstacles,
                                                 const PairLimits& limits,
                                                 std::span<const Eigen::Vector2d> onward) const {
+  std::vector<Eigen::Vector2d> all = points_;
+  all.insert(all.end(), onward.begin(), onward.end());
+  return tandem::free_points(all, body, obstacles, limits);
+}
+
+std::vector<Eigen::Vector2d> free_points(std::span<const Eigen::Vector2d> points, const Body& body,
+                                         std::span<const Obstacle> obstacles,
+                                         const PairLimits& limits) {
   const Body disc{{}, {{{0.0, 0.0}, largest_radius(body)}}, true};
   PairLimits now = limits;
   now.dt = 0.0;
-  std::vector<Eigen::Vector2d> all = points_, free;
-  all.insert(all.end(), onward.begin(), onward.end());
-  for (const Eigen::Vector2d& p : all) {
+  std::vector<Eigen::Vector2d> free;
+  for (const Eigen::Vector2d& p : points) {
     const Pose2 X{p.x(), p.y(), 0.0};
-    if (&p == &all.back() || first_miss(disc, obstacles, std::span(&X, 1), now) == 1)
+    if (&p == &points.back() || first_miss(disc, obstacles, std::span(&X, 1), now) == 1)
       free.push_back(p);
   }
   return free;
@@ -69,7 +66,7 @@ Eigen::Vector2d direction(std::span<const Eigen::Vector2d> trail, std::size_t i)
 }  // namespace
 
 OnTrail along(std::span<const Eigen::Vector2d> trail, const Eigen::Vector2d& p_MQ, double ahead) {
-  std::size_t i = nearest(trail, p_MQ, 1e9);
+  std::size_t i = nearest_index(trail, p_MQ, 1e9);
   for (; i + 1 < trail.size(); ++i) {
     const Eigen::Vector2d step = trail[i + 1] - trail[i];
     const double length = step.norm();

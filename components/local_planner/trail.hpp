@@ -32,6 +32,13 @@ class Trail {
   std::vector<Eigen::Vector2d> points_;
 };
 
+/// Those of the points, as a trail, at which the body's largest disc keeps the margin, and the
+/// last.
+[[nodiscard]] std::vector<Eigen::Vector2d> free_points(std::span<const Eigen::Vector2d> points,
+                                                       const Body& body,
+                                                       std::span<const Obstacle> obstacles,
+                                                       const PairLimits& limits);
+
 /// A point on a trail, in the map frame [m].
 struct OnTrail {
   Eigen::Vector2d p_MT;

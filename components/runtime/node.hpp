@@ -12,6 +12,7 @@
 
 #include <msgs.hpp>
 
+#include "tandem/runtime/action.hpp"
 #include "tandem/runtime/interface.hpp"
 #include "tandem/runtime/log.hpp"
 #include "tandem/runtime/parameter_table.hpp"
@@ -27,6 +28,12 @@ namespace tandem {
 namespace runtime {
 
 class NodeCore;
+template <class A>
+struct ActionHandlers;
+template <class A>
+class ActionServer;
+template <class A>
+class ActionClient;
 
 /// How a node is named and configured.
 struct NodeOptions {
@@ -112,6 +119,11 @@ class TANDEM_EXPORT Node {
   [[nodiscard]] Service create_service(const ServiceName<S>& service, Fn fn) {
     return make_service(service.name, make_responder<S>(std::move(fn)));
   }
+  /// `fn(const Request&, Reply<S>)` sends the response, now or later.
+  template <class S, class Fn>
+  [[nodiscard]] Service create_deferred_service(const ServiceName<S>& service, Fn fn) {
+    return make_service(service.name, make_deferred_responder<S>(std::move(fn)));
+  }
   /// Calls a service; see Client.
   template <class S>
   [[nodiscard]] Client<S> create_client(const ServiceName<S>& service) {
@@ -124,6 +136,16 @@ class TANDEM_EXPORT Node {
                                                     const std::string& type);
   /// ROS 2 services discovered on the domain so far, by name.
   [[nodiscard]] std::vector<ServiceInfo> services() const;
+
+  /// Serves an action; see action_server.hpp, which a caller includes. A result is returned until
+  /// `result_timeout` [s] of steady time after the goal's end; negative: always.
+  template <class A>
+  [[nodiscard]] ActionServer<A> create_action_server(const ActionName<A>& action,
+                                                     ActionHandlers<A> handlers,
+                                                     double result_timeout = kResultTimeout);
+  /// Sends goals to an action's server; see action_client.hpp, which a caller includes.
+  template <class A>
+  [[nodiscard]] ActionClient<A> create_action_client(const ActionName<A>& action);
 
   /// Fires every `period` [s] on the node's clock; missed ticks are skipped.
   [[nodiscard]] Timer create_timer(double period, std::function<void()> fn);

@@ -124,11 +124,33 @@ class GenericClient {
   AnyClient client_;
 };
 
+/// The untyped part of `Reply<S>`.
+struct AnyReply {
+  std::function<void(const void*)> send;  ///< sends the response at that address to the client
+  PublisherId client{};                   ///< the publisher of the client's requests
+};
+
+/// Sends the response to one request of service S, now or later.
+template <class S>
+class Reply {
+ public:
+  /// Made by the service.
+  explicit Reply(AnyReply reply) : reply_{std::move(reply)} {}
+  /// Call once, on the node's thread. Does nothing after the service was closed.
+  void send(const typename S::Response& response) const { reply_.send(&response); }
+  /// The publisher of the client's requests, for Node::is_present().
+  [[nodiscard]] const PublisherId& client() const { return reply_.client; }
+
+ private:
+  AnyReply reply_;
+};
+
 /// A reused request and response, and the callback that turns one into the other.
 struct Responder {
   Receiver request;                       ///< deliver() fills the response
   TypeRef response_type;                  ///< of the response
-  std::function<const void*()> response;  ///< the response that was filled in last
+  std::function<const void*()> response;  ///< the one filled in last; empty if `reply` sends it
+  std::function<void(AnyReply)> reply{};  ///< called before deliver(); empty if it fills one in
 };
 
 /// A responder that calls `fn` with request and response of service S.
@@ -143,6 +165,20 @@ template <class S, class Fn>
   };
   return {make_receiver<Request>(std::move(answer)), type_ref<Response>(),
           [response]() -> const void* { return response.get(); }};
+}
+
+/// A responder that calls `fn` with the request of service S and a Reply<S>.
+template <class S, class Fn>
+[[nodiscard]] Responder make_deferred_responder(Fn fn) {
+  using Request = typename S::Request;
+  auto reply = std::make_shared<AnyReply>();
+  auto deliver = [reply, fn = std::move(fn)](const Request& request) mutable {
+    fn(request, Reply<S>{*reply});
+  };
+  return {make_receiver<Request>(std::move(deliver)),
+          type_ref<typename S::Response>(),
+          {},
+          [reply](AnyReply to) { *reply = std::move(to); }};
 }
 
 }  // namespace tandem::runtime

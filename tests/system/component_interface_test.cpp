@@ -63,6 +63,8 @@ class Describer {
     for (const auto& use : all.publishes) add(use, true);
     for (const auto& use : all.subscribes) add(use, false);
     for (const auto& use : all.serves) add(use);
+    for (const auto& use : all.serves_actions) add(use);
+    EXPECT_TRUE(all.calls_actions.empty()) << "not tested";
     for (const auto& use : all.calls) {
       EXPECT_EQ(use.name, "*") << "not tested";
       description.calls_all = true;
@@ -80,10 +82,29 @@ class Describer {
   }
 
   void add(const rt::ServiceUse& use) {
-    const std::string name = resolved(use.name);
-    const auto& [reliability, durability, depth, lifespan] = use.qos;
-    add({{rt::dds_request_name(name), use.type + "_Request", false, reliability, durability}});
-    add({{rt::dds_reply_name(name), use.type + "_Response", true, reliability, durability}});
+    add_service(resolved(use.name), use.type, use.qos, use.condition);
+  }
+
+  void add(const rt::ActionUse& use) {
+    const rt::ActionParts parts = rt::parts_of(resolved(use.name));
+    add_service(parts.send_goal, use.type + "_SendGoal", rt::kServices, use.condition);
+    add_service(parts.cancel_goal, "action_msgs/srv/CancelGoal", rt::kServices, use.condition);
+    add_service(parts.get_result, use.type + "_GetResult", rt::kServices, use.condition);
+    add_topic(parts.feedback, use.type + "_FeedbackMessage", rt::kDefault, use.condition);
+    add_topic(parts.status, "action_msgs/msg/GoalStatusArray", rt::kActionStatus, use.condition);
+  }
+
+  void add_service(const std::string& name, const std::string& type, const rt::QoS& qos,
+                   const std::string& condition) {
+    add({{rt::dds_request_name(name), type + "_Request", false, qos.reliability, qos.durability},
+         condition});
+    add({{rt::dds_reply_name(name), type + "_Response", true, qos.reliability, qos.durability},
+         condition});
+  }
+
+  void add_topic(const std::string& name, const std::string& type, const rt::QoS& qos,
+                 const std::string& condition) {
+    add({{name, type, true, qos.reliability, qos.durability}, condition});
   }
 
   void add(Described endpoint) { description.endpoints.push_back(std::move(endpoint)); }
@@ -204,7 +225,7 @@ const std::vector<Rare>& rare_uses() {
       {"hindsight", {{"static_map", "grid"}, {"goals", "[1.0, 1.0, 0.0]"}}},
       {"teleop", {}},
       {"haptics", {}},
-      {"local_planner", {{"publish_description", "true"}}},
+      {"local_planner", {{"publish_description", "true"}, {"serve_actions", "true"}}},
       {"arbitration", {}},
       {"diff_drive_sim", {{"map", source_path("maps/forest.bt")}}}};
   return all;

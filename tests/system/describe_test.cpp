@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `tandem describe` prints every parameter, topic and service of each component that `tandem list`
-// prints.
+// `tandem describe` prints every parameter, topic, service and action of each component that
+// `tandem list` prints.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -37,6 +37,8 @@ Names described(const std::string& component) {
     for (const auto& topic : *topics) names.insert(topic.name);
   for (const auto* services : {&interface.serves, &interface.calls})
     for (const auto& service : *services) names.insert(service.name);
+  for (const auto* actions : {&interface.serves_actions, &interface.calls_actions})
+    for (const auto& action : *actions) names.insert(action.name);
   return names;
 }
 

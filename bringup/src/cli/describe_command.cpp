@@ -38,9 +38,13 @@ void print_table(const Row& head, const std::vector<Row>& rows) {
   std::for_each(rows.begin(), rows.end(), print);
 }
 
+std::string in_words(const std::string& condition) {
+  return condition.empty() ? "" : "if " + condition;
+}
+
 Row row_of(const rt::TopicUse& use) {
   if (use.name == rt::TopicUse::every().name) return {"every topic", "", "", ""};
-  return {use.name, use.type, to_text(use.qos), use.condition.empty() ? "" : "if " + use.condition};
+  return {use.name, use.type, to_text(use.qos), in_words(use.condition)};
 }
 
 Row row_of_subscription(const rt::TopicUse& use) {
@@ -51,8 +55,10 @@ Row row_of_subscription(const rt::TopicUse& use) {
 
 Row row_of(const rt::ServiceUse& use) {
   if (use.name == rt::ServiceUse::every().name) return {"every service", "", "", ""};
-  return {use.name, use.type, to_text(use.qos), ""};
+  return {use.name, use.type, to_text(use.qos), in_words(use.condition)};
 }
+
+Row row_of(const rt::ActionUse& use) { return {use.name, use.type, "", in_words(use.condition)}; }
 
 std::string bounds_of(const rt::Field& field) {
   struct {
@@ -88,6 +94,8 @@ void print(const std::string& name) {
   print_table({"publishes", "type", "QoS", ""}, rows_of(all.publishes));
   print_table({"serves", "type", "QoS", ""}, rows_of(all.serves));
   print_table({"calls", "type", "QoS", ""}, rows_of(all.calls));
+  print_table({"serves action", "type", "", ""}, rows_of(all.serves_actions));
+  print_table({"calls action", "type", "", ""}, rows_of(all.calls_actions));
   if (!all.other_input.empty()) std::printf("\n  reads %s\n", all.other_input.c_str());
   if (!all.other_output.empty()) std::printf("\n  writes %s\n", all.other_output.c_str());
   print_table({"parameter", "default", "bounds", "meaning"}, rows_of(component.parameters));
@@ -97,7 +105,8 @@ void print(const std::string& name) {
 
 void add_describe_command(CLI::App& app) {
   auto* command = app.add_subcommand(
-      "describe", "Topics and services of a component with type and QoS, and its parameters");
+      "describe",
+      "Topics, services and actions of a component with type and QoS, and its parameters");
   auto component = std::make_shared<std::string>();
   command->add_option("component", *component, "its name; see `tandem list`")->required();
   command->callback([component] { print(*component); });

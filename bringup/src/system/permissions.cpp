@@ -26,11 +26,24 @@ std::string resolved(const rt::NodeOptions& options, const std::string& name) {
   return rt::resolve_name(name, rt::make_node_name(options.ns, options.name), options.remappings);
 }
 
+// The services and topics of an action, under its full name.
+void allow_action(Permissions& permissions, const std::string& action, bool serves) {
+  const rt::ActionParts parts = rt::parts_of(action);
+  for (const auto& service : {parts.send_goal, parts.cancel_goal, parts.get_result})
+    (serves ? allow_serve : allow_call)(permissions, service);
+  for (const auto& topic : {parts.feedback, parts.status})
+    (serves ? allow_publish : allow_subscribe)(permissions, topic);
+}
+
 void add(Permissions& permissions, const rt::NodeOptions& options, const rt::Interface& all) {
   for (const auto& use : all.publishes) allow_publish(permissions, resolved(options, use.name));
   for (const auto& use : all.subscribes) allow_subscribe(permissions, resolved(options, use.name));
   for (const auto& use : all.serves) allow_serve(permissions, resolved(options, use.name));
   for (const auto& use : all.calls) allow_call(permissions, resolved(options, use.name));
+  for (const auto& use : all.serves_actions)
+    allow_action(permissions, resolved(options, use.name), true);
+  for (const auto& use : all.calls_actions)
+    allow_action(permissions, resolved(options, use.name), false);
 }
 
 // "2026-11-26T20:00:00", in UTC.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "tandem/runtime/detail/reader_set.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -38,6 +40,7 @@ Server::Server(NodeCore& node, const std::string& service, Responder responder, 
 }
 
 void Server::close() {
+  self_.reset();
   node_.remove(*poller_);
   node_.close_reader(*reader_);
   node_.close_writer(*writer_);
@@ -48,28 +51,41 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
     responder_.request.reset();
     return false;
   }
-  responder_.request.deliver();
-  Reply reply{{}, info.sample_identity, steady_seconds() + kMatchWait};
+  rtps::SampleIdentity to = info.sample_identity;
   const auto& client = info.related_sample_identity.writer_guid();
-  if (known(client)) reply.to.writer_guid(client);
-  if (!response_codec_.encode(responder_.response(), reply.bytes))
+  if (known(client)) to.writer_guid(client);
+  if (responder_.reply) responder_.reply(reply_to(to, info.sample_identity.writer_guid()));
+  responder_.request.deliver();
+  if (!responder_.reply) respond(to, responder_.response());
+  return true;
+}
+
+AnyReply Server::reply_to(const rtps::SampleIdentity& to, const rtps::GUID_t& client) {
+  const auto send = [self = std::weak_ptr{self_}, to](const void* response) {
+    if (const auto server = self.lock()) (*server)->respond(to, response);
+  };
+  return {send, to_id(client)};
+}
+
+void Server::respond(const rtps::SampleIdentity& to, const void* response) {
+  QueuedReply reply{{}, to, steady_seconds() + kMatchWait};
+  if (!response_codec_.encode(response, reply.bytes))
     node_.log.error("{}: the response could not be sent", service_);
   else if (replies_.size() < kMaxQueue)
     replies_.push_back(std::move(reply));
   poller_->next = 0.0;
-  return true;
 }
 
 double Server::send_replies(double now) {
-  for (Reply& reply : replies_) send(reply);
-  std::erase_if(replies_, [now](const Reply& reply) {
+  for (QueuedReply& reply : replies_) send(reply);
+  std::erase_if(replies_, [now](const QueuedReply& reply) {
     const bool is_reachable = reply.reached > 0 && reply.to.writer_guid().entityId.is_reader();
     return is_reachable || now >= reply.deadline;  // a client that has left would not receive it
   });
   return replies_.empty() ? kNoDeadline : now + kRetry;
 }
 
-void Server::send(Reply& reply) {
+void Server::send(QueuedReply& reply) {
   const auto latest = writer_->matched_at(reply.to.writer_guid());
   if (latest <= reply.reached) return;
   reply.reached = latest;

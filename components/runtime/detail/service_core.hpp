@@ -23,7 +23,7 @@ class Server {
   void close();
 
  private:
-  struct Reply {
+  struct QueuedReply {
     Bytes bytes;
     rtps::SampleIdentity to;
     double deadline;           // dropped after this time [s], steady clock
@@ -31,17 +31,20 @@ class Server {
   };
 
   bool on_request(const Bytes& bytes, const fdds::SampleInfo& info);
+  [[nodiscard]] AnyReply reply_to(const rtps::SampleIdentity& to, const rtps::GUID_t& client);
+  void respond(const rtps::SampleIdentity& to, const void* response);
   double send_replies(double now);
-  void send(Reply& reply);
+  void send(QueuedReply& reply);
 
   NodeCore& node_;
   std::string service_;
   Responder responder_;
   Codec request_codec_, response_codec_;
-  std::deque<Reply> replies_;
+  std::deque<QueuedReply> replies_;
   std::shared_ptr<Writer> writer_;
   std::shared_ptr<Reader> reader_;
   std::shared_ptr<Poller> poller_;
+  std::shared_ptr<Server*> self_ = std::make_shared<Server*>(this);  // until it is closed
 };
 
 /// Sends requests and completes each call with a response or a timeout. Requests are queued until a

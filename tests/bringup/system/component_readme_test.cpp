@@ -16,13 +16,14 @@ namespace tandem {
 namespace {
 
 using Names = std::set<std::string>;
-using NamesByDirection = std::map<std::string, Names>;  // "subscribes", "publishes", "serves"
+using NamesByDirection = std::map<std::string, Names>;  // "subscribes", "serves", …
 
 // The names in rows such as "| subscribes | `odom`, `/tf` | … |".
 NamesByDirection names_in(const std::string& readme) {
-  static const std::regex row{R"(\| (subscribes|publishes|serves) \| ([^|]*) \|.*)"};
+  static const std::regex row{R"(\| (subscribes|publishes|serves|serves action) \| ([^|]*) \|.*)"};
   static const std::regex name{"`([^`]+)`"};
-  NamesByDirection names{{"subscribes", {}}, {"publishes", {}}, {"serves", {}}};
+  NamesByDirection names{
+      {"subscribes", {}}, {"publishes", {}}, {"serves", {}}, {"serves action", {}}};
   std::ifstream file{readme};
   std::smatch cells;
   for (std::string line; std::getline(file, line);) {
@@ -51,7 +52,8 @@ TEST(Readmes, ListTheTopicsThatTheComponentsDescribe) {
     const rt::Interface interface = rt::description_of(component).interface;
     const NamesByDirection described{{"subscribes", names_of(interface.subscribes)},
                                      {"publishes", names_of(interface.publishes)},
-                                     {"serves", names_of(interface.serves)}};
+                                     {"serves", names_of(interface.serves)},
+                                     {"serves action", names_of(interface.serves_actions)}};
     EXPECT_EQ(names_in(readme), described) << readme;
   }
   EXPECT_GE(components, 14);
