@@ -96,7 +96,7 @@ double slack_from(const PossiblePose& possible, const Footprint& footprint,
 }
 
 // Slack of a square that is nearer than the level, for a motion that starts inside it [m].
-double slack_inside(const Eigen::Vector2d& p_MC, const Pose2& X_MB, const Body& body,
+double slack_inside(const Eigen::Vector2d& p_MC, const Pose2& X_MB, const BoundedFootprint& body,
                     const StaticMap& map, const RequiredClearance& required, double deviation) {
   double slack = slack_behind(required.near, body.footprint, p_MC, X_MB, map, deviation);
   if (slack < 0.0 && !required.overlapped.empty())
@@ -111,7 +111,7 @@ double slack_inside(const Eigen::Vector2d& p_MC, const Pose2& X_MB, const Body& 
 
 // Clearance in hand at a pose, computed cell by cell, for a motion that starts inside the level
 // [m].
-double in_hand_near(const Pose2& X_MB, const Body& body, const StaticMap& map,
+double in_hand_near(const Pose2& X_MB, const BoundedFootprint& body, const StaticMap& map,
                     const RequiredClearance& required, double deviation) {
   const double need = required.level + deviation, side = map.grid().resolution;
   double in_hand = kShortLookAhead;
@@ -124,7 +124,7 @@ double in_hand_near(const Pose2& X_MB, const Body& body, const StaticMap& map,
   return in_hand;
 }
 
-double in_hand_at(const Pose2& X_MB, const Body& body, const StaticMap& map,
+double in_hand_at(const Pose2& X_MB, const BoundedFootprint& body, const StaticMap& map,
                   const RequiredClearance& required, double deviation) {
   const double need = required.level + deviation;
   const double at_least = map.clearance_bound(body.footprint, X_MB) - need;
@@ -137,7 +137,7 @@ double in_hand_at(const Pose2& X_MB, const Body& body, const StaticMap& map,
 }  // namespace
 
 RequiredClearance required_clearance(double level, const Pose2& X_MB, double position_error,
-                                     const Body& body, const StaticMap& map,
+                                     const BoundedFootprint& body, const StaticMap& map,
                                      const DriftBounds& drift) {
   RequiredClearance required{.level = level, .drift = drift};
   const double side = map.grid().resolution;
@@ -160,7 +160,8 @@ RequiredClearance required_clearance(double level, const Pose2& X_MB, double pos
 }
 
 bool stays_clear(std::span<const TwistRange> envelope, const ShareCell& cell, const Pose2& X_MB,
-                 const Body& body, const StaticMap& map, const RequiredClearance& required) {
+                 const BoundedFootprint& body, const StaticMap& map,
+                 const RequiredClearance& required) {
   Pose2 X = X_MB;
   Deviation deviation{required.drift};
   double budget = 0.0;  // [m] travel that needs no check

@@ -62,8 +62,8 @@ struct RequiredClearance {
   DriftBounds drift = {};                   ///< bounds of the odometry's drift
 };
 
-/// The robot's outline and its size.
-struct Body {
+/// The robot's outline with the radius of the disc around B that contains it.
+struct BoundedFootprint {
   Footprint footprint;  ///< outline in B
   double radius = 0.0;  ///< circumradius [m]
 };
@@ -71,14 +71,15 @@ struct Body {
 /// The clearance required of a motion that starts at the measured pose X_MB, which is off by at
 /// most `position_error` [m] and the drift's heading error.
 [[nodiscard]] RequiredClearance required_clearance(double level, const Pose2& X_MB,
-                                                   double position_error, const Body& body,
+                                                   double position_error,
+                                                   const BoundedFootprint& body,
                                                    const StaticMap& map, const DriftBounds& drift);
 
 /// Whether the body keeps the required clearance on its whole path from X_MB, for all motions of
 /// the cell. Uses conservative advancement: between two checks no point of the outline travels
 /// farther than the clearance in hand, or than kCheckSpacing if that is larger.
 [[nodiscard]] bool stays_clear(std::span<const TwistRange> envelope, const ShareCell& cell,
-                               const Pose2& X_MB, const Body& body, const StaticMap& map,
-                               const RequiredClearance& required);
+                               const Pose2& X_MB, const BoundedFootprint& body,
+                               const StaticMap& map, const RequiredClearance& required);
 
 }  // namespace tandem

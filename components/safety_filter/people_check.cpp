@@ -40,7 +40,8 @@ struct PeopleCheck::Look {
   const DriftBounds& drift;
 };
 
-PeopleCheck::PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body)
+PeopleCheck::PeopleCheck(const PeopleParams& params, const RobotParams& robot,
+                         const BoundedFootprint& body)
     : params_{params}, body_{body} {
   check(params);
   // Half of creep_speed each for forward speed and for turning.

@@ -63,7 +63,7 @@ using PeopleSeen = Stamped<std::vector<Obstacle>>;
 class PeopleCheck {
  public:
   /// Throws std::invalid_argument on parameters out of range.
-  PeopleCheck(const PeopleParams& params, const RobotParams& robot, const Body& body);
+  PeopleCheck(const PeopleParams& params, const RobotParams& robot, const BoundedFootprint& body);
 
   /// Whether everybody is so far away that no such motion needs a detailed check. `way` bounds the
   /// travel of any point of the outline, margin and deviation included [m]; `duration` is the
@@ -96,7 +96,7 @@ class PeopleCheck {
   [[nodiscard]] bool does_not_near(const Look& look, const Obstacle& person) const;
 
   PeopleParams params_;
-  Body body_;
+  BoundedFootprint body_;
   double tail_;
 };
 

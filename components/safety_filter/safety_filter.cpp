@@ -283,7 +283,7 @@ bool SafetyFilter::is_safe_from(const MotionStart& start, const Scene& scene) co
                        std::max(std::abs(low.w), std::abs(high.w))};
   const auto fast =
       scene.unseen ? unseen_check_->fast_part(envelope, fastest) : std::span<const TwistRange>{};
-  const Body& wide = unseen_check_->drawn_out(fast);
+  const BoundedFootprint& wide = unseen_check_->drawn_out(fast);
   const Reach fast_way = reach(fast);
   const bool unseen_far = is_unseen_far(fast_way.path, fast_way.turn, scene) || fast.empty();
   if (walls_far && people_far && unseen_far) return true;

@@ -210,7 +210,7 @@ class SafetyFilter {
 
   SafetyFilterParams params_;
   RobotParams robot_;
-  Body body_;
+  BoundedFootprint body_;
   double hard_margin_, hold_;
   StoppingBounds bounds_;
   DriftBounds drift_;

@@ -26,7 +26,7 @@ void add_moved(Footprint& footprint, const Footprint& outline, const Eigen::Vect
 
 }  // namespace
 
-UnseenCheck::UnseenCheck(double speed, const Body& body, double wheel_separation)
+UnseenCheck::UnseenCheck(double speed, const BoundedFootprint& body, double wheel_separation)
     : speed_{speed},
       body_{body},
       drift_{.wheel_separation = wheel_separation, .radius = body.radius + kUnseenEdge} {
@@ -73,7 +73,7 @@ std::span<const TwistRange> UnseenCheck::fast_part(std::span<const TwistRange> e
   return envelope.first(end);
 }
 
-const Body& UnseenCheck::drawn_out(std::span<const TwistRange> fast) const {
+const BoundedFootprint& UnseenCheck::drawn_out(std::span<const TwistRange> fast) const {
   unsigned sides = 0;
   for (const TwistRange& range : fast) {
     const Twist2 most = largest(range);
@@ -85,7 +85,8 @@ const Body& UnseenCheck::drawn_out(std::span<const TwistRange> fast) const {
 }
 
 bool UnseenCheck::stays_off(std::span<const TwistRange> fast, const ShareCell& cell,
-                            const Pose2& X_MB, const Body& body, const StaticMap& unseen) const {
+                            const Pose2& X_MB, const BoundedFootprint& body,
+                            const StaticMap& unseen) const {
   const double gap = unseen.clearance(body.footprint, X_MB, kCheckSpacing);
   if (gap <= 0.0) return false;
   // Between two checked poses the gap shrinks by at most half of their spacing.

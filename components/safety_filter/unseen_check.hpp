@@ -29,7 +29,7 @@ inline constexpr double kUnseenEdge = 0.071;
 class UnseenCheck {
  public:
   /// `speed` [m/s]; 0 forbids reaching unseen ground at all.
-  UnseenCheck(double speed, const Body& body, double wheel_separation);
+  UnseenCheck(double speed, const BoundedFootprint& body, double wheel_separation);
 
   /// (1) with the worst signs of v and w [m/s].
   [[nodiscard]] double fastest_point(const Twist2& twist) const;
@@ -45,20 +45,21 @@ class UnseenCheck {
 
   /// The outline extended in the directions that this part of an envelope moves in. The reference
   /// is valid as long as this object.
-  [[nodiscard]] const Body& drawn_out(std::span<const TwistRange> fast) const;
+  [[nodiscard]] const BoundedFootprint& drawn_out(std::span<const TwistRange> fast) const;
 
   /// Whether an extended outline meets no unseen cell on its way from X_MB, for all motions of the
   /// cell.
   [[nodiscard]] bool stays_off(std::span<const TwistRange> fast, const ShareCell& cell,
-                               const Pose2& X_MB, const Body& body, const StaticMap& unseen) const;
+                               const Pose2& X_MB, const BoundedFootprint& body,
+                               const StaticMap& unseen) const;
 
  private:
   static constexpr unsigned kForward = 1, kBackward = 2, kTurning = 4;
 
   double speed_;
-  Body body_;
+  BoundedFootprint body_;
   DriftBounds drift_;
-  std::array<Body, 8> drawn_out_;  // indexed by the sum of the flags above
+  std::array<BoundedFootprint, 8> drawn_out_;  // indexed by the sum of the flags above
 };
 
 }  // namespace tandem
