@@ -25,4 +25,10 @@ function(tandem_add_component name)
   # may contain different versions of the same function.
   target_link_options(tandem_${name} PRIVATE LINKER:--exclude-libs,ALL)
   install(TARGETS tandem_${name} DESTINATION ${CMAKE_INSTALL_LIBDIR}/tandem)
+  # For colcon, which adds it to the setup file of a workspace if the package's colcon.pkg names it.
+  if(NOT PROJECT_NAME STREQUAL "tandem")
+    set(hook ${CMAKE_CURRENT_BINARY_DIR}/tandem_component_path.dsv)
+    file(WRITE ${hook} "prepend-non-duplicate;TANDEM_COMPONENT_PATH;${CMAKE_INSTALL_LIBDIR}/tandem\n")
+    install(FILES ${hook} DESTINATION ${CMAKE_INSTALL_DATADIR}/${PROJECT_NAME}/hook)
+  endif()
 endfunction()

@@ -86,9 +86,13 @@ namespace tandem::runtime {
   set(known_idls ${arg_KNOWN})
   list(TRANSFORM known_idls REPLACE "(.+)" "${TANDEM_IDL_DIR}/\\1.idl")
   string(REPLACE ";" " " known "${arg_KNOWN}")
+  set(folders "-I .")
+  if(NOT arg_FROM STREQUAL TANDEM_IDL_DIR)  # fastddsgen 4.0 never ends if it is given a folder twice
+    string(APPEND folders " -I ${TANDEM_IDL_DIR}")
+  endif()
   add_custom_command(OUTPUT ${generated}
     COMMAND ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/generate_types ${code}
-            "${FASTDDSGEN} -replace -cs -typeros2 ${options} -I . -I ${TANDEM_IDL_DIR}" "${known}" ${idls}
+            "${FASTDDSGEN} -replace -cs -typeros2 ${options} ${folders}" "${known}" ${idls}
     WORKING_DIRECTORY ${arg_FROM}
     DEPENDS ${paths} ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/generate_types
     VERBATIM

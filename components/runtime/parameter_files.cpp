@@ -23,6 +23,10 @@ std::string place(const std::string& path, const YAML::Node& node) {
 }
 
 YAML::Node load(const std::string& path) {
+  if (path.ends_with(".urdf"))
+    throw std::invalid_argument(
+        path + ": a URDF has no limits and delays; make a robot file of it: tandem robot " + path +
+        " > robot.yaml");
   const YAML::Node root = load_document(path);
   if (!root.IsNull()) return root;
   // A truncated robot file would describe a different robot; a power loss can leave an empty file.

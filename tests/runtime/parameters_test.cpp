@@ -169,6 +169,17 @@ TEST_F(ParameterFile, RefusesAnEmptyFileOrAFolder) {
   EXPECT_THROW(rt::ParameterStore("/gate", {.files = {"/tmp"}}), std::invalid_argument);
 }
 
+TEST_F(ParameterFile, ThatIsAUrdfIsRefusedWithTheCommandThatReadsIt) {
+  try {
+    rt::ParameterStore("/gate", {.files = {"trolley.urdf"}});
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("tandem robot trolley.urdf > robot.yaml"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(ParameterFile, WithAliasesWithoutEndIsRefused) {
   expect_complaint("/**:\n  ros__parameters: {x: &b {y: *b}}\n", {path_ + ":2", "alias"});
   expect_complaint("/**: &a\n  ros__parameters: {x: [*a]}\n", {path_, "alias"});

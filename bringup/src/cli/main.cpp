@@ -12,6 +12,7 @@
 #include "bringup/cli/metrics_command.hpp"
 #include "bringup/cli/play_command.hpp"
 #include "bringup/cli/record_command.hpp"
+#include "bringup/cli/robot_command.hpp"
 #include "bringup/cli/run_command.hpp"
 #include "bringup/cli/scenario_command.hpp"
 #include "bringup/cli/security_command.hpp"
@@ -56,6 +57,7 @@ int main(int argc, char** argv) {
   tandem::add_play_command(app);
   tandem::add_metrics_command(app);
   tandem::add_measure_command(app);
+  tandem::add_robot_command(app);
   tandem::add_doctor_command(app, status);
   tandem::add_describe_command(app);
   tandem::add_map_command(app);

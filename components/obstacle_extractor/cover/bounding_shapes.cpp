@@ -39,24 +39,6 @@ Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::V
 
 }  // namespace
 
-Points convex_hull(Points points) {
-  std::sort(points.begin(), points.end(), [](const auto& p, const auto& q) {
-    return p.y() != q.y() ? p.y() < q.y() : p.x() < q.x();
-  });
-  Points hull;  // Andrew's monotone chain: the right side going up, then the left coming down
-  const auto add = [&hull](const Eigen::Vector2d& p, std::size_t fixed) {
-    while (hull.size() >= fixed + 2 &&
-           cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
-      hull.pop_back();
-    hull.push_back(p);
-  };
-  for (const auto& p : points) add(p, 0);
-  const std::size_t top = hull.size() - 1;
-  for (auto p = points.rbegin() + 1; p != points.rend(); ++p) add(*p, top);
-  if (hull.size() > 1) hull.pop_back();
-  return hull;
-}
-
 TurnedBox box_along(const Points& hull, double angle) {
   const Eigen::Vector2d along{std::cos(angle), std::sin(angle)}, across{-along.y(), along.x()};
   Eigen::Vector2d low{along.dot(hull[0]), across.dot(hull[0])}, high = low;

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to obstacle_extractor. Bounding shapes of points: convex hull, smallest rectangle,
-// smallest circle.
+// Private to obstacle_extractor. Bounding shapes of points: smallest rectangle, smallest circle.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
+#include "tandem/model/convex_hull.hpp"
+
 namespace tandem {
 
 using Points = std::vector<Eigen::Vector2d>;  // in M [m]; a `hull` is the result of convex_hull
-
-/// Convex hull of at least one point, counter-clockwise from its lowest point, without points on
-/// its edges.
-[[nodiscard]] Points convex_hull(Points points);
 
 /// Rectangle around points, turned by `angle` [rad].
 struct TurnedBox {
