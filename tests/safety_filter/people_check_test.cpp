@@ -27,7 +27,7 @@ PeopleParams exact() {
 
 const DriftBounds kDrift{.wheel_separation = kMir.wheel_separation};  // none
 
-Body mir() {
+BoundedFootprint mir() {
   const Footprint outline = footprint_of(kMir);
   return {outline, circumradius(outline)};
 }
