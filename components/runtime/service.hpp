@@ -167,7 +167,7 @@ template <class S, class Fn>
           [response]() -> const void* { return response.get(); }};
 }
 
-/// A responder that calls `fn` with the request of service S and a Reply<S>.
+/// A responder that calls `fn` with the request of service S and the Reply that answers it.
 template <class S, class Fn>
 [[nodiscard]] Responder make_deferred_responder(Fn fn) {
   using Request = typename S::Request;
