@@ -128,7 +128,7 @@ const std::set<std::string> kUnread{"joy",           "plan",
                                     "user_path",     "planner_status",
                                     "filter_status", "arbitration_status",
                                     "collision",     "sensing_status",
-                                    "diagnostics"};
+                                    "diagnostics",   "amcl_pose"};
 // Visualizations: each marker has its own header, and no node reads them.
 const std::set<std::string> kShown{"hindsight_markers", "leader_markers", "obstacle_markers"};
 const std::set<std::string> kWithoutHeader{"Twist", "Bool", "Clock", "JoyFeedback", "String"};
