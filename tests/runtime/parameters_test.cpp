@@ -171,7 +171,7 @@ TEST_F(ParameterFile, RefusesAnEmptyFileOrAFolder) {
 
 TEST_F(ParameterFile, ThatIsAUrdfIsRefusedWithTheCommandThatReadsIt) {
   try {
-    rt::ParameterStore("/gate", {.files = {"trolley.urdf"}});
+    const rt::ParameterStore store{"/gate", {.files = {"trolley.urdf"}}};
     ADD_FAILURE() << "accepted";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("tandem robot trolley.urdf > robot.yaml"),
