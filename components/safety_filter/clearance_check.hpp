@@ -58,7 +58,7 @@ struct RequiredClearance {
   std::vector<NearCell> near = {};  ///< empty if the motion starts outside the level
   Footprint inset = {};  ///< smaller outline, clear of the cells that the outline overlaps
   std::vector<NearCell> overlapped = {};    ///< the overlapped cells, measured from `inset`
-  std::vector<PossiblePose> possible = {};  ///< empty if the motion starts outside the level
+  std::vector<PossiblePose> possible = {};  ///< also empty if all of them overlap a cell
   DriftBounds drift = {};                   ///< bounds of the odometry's drift
 };
 

@@ -73,10 +73,7 @@ inline double least_rest(const SafetyFilterParams& params) {
     roll_out(loop, attack, params, random, tally, 2.0);
     tally.contacts += loop.base().touched() ? 1 : 0;
   }
-  tally.min_clearance = loop.base().min_clearance();
-  tally.travel = loop.base().travel();
-  if (tally.contacts > 0) tally.contact_seed = seed;
-  tally.closest_seed = seed;
+  finish_scene(tally, loop, seed);
   return tally;
 }
 

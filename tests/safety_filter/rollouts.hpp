@@ -304,6 +304,14 @@ inline void roll_out(Loop& loop, Attack& attack, const SafetyFilterParams& param
   tally.unfinished += loop.base().stands() ? 0 : 1;
 }
 
+/// Adds what the base recorded over all rollouts of a scene.
+inline void finish_scene(Tally& tally, const Loop& loop, unsigned seed) {
+  tally.min_clearance = loop.base().min_clearance();
+  tally.travel = loop.base().travel();
+  if (tally.contacts > 0) tally.contact_seed = seed;
+  tally.closest_seed = seed;
+}
+
 /// Runs kRolloutsPerScene rollouts with the world and the robot of that seed.
 [[nodiscard]] inline Tally run_scene(unsigned seed, const Beyond& beyond = {}) {
   Tally tally;
@@ -322,10 +330,7 @@ inline void roll_out(Loop& loop, Attack& attack, const SafetyFilterParams& param
     roll_out(loop, attack, params, random, tally);
     tally.contacts += loop.base().touched() ? 1 : 0;
   }
-  tally.min_clearance = loop.base().min_clearance();
-  tally.travel = loop.base().travel();
-  if (tally.contacts > 0) tally.contact_seed = seed;
-  tally.closest_seed = seed;
+  finish_scene(tally, loop, seed);
   return tally;
 }
 
