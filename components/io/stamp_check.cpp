@@ -16,7 +16,7 @@ StampCheck::StampCheck(rt::Node& node, std::string topic, const StampParams& par
 bool StampCheck::in_time(const builtin_interfaces::msg::Time& stamp) const {
   if (max_age_ == 0.0 || (stamp.sec() == 0 && stamp.nanosec() == 0)) return true;
   const double stamped = rt::to_seconds(stamp), age = now_() - stamped;
-  const double by_computer = 1e-9 * static_cast<double>(rt::system_nanoseconds()) - stamped;
+  const double by_computer = 1e-9 * static_cast<double>(node_.system_nanoseconds()) - stamped;
   if (std::abs(age) <= max_age_ || std::abs(by_computer) <= max_age_) return true;
   node_.log().warn_every(1.0,
                          "{}: dropped a message stamped {:.3f} s {} (max_stamp_age {} s): it "

@@ -16,9 +16,9 @@
 #include <thread>
 
 #include "tandem/config/printable.hpp"
+#include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/module_file.hpp"
-#include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
@@ -244,6 +244,10 @@ struct RunningComponent::State {
 
 RunningComponent::RunningComponent(const std::string& component, NodeOptions options) {
   const Component found = find(component);
+  if (options.bus) {
+    state_ = std::make_unique<State>(found, std::move(options));
+    return;
+  }
   const auto participant = Participant::shared();
   const Graph::Batch all_endpoints{participant->graph()};
   state_ = std::make_unique<State>(found, std::move(options));
@@ -254,7 +258,7 @@ RunningComponent::RunningComponent(RunningComponent&&) noexcept = default;
 RunningComponent& RunningComponent::operator=(RunningComponent&&) noexcept = default;
 
 void RunningComponent::start() {
-  if (!state_->thread.joinable())
+  if (!state_->thread.joinable() && !state_->node.core()->options.bus)
     state_->thread = std::thread{[this_state = state_.get()] { spin(this_state->node); }};
 }
 

@@ -112,7 +112,8 @@ class TANDEM_EXPORT RunningComponent {
   RunningComponent(RunningComponent&&) noexcept;
   RunningComponent& operator=(RunningComponent&&) noexcept;
 
-  /// Begins to spin the node on a thread of its own.
+  /// Begins to spin the node on a thread of its own. A node on a LocalBus is run by the bus, from
+  /// its construction on.
   void start();
   void stop();  ///< returns at once
   void join();  ///< waits until it has stopped

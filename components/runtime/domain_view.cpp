@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <stdexcept>
 
+#include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/graph.hpp"
-#include "tandem/runtime/detail/node_core.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -51,10 +52,16 @@ std::pair<std::string, Announced> digest(const Info& info, GraphForm form) {
   return {hex(info.gid().data().begin(), kPrefix), std::move(announced)};
 }
 
+std::shared_ptr<DdsNode> on_dds(const Node& node) {
+  auto core = std::dynamic_pointer_cast<DdsNode>(node.core());
+  if (!core) throw std::invalid_argument("a DomainView needs a node on DDS, not on a LocalBus");
+  return core;
+}
+
 }  // namespace
 
 struct DomainView::State {
-  explicit State(std::shared_ptr<NodeCore> node_core)
+  explicit State(std::shared_ptr<DdsNode> node_core)
       : core{std::move(node_core)},
         reader{core->open_reader(
             {"ros_discovery_info", since_iron.dds_name(), kAll},
@@ -79,13 +86,13 @@ struct DomainView::State {
       announced[entry.first] = std::move(entry.second);
   }
 
-  std::shared_ptr<NodeCore> core;
+  std::shared_ptr<DdsNode> core;
   Codec since_iron{type_ref<EntitiesSinceIron>()}, humble{type_ref<EntitiesOfHumble>()};
   std::map<std::string, Announced> announced;  // by participant
   std::shared_ptr<Reader> reader;
 };
 
-DomainView::DomainView(Node& node) : state_{std::make_unique<State>(node.core())} {}
+DomainView::DomainView(Node& node) : state_{std::make_unique<State>(on_dds(node))} {}
 
 DomainView::~DomainView() { state_->core->close_reader(*state_->reader); }
 

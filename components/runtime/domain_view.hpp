@@ -44,7 +44,8 @@ struct Domain {
 /// Collects while its node spins. Received samples are validated and their number is bounded.
 class TANDEM_EXPORT DomainView {
  public:
-  /// Begins to collect; `node` must outlive this.
+  /// Begins to collect; `node` must outlive this. Throws std::invalid_argument for a node on a
+  /// LocalBus.
   explicit DomainView(Node& node);
   ~DomainView();
   DomainView(const DomainView&) = delete;

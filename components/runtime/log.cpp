@@ -62,7 +62,7 @@ struct Logger::State {
   static constexpr double kYouth = 2.0;  // [s]
 
   struct Throttle {
-    double last;  // [s] steady
+    double last;  // [s]
     long held_back = 0;
   };
 
@@ -76,7 +76,8 @@ struct Logger::State {
     return sink;
   }
 
-  const double start = steady_seconds();
+  std::function<double()> now = steady_seconds;  // [s]
+  double start = now();
   spdlog::logger logger;
   std::atomic<int> level = kProcessLevel;  // a LogLevel
   std::mutex mutex;
@@ -122,7 +123,12 @@ void Logger::set_sink(Sink sink) {
   state_->sink = std::move(next);
 }
 
-bool Logger::is_young() const { return steady_seconds() < state_->start + State::kYouth; }
+void Logger::set_clock(std::function<double()> clock) {
+  state_->now = std::move(clock);
+  state_->start = state_->now();
+}
+
+bool Logger::is_young() const { return state_->now() < state_->start + State::kYouth; }
 
 // The text may contain received strings (topics, frames, reasons): replace control characters.
 void Logger::write(LogLevel level, const std::string& raw, const Place& place) {
@@ -135,7 +141,7 @@ void Logger::write(LogLevel level, const std::string& raw, const Place& place) {
 void Logger::write_every(double period, LogLevel level, std::string_view key,
                          const std::string& text, const Place& place) {
   if (!enabled(level)) return;
-  const double now = steady_seconds();
+  const double now = state_->now();
   long held_back = 0;
   {
     const std::lock_guard lock{state_->mutex};

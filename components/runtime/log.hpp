@@ -128,6 +128,10 @@ class TANDEM_EXPORT Logger {
   /// sink removes it.
   void set_sink(Sink sink);
 
+  /// Takes the time [s] for what is written once per period from `clock` instead of the steady
+  /// clock. Not thread-safe.
+  void set_clock(std::function<double()> clock);
+
   /// Writes a text that is not a format string.
   void write(LogLevel level, const std::string& text, const Place& place = Place::here());
   /// Like write, but at most once per `period` [s] for each `key`.

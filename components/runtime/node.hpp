@@ -3,6 +3,7 @@
 // one thread.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,14 +20,17 @@
 #include "tandem/runtime/parameters.hpp"
 #include "tandem/runtime/pubsub.hpp"
 #include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/result_cache.hpp"
 #include "tandem/runtime/service.hpp"
 #include "tandem/runtime/time.hpp"
 #include "tandem/runtime/timer.hpp"
 #include "tandem/runtime/visibility.hpp"
+#include "tandem/runtime/worker.hpp"
 
 namespace tandem {
 namespace runtime {
 
+class LocalBus;
 class NodeCore;
 template <class A>
 struct ActionHandlers;
@@ -47,6 +51,8 @@ struct NodeOptions {
   /// Whether it offers the services that ROS 2 tools expect of every node (parameters, logger
   /// levels, type descriptions) and logs to /rosout if `logs_to_rosout`.
   bool serves_tools = true;
+  /// A bus inside the process, see local_bus.hpp; null: DDS.
+  std::shared_ptr<LocalBus> bus{};
 };
 
 /// A ROS 2 node. Its callbacks run one after another on the thread that spins it. Only stop(),
@@ -152,6 +158,19 @@ class TANDEM_EXPORT Node {
   /// Fires every `period` [s] of steady time, even while /clock is stopped.
   [[nodiscard]] Timer create_wall_timer(double period, std::function<void()> fn);
 
+  /// Does work away from the node's callbacks; see worker.hpp. Destroy the worker before what its
+  /// work uses.
+  [[nodiscard]] Worker create_worker(Worker::Work work);
+
+  /// On a LocalBus with a cache, what an earlier call with this key returned, of whatever node;
+  /// otherwise the result of `make()`, a std::shared_ptr<T>. The key must name everything that the
+  /// result depends on, and nobody may change a result that others may have.
+  template <class T, class Make>
+  [[nodiscard]] std::shared_ptr<T> cached(const std::string& key, Make make) {
+    const auto cache = result_cache();
+    return cache ? cache->template get<T>(key, std::move(make)) : make();
+  }
+
   /// Loads the given values over `defaults`; they are fixed while the node runs. Throws
   /// std::invalid_argument with a one-line message.
   template <class P>
@@ -175,6 +194,8 @@ class TANDEM_EXPORT Node {
 
   [[nodiscard]] double now() const;         ///< [s] node's clock: steady, or /clock (0 before it)
   [[nodiscard]] double steady_now() const;  ///< [s]
+  /// [ns] since 1970 on the system's clock, also under use_sim_time
+  [[nodiscard]] std::int64_t system_nanoseconds() const;
   /// Whether the last /clock (or the node's start) is more than kClockSilence ago. now() stands
   /// still then and no message ages, so that a node that moves a robot must stop it. Always false
   /// without use_sim_time.
@@ -224,6 +245,7 @@ class TANDEM_EXPORT Node {
     values->visit(store());
     return values;
   }
+  [[nodiscard]] std::shared_ptr<ResultCache> result_cache() const;
   [[nodiscard]] ParameterStore& store();
   void declare(ParameterGroup group);
 

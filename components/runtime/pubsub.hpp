@@ -24,10 +24,9 @@ struct TopicInfo {
   std::vector<Policies> publishers, subscriptions;  ///< one for each endpoint
 };
 
-class Codec;
 class NodeCore;
-class ReaderSet;
-class Writer;
+class PublisherPort;
+class SubscriptionPort;
 
 /// Which publishers a subscription matches.
 enum class Accepts {
@@ -47,12 +46,16 @@ struct Topic {
 struct TypeRef {
   const char* name;  ///< "geometry_msgs/msg/Twist"
   std::unique_ptr<eprosima::fastdds::dds::TopicDataType> (*create)();  ///< makes DDS's type support
+  std::shared_ptr<const void> (*copy)(const void* message);            ///< copies a message
 };
 
 /// The type of message M.
 template <class M>
 [[nodiscard]] constexpr TypeRef type_ref() {
-  return {MessageType<M>::name, &MessageType<M>::create};
+  return {MessageType<M>::name, &MessageType<M>::create,
+          [](const void* message) -> std::shared_ptr<const void> {
+            return std::make_shared<const M>(*static_cast<const M*>(message));
+          }};
 }
 
 /// A publisher's DDS GUID, unique in its domain.
@@ -66,13 +69,12 @@ class TANDEM_EXPORT AnyPublisher {
  public:
   AnyPublisher() = default;
   /// Made by Node.
-  AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<Codec> codec,
-               std::shared_ptr<Writer> writer);
+  AnyPublisher(std::shared_ptr<NodeCore> node, std::shared_ptr<PublisherPort> port);
   ~AnyPublisher();
   AnyPublisher(AnyPublisher&&) noexcept = default;
   AnyPublisher& operator=(AnyPublisher&& other) noexcept;
 
-  /// As Publisher::publish(), for a message of the codec's type.
+  /// As Publisher::publish(), for a message of the publisher's type.
   void publish(const void* message) const;
   /// Sends a serialized message.
   void publish_bytes(const std::vector<std::uint8_t>& bytes) const;
@@ -86,8 +88,7 @@ class TANDEM_EXPORT AnyPublisher {
   void warn_not_sent(std::size_t size) const;
 
   std::shared_ptr<NodeCore> node_;
-  std::shared_ptr<Codec> codec_;
-  std::shared_ptr<Writer> writer_;
+  std::shared_ptr<PublisherPort> port_;
 };
 
 /// Publishes messages on a topic until it is destroyed. A default-constructed one sends nothing.
@@ -131,7 +132,7 @@ class TANDEM_EXPORT Subscription {
  public:
   Subscription() = default;
   /// Made by Node::create_subscription().
-  Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<ReaderSet> readers);
+  Subscription(std::shared_ptr<NodeCore> node, std::shared_ptr<SubscriptionPort> port);
   ~Subscription();
   Subscription(Subscription&&) noexcept = default;
   Subscription& operator=(Subscription&& other) noexcept;
@@ -149,15 +150,15 @@ class TANDEM_EXPORT Subscription {
   void close();
 
   std::shared_ptr<NodeCore> node_;
-  std::shared_ptr<ReaderSet> readers_;
+  std::shared_ptr<SubscriptionPort> port_;
 };
 
 /// A reused message and its callback: the type-erased part that a Subscription needs of M.
 struct Receiver {
-  TypeRef type;                    ///< of the messages that it takes
-  std::function<void*()> message;  ///< where to decode to
-  std::function<void()> reset;     ///< clears it after a failed decode
-  std::function<void()> deliver;   ///< calls the function with it
+  TypeRef type;                                      ///< of the messages that it takes
+  std::function<void*()> message;                    ///< where to decode to
+  std::function<void()> reset;                       ///< clears it after a failed decode
+  std::function<void(const void* message)> deliver;  ///< calls the function with a message
 };
 
 /// Decodes plain CDR. Returns false, and never throws, if the bytes are not a message of the type.
@@ -184,7 +185,9 @@ template <class M, class Fn>
   auto message = std::make_shared<M>();
   return {type_ref<M>(), [message]() -> void* { return message.get(); },
           [message] { *message = M{}; },
-          [message, fn = std::function<void(const M&)>{std::move(fn)}] { fn(*message); }};
+          [fn = std::function<void(const M&)>{std::move(fn)}](const void* received) {
+            fn(*static_cast<const M*>(received));
+          }};
 }
 
 }  // namespace tandem::runtime

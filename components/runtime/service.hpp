@@ -19,8 +19,8 @@ struct ServiceName {
   const char* name;  ///< relative to the node's namespace, unless it begins with / or ~
 };
 
-class Server;
-class Caller;
+class ServicePort;
+class ClientPort;
 
 /// A service found on the domain, for example "/arbitration/set_policy" of type
 /// "tandem_msgs/srv/SetPolicy".
@@ -33,7 +33,7 @@ class TANDEM_EXPORT Service {
  public:
   Service() = default;
   /// Made by Node::create_service().
-  Service(std::shared_ptr<NodeCore> node, std::shared_ptr<Server> server);
+  Service(std::shared_ptr<NodeCore> node, std::shared_ptr<ServicePort> port);
   ~Service();
   Service(Service&&) noexcept = default;
   Service& operator=(Service&& other) noexcept;
@@ -42,21 +42,20 @@ class TANDEM_EXPORT Service {
   void close();
 
   std::shared_ptr<NodeCore> node_;
-  std::shared_ptr<Server> server_;
+  std::shared_ptr<ServicePort> port_;
 };
 
 /// The type-erased part of `Client<S>`.
 class TANDEM_EXPORT AnyClient {
  public:
   AnyClient() = default;
-  /// Without codecs: for requests and responses in bytes only.
-  AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<Caller> caller,
-            std::shared_ptr<Codec> request = nullptr, std::shared_ptr<Codec> response = nullptr);
+  /// Made by Node.
+  AnyClient(std::shared_ptr<NodeCore> node, std::shared_ptr<ClientPort> port);
   ~AnyClient();
   AnyClient(AnyClient&&) noexcept = default;
   AnyClient& operator=(AnyClient&& other) noexcept;
 
-  /// As Client::call(), for messages of the codecs' types.
+  /// As Client::call(), for messages of the service's types.
   void call(const void* request, Receiver response, double timeout,
             std::function<void()> on_timeout) const;
   /// As Client::call(), with request and response in bytes.
@@ -70,8 +69,7 @@ class TANDEM_EXPORT AnyClient {
   void close();
 
   std::shared_ptr<NodeCore> node_;
-  std::shared_ptr<Caller> caller_;
-  std::shared_ptr<Codec> request_, response_;
+  std::shared_ptr<ClientPort> port_;
 };
 
 /// Calls a service asynchronously. The timeout of a call covers both finding a server and the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/timer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -9,15 +10,19 @@
 
 namespace tandem::runtime {
 
-Beat::Beat(double start, double period) : period_{period}, next_{start + period} {
+Beat::Beat(double start, double period) : period_{period}, start_{start} {
   if (!(period > 0.0) || !std::isfinite(period))
     throw std::invalid_argument("timer period " + std::to_string(period) + " s must be positive");
 }
 
 bool Beat::due(double now) {
-  if (now < next_ - 1.5 * period_) next_ = now + period_;  // the clock jumped back
-  if (now < next_) return false;
-  next_ += period_ * (std::floor((now - next_) / period_) + 1.0);
+  if (now < next() - 1.5 * period_) {  // the clock jumped back
+    start_ = now;
+    ticks_ = 1.0;
+  }
+  if (now < next()) return false;
+  ticks_ = std::max(ticks_ + 1.0, std::floor((now - start_) / period_));
+  while (next() <= now) ticks_ += 1.0;
   return true;
 }
 

@@ -20,11 +20,12 @@ class TANDEM_EXPORT Beat {
   /// True if a tick is due; this advances the schedule to the first grid point after `now` [s].
   [[nodiscard]] bool due(double now);
   /// Time of the next tick [s].
-  [[nodiscard]] double next() const { return next_; }
+  [[nodiscard]] double next() const { return start_ + period_ * ticks_; }
 
  private:
   double period_;
-  double next_;
+  double start_;
+  double ticks_ = 1.0;  // number of the next one; a product does not drift as a sum would
 };
 
 struct TimerState;

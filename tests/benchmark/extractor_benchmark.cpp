@@ -78,8 +78,8 @@ void update(benchmark::State& state, const World& world) {
   const Eigen::Vector2d middle{0.0, 0.0};  // of the forest and its copies; free in the building too
   std::mt19937 random{1};
   std::uniform_real_distribution<double> metres(-0.6, 0.6);
-  BackgroundExtractor shapes({});
-  while (!shapes.near(world, middle)) std::this_thread::yield();
+  BackgroundExtractor shapes({}, [] {});
+  while (!shapes.near(world, middle)) (void)shapes.work();
   for (auto _ : state) {
     const auto near = shapes.near(world, middle + Eigen::Vector2d{metres(random), metres(random)});
     if (!near) state.SkipWithError("not fitted");

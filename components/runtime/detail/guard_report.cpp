@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/endpoint.hpp"
-#include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 
@@ -39,7 +39,7 @@ std::vector<DropCount> news(std::vector<DropCount> now, const std::vector<DropCo
 
 }  // namespace
 
-GuardReport::GuardReport(NodeCore& node) : node_{node} {
+GuardReport::GuardReport(DdsNode& node) : node_{node} {
   status_.name(node.full_name.substr(1) + ": network");
   status_.hardware_id("tandem");
 }

@@ -11,7 +11,7 @@
 
 namespace tandem::runtime {
 
-class NodeCore;
+class DdsNode;
 
 /// Reports new drops at most once a minute, from one node per process. Opens /diagnostics at the
 /// first drop and publishes its status every second from then on, like a node's other diagnostics.
@@ -19,7 +19,7 @@ class GuardReport {
  public:
   static constexpr double kEvery = 60.0;  ///< [s] between two reports
 
-  explicit GuardReport(NodeCore& node);
+  explicit GuardReport(DdsNode& node);
   ~GuardReport();
   GuardReport(const GuardReport&) = delete;
   GuardReport& operator=(const GuardReport&) = delete;
@@ -31,7 +31,7 @@ class GuardReport {
   void report(WireGuard::Reported& reported);
   void publish();
 
-  NodeCore& node_;
+  DdsNode& node_;
   WireGuard& guard_ = WireGuard::shared();
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;

@@ -1,25 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds a node's state and event loop, shared by its handles so that they may outlive the Node.
-// Private to runtime/.
+// The part of a node that does not depend on its bus, shared by its handles so that they may
+// outlive the Node. Private to runtime/.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <functional>
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
-#include "tandem/runtime/detail/codec.hpp"
-#include "tandem/runtime/detail/endpoint.hpp"
-#include "tandem/runtime/detail/peer_watch.hpp"
+#include "tandem/runtime/detail/ports.hpp"
 #include "tandem/runtime/detail/qos_overrides.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/node.hpp"
+#include "tandem/runtime/worker.hpp"
 
 namespace tandem::runtime {
 
 /// Parameters that every node has, as in rclcpp.
 inline constexpr const char* kUseSimTime = "use_sim_time";
 inline constexpr const char* kTypeDescriptionService = "start_type_description_service";
+
+/// QoS of the requests of a service: ROS 2's profile with a deeper queue, because an evicted
+/// request is lost for good.
+inline constexpr QoS kRequestQueue{.depth = 100};
 
 /// Period, function and clock of a Timer.
 struct TimerState {
@@ -29,50 +34,63 @@ struct TimerState {
   bool closed = false;
 };
 
-/// Work with deadlines on the steady clock, such as unsent replies and unanswered calls.
-struct Poller {
-  std::function<double(double now)> poll;  ///< runs what is due; returns when to poll next [s]
-  double next = 0.0;
-  bool closed = false;
-};
-
-class GuardReport;
 class NodeServices;
 
+/// Name, parameters, log and clock of a node. A bus derives from it and provides the rest. Use on
+/// the node's thread only, but for stop(), log and steady_now().
 class NodeCore {
  public:
-  explicit NodeCore(NodeOptions node_options);
-  ~NodeCore();
+  /// A node on the bus that the options name. Throws as Node's constructor.
+  [[nodiscard]] static std::shared_ptr<NodeCore> create(NodeOptions options);
+  virtual ~NodeCore();
   NodeCore(const NodeCore&) = delete;
   NodeCore& operator=(const NodeCore&) = delete;
 
-  std::shared_ptr<Writer> open_writer(const Endpoint& endpoint);
-  std::shared_ptr<Reader> open_reader(const Endpoint& endpoint, Reader::Deliver deliver);
-  void close_writer(Writer& writer);
-  void close_reader(Reader& reader);
-  void add(std::shared_ptr<TimerState> timer) { timers_.push_back(std::move(timer)); }
-  void remove(TimerState& timer);
-  void add(std::shared_ptr<Poller> poller) { pollers_.push_back(std::move(poller)); }
-  void remove(Poller& poller);
-
-  [[nodiscard]] PeerWatch& peers() { return peers_; }
-  [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
-  /// Whether the endpoint belongs to this process.
-  [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
-
+  // Names of topics and services are full ones.
+  [[nodiscard]] virtual std::shared_ptr<PublisherPort> open_publisher(const std::string& topic,
+                                                                      TypeRef type,
+                                                                      const QoS& qos) = 0;
+  [[nodiscard]] virtual std::shared_ptr<PublisherPort> open_generic_publisher(
+      const std::string& topic, const std::string& type, const QoS& qos,
+      const std::string& type_hash) = 0;
+  [[nodiscard]] virtual std::shared_ptr<SubscriptionPort> open_subscription(
+      const std::string& topic, const QoS& qos, Receiver receiver, Accepts accepts) = 0;
+  [[nodiscard]] virtual std::shared_ptr<SubscriptionPort> open_generic_subscription(
+      const std::string& topic, const std::string& type, const QoS& qos,
+      std::function<void(const std::vector<std::uint8_t>&)> fn) = 0;
+  [[nodiscard]] virtual std::shared_ptr<ServicePort> open_service(const std::string& service,
+                                                                  Responder responder,
+                                                                  const QoS& qos) = 0;
+  [[nodiscard]] virtual std::shared_ptr<ClientPort> open_client(const std::string& service,
+                                                                TypeRef request,
+                                                                TypeRef response) = 0;
+  [[nodiscard]] virtual std::shared_ptr<ClientPort> open_generic_client(
+      const std::string& service, const std::string& type) = 0;
+  [[nodiscard]] virtual std::shared_ptr<WorkerPort> open_worker(Worker::Work work) = 0;
+  [[nodiscard]] virtual std::shared_ptr<void> watch_publishers(const std::string& topic,
+                                                               TypeRef type,
+                                                               PublishersChanged fn) = 0;
+  virtual void add(std::shared_ptr<TimerState> timer) = 0;
+  virtual void remove(TimerState& timer) = 0;
   /// Keeps `part` alive until the running callbacks return: a callback may close its own caller.
-  void retire(std::shared_ptr<void> part);
+  virtual void retire(std::shared_ptr<void> part) = 0;
 
+  [[nodiscard]] virtual bool is_present(const PublisherId& publisher) const = 0;
+  [[nodiscard]] virtual std::vector<TopicInfo> topics() const = 0;
+  [[nodiscard]] virtual std::vector<ServiceInfo> services() const = 0;
+
+  [[nodiscard]] virtual double steady_now() const = 0;                ///< [s]
+  [[nodiscard]] virtual std::int64_t system_nanoseconds() const = 0;  ///< since 1970
+  virtual void spin() = 0;
+  virtual void spin_some(double max_wait) = 0;
+  virtual void stop() { stopped_ = true; }
+
+  [[nodiscard]] bool stopped() const { return stopped_; }
   [[nodiscard]] std::string resolve(const char* topic) const;
   [[nodiscard]] double now() const;
   [[nodiscard]] bool clock_is_silent() const;
   [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
-
-  void spin();
-  void spin_some(double max_wait);
-  void stop();
-  [[nodiscard]] bool stopped() const { return stopped_; }
 
   const NodeOptions options;
   const NodeName name;
@@ -84,38 +102,27 @@ class NodeCore {
   bool use_sim_time;
   bool serves_type_descriptions = true;
 
+ protected:
+  explicit NodeCore(NodeOptions node_options);
+  /// Opens the services and topics of every node. Called once the derived class is complete.
+  void open();
+  /// Closes them. To be called by the derived class's destructor.
+  void close();
+  /// Called when /clock has been received, and when `use_sim_time` was changed.
+  virtual void on_clock() {}
+
  private:
   void declare_common();
   void set_use_sim_time(bool wanted);
   void report_time_jump();
   void follow_clock();
   void set_clock(const builtin_interfaces::msg::Time& time);
-  void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
-  void forget(const rtps::GUID_t& guid);
-  bool dispatch(double max_wait);  // true if a message was taken or a timer ran
-  [[nodiscard]] double time_to_next(double max_wait) const;
-  bool run_readers();
-  bool run_timers();
-  void run_pollers();
 
-  std::shared_ptr<Participant> participant_;
-  PeerWatch peers_;
-  std::shared_ptr<Poller> peer_poller_ = std::make_shared<Poller>();
-  std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
-  fdds::WaitSet wait_set_;
-  fdds::GuardCondition wake_up_;
-  fdds::ConditionSeq active_;  // reused to avoid allocation
-  std::vector<std::shared_ptr<Reader>> readers_;
-  std::vector<std::shared_ptr<TimerState>> timers_;
-  std::vector<std::shared_ptr<Poller>> pollers_;
-  std::vector<std::shared_ptr<void>> retired_;
-  bool dispatching_ = false;
-  std::shared_ptr<Reader> clock_reader_;
+  std::shared_ptr<SubscriptionPort> clock_subscription_;
   std::vector<std::weak_ptr<std::function<void()>>> time_jumps_;  // called when the time jumps
   std::unique_ptr<NodeServices> services_;
-  std::unique_ptr<GuardReport> guard_report_;
-  std::atomic<std::int64_t> clock_ = 0;  // last time received on /clock [ns]
-  std::atomic<double> clock_arrival_;    // its arrival [s], steady clock
+  std::atomic<std::int64_t> clock_ = 0;      // last time received on /clock [ns]
+  std::atomic<double> clock_arrival_ = 0.0;  // its arrival [s], steady clock
   std::atomic<bool> stopped_ = false;
 };
 

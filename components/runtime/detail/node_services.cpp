@@ -40,14 +40,10 @@ rcl_interfaces::msg::SetLoggerLevelsResult set_level(
 
 NodeServices::NodeServices(NodeCore& node)
     : node_{node},
-      event_codec_{type_ref<ParameterEvent>()},
-      events_{node.open_writer(
-          {dds_topic_name(every_node::parameter_events.name),
-           event_codec_.dds_name(),
-           node.qos_overrides.apply(every_node::parameter_events.qos,
-                                    every_node::parameter_events.name, "publisher"),
-           {},
-           qos_prefix(every_node::parameter_events.name, "publisher")})} {
+      events_{node.open_publisher(
+          every_node::parameter_events.name, type_ref<ParameterEvent>(),
+          node.qos_overrides.apply(every_node::parameter_events.qos,
+                                   every_node::parameter_events.name, "publisher"))} {
   if (node.options.logs_to_rosout) rosout_.emplace(node);
   serve_parameters();
   serve_logger_levels();
@@ -63,13 +59,13 @@ NodeServices::NodeServices(NodeCore& node)
 NodeServices::~NodeServices() {
   node_.parameters.on_event = nullptr;
   for (auto& server : servers_) server->close();
-  node_.close_writer(*events_);
+  events_->close();
 }
 
 template <class S, class Fn>
 void NodeServices::serve(const ServiceName<S>& service, const QoS& qos, Fn fn) {
-  servers_.push_back(std::make_unique<Server>(node_, node_.resolve(service.name),
-                                              make_responder<S>(std::move(fn)), qos));
+  servers_.push_back(
+      node_.open_service(node_.resolve(service.name), make_responder<S>(std::move(fn)), qos));
 }
 
 void NodeServices::serve_parameters() {
@@ -118,8 +114,7 @@ void NodeServices::announce(const ParameterTable::Values& declared,
   event.node(node_.full_name);
   event.new_parameters(declared);
   event.changed_parameters(changed);
-  Bytes bytes;
-  if (!event_codec_.encode(&event, bytes) || !events_->write(bytes))
+  if (events_->publish(&event) != 0)
     node_.log.warn_every(1.0, "/parameter_events: a change could not be published");
 }
 

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/detail/rosout.hpp"
-#include "tandem/runtime/detail/service_core.hpp"
 
 namespace tandem::runtime {
 
@@ -32,9 +33,8 @@ class NodeServices {
 
   NodeCore& node_;
   std::optional<RosOut> rosout_;
-  Codec event_codec_;
-  std::shared_ptr<Writer> events_;
-  std::vector<std::unique_ptr<Server>> servers_;
+  std::shared_ptr<PublisherPort> events_;
+  std::vector<std::shared_ptr<ServicePort>> servers_;
 };
 
 }  // namespace tandem::runtime

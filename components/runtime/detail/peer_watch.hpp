@@ -12,6 +12,7 @@
 #include "tandem/runtime/detail/discovery.hpp"
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/log.hpp"
+#include "tandem/runtime/pubsub.hpp"
 
 namespace tandem::runtime {
 

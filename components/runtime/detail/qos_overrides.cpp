@@ -52,6 +52,11 @@ QoS QosOverrides::apply(const QoS& qos, const std::string& topic, const std::str
   return tuned;
 }
 
+std::string QosOverrides::prefix_of(const std::string& topic, const std::string& kind) const {
+  const std::string prefix = qos_prefix(topic, kind);
+  return applied_.contains(prefix + ".") ? prefix : "";
+}
+
 QoS QosOverrides::declare(const QoS& qos, const std::string& prefix) {
   const auto params = std::make_shared<QosParams>(params_of(qos, prefix));
   params->visit(store_);

@@ -31,6 +31,9 @@ class QosOverrides {
   /// for an invalid value.
   [[nodiscard]] QoS apply(const QoS& qos, const std::string& topic, const std::string& kind);
 
+  /// qos_prefix() of a topic for which apply() was called; empty for others.
+  [[nodiscard]] std::string prefix_of(const std::string& topic, const std::string& kind) const;
+
  private:
   [[nodiscard]] QoS declare(const QoS& qos, const std::string& prefix);
 

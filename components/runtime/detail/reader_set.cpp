@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/detail/dds_node.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -38,7 +38,7 @@ rtps::GUID_t to_guid(const PublisherId& id) {
   return guid;
 }
 
-ReaderSet::ReaderSet(NodeCore& node, Endpoint endpoint, Reader::Deliver deliver)
+ReaderSet::ReaderSet(DdsNode& node, Endpoint endpoint, Reader::Deliver deliver)
     : node_{node},
       endpoint_{std::move(endpoint)},
       route_{std::make_shared<Route>(Route{std::move(deliver), {}, {}})} {

@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/detail/ports.hpp"
 #include "tandem/runtime/pubsub.hpp"
 #include "tandem/runtime/qos.hpp"
 
 namespace tandem::runtime {
 
-class NodeCore;
+class DdsNode;
 
 [[nodiscard]] PublisherId to_id(const rtps::GUID_t& guid);
 [[nodiscard]] rtps::GUID_t to_guid(const PublisherId& id);
@@ -21,18 +22,18 @@ class NodeCore;
 /// publishers that offer less than it requests. Less demanding readers also match publishers that
 /// offer more, so each publisher is delivered only by the most demanding reader that its QoS
 /// matches: no message arrives twice, and reliable publishers are still received reliably.
-class ReaderSet {
+class ReaderSet final : public SubscriptionPort {
  public:
-  ReaderSet(NodeCore& node, Endpoint endpoint, Reader::Deliver deliver);
+  ReaderSet(DdsNode& node, Endpoint endpoint, Reader::Deliver deliver);
 
   /// `tuned` applies the node's qos_overrides to a QoS.
   void accept_every_publisher(std::function<QoS(const QoS&)> tuned);
-  void close();
+  void close() override;
 
-  [[nodiscard]] int matched() const;
-  [[nodiscard]] PublisherId sender() const { return to_id(route_->sender); }
-  [[nodiscard]] std::uint64_t sequence() const { return route_->sequence; }
-  [[nodiscard]] long malformed() const;
+  [[nodiscard]] int matched() const override;
+  [[nodiscard]] PublisherId sender() const override { return to_id(route_->sender); }
+  [[nodiscard]] std::uint64_t sequence() const override { return route_->sequence; }
+  [[nodiscard]] long malformed() const override;
 
  private:
   // Shared with the readers, which may still be running when the set is closed.
@@ -46,7 +47,7 @@ class ReaderSet {
   void open(const QoS& qos);
   void open_for(const Policies& publisher, const std::function<QoS(const QoS&)>& tuned);
 
-  NodeCore& node_;
+  DdsNode& node_;
   Endpoint endpoint_;
   std::shared_ptr<Route> route_;
   std::vector<std::shared_ptr<Reader>> readers_;

@@ -9,11 +9,12 @@ namespace {
 
 using rcl_interfaces::msg::Log;
 
-Log to_log(const LogLine& line, const std::string& logger) {
+Log to_log(const LogLine& line, const NodeCore& node) {
   Log log;
-  log.stamp(to_stamp(system_nanoseconds()));  // system time even under use_sim_time, as rcl does
+  log.stamp(
+      to_stamp(node.system_nanoseconds()));  // system time even under use_sim_time, as rcl does
   log.level(severity(line.level));
-  log.name(logger);
+  log.name(node.log.name());
   log.msg(line.text);
   log.file(line.place.file);
   log.function(line.place.function);
@@ -41,19 +42,16 @@ std::uint8_t severity(LogLevel level) {
 }
 
 RosOut::RosOut(NodeCore& node) : node_{node} {
-  const auto codec = std::make_shared<const Codec>(type_ref<Log>());
-  writer_ = node.open_writer(
-      {dds_topic_name(every_node::rosout.name), codec->dds_name(), every_node::rosout.qos});
-  node.log.set_sink([codec, writer = writer_, name = node.log.name()](const LogLine& line) {
-    const Log log = to_log(line, name);
-    thread_local Bytes bytes;
-    if (codec->encode(&log, bytes)) (void)writer->write(bytes);
+  lines_ = node.open_publisher(every_node::rosout.name, type_ref<Log>(), every_node::rosout.qos);
+  node.log.set_sink([&node, lines = lines_](const LogLine& line) {
+    const Log log = to_log(line, node);
+    (void)lines->publish(&log);
   });
 }
 
 RosOut::~RosOut() {
   node_.log.set_sink({});
-  node_.close_writer(*writer_);
+  lines_->close();
 }
 
 }  // namespace tandem::runtime

@@ -19,7 +19,7 @@ class RosOut {
 
  private:
   NodeCore& node_;
-  std::shared_ptr<Writer> writer_;
+  std::shared_ptr<PublisherPort> lines_;
 };
 
 /// The level as in rcl_interfaces/msg/Log and LoggerLevel; kOff maps to FATAL.

@@ -10,7 +10,6 @@ namespace tandem::runtime {
 namespace {
 
 constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
-constexpr QoS kQueue = Server::kQueue;
 constexpr double kMatchWait = 1.0;       // maximum wait of a reply for the client's reader [s]
 constexpr double kRetry = 0.005;         // [s] between checks for matched endpoints
 constexpr std::size_t kMaxQueue = 1000;  // maximum number of pending replies and of waiting calls
@@ -24,7 +23,7 @@ bool known(const rtps::GUID_t& guid) { return guid != rtps::GUID_t::unknown(); }
 
 }  // namespace
 
-Server::Server(NodeCore& node, const std::string& service, Responder responder, QoS qos)
+Server::Server(DdsNode& node, const std::string& service, Responder responder, const QoS& qos)
     : node_{node},
       service_{service},
       responder_{std::move(responder)},
@@ -55,7 +54,7 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
   const auto& client = info.related_sample_identity.writer_guid();
   if (known(client)) to.writer_guid(client);
   if (responder_.reply) responder_.reply(reply_to(to, info.sample_identity.writer_guid()));
-  responder_.request.deliver();
+  responder_.request.deliver(responder_.request.message());
   if (!responder_.reply) respond(to, responder_.response());
   return true;
 }
@@ -95,13 +94,13 @@ void Server::send(QueuedReply& reply) {
     node_.log.warn_every(1.0, "{}: a response could not be sent", service_);
 }
 
-Caller::Caller(NodeCore& node, const std::string& service, const std::string& request_type,
+Caller::Caller(DdsNode& node, const std::string& service, const std::string& request_type,
                const std::string& response_type)
     : node_{node},
       service_{service},
-      writer_{node.open_writer({dds_request_name(service), request_type, kQueue})},
+      writer_{node.open_writer({dds_request_name(service), request_type, kRequestQueue})},
       reader_{node.open_reader(
-          {dds_reply_name(service), response_type, kQueue},
+          {dds_reply_name(service), response_type, kRequestQueue},
           [this](const Bytes& bytes, const auto& info) { return on_response(bytes, info); })},
       poller_{std::make_shared<Poller>()} {
   poller_->poll = [this](double now) { return poll(now); };
@@ -116,7 +115,34 @@ void Caller::close() {
 
 bool Caller::ready() const { return writer_->matched() > 0 && reader_->matched() > 0; }
 
-void Caller::call(Bytes request, OnResponse on_response, double timeout,
+Caller::Caller(DdsNode& node, const std::string& service, TypeRef request, TypeRef response)
+    : Caller{node, service, Codec{request}.dds_name(), Codec{response}.dds_name()} {
+  request_codec_.emplace(request);
+  response_codec_ = std::make_shared<Codec>(response);
+}
+
+void Caller::call(const void* request, Receiver response, double timeout,
+                  std::function<void()> on_timeout) {
+  Bytes bytes;
+  if (!request_codec_->encode(request, bytes)) bytes.clear();
+  auto deliver = [codec = response_codec_, response = std::move(response)](const Bytes& answer) {
+    if (!codec->decode(answer, response.message())) return false;
+    response.deliver(response.message());
+    return true;
+  };
+  send(std::move(bytes), std::move(deliver), timeout, std::move(on_timeout));
+}
+
+void Caller::call_bytes(const Bytes& request, std::function<void(const Bytes&)> fn, double timeout,
+                        std::function<void()> on_timeout) {
+  auto deliver = [fn = std::move(fn)](const Bytes& answer) {
+    fn(answer);
+    return true;
+  };
+  send(request, std::move(deliver), timeout, std::move(on_timeout));
+}
+
+void Caller::send(Bytes request, OnResponse on_response, double timeout,
                   std::function<void()> on_timeout) {
   Call call{std::move(request), std::move(on_response), steady_seconds() + timeout,
             std::move(on_timeout)};
@@ -136,7 +162,7 @@ double Caller::poll(double now) {
 }
 
 void Caller::send_waiting() {
-  for (; !waiting_.empty() && std::ssize(asked_) < kQueue.depth; waiting_.pop_front()) {
+  for (; !waiting_.empty() && std::ssize(asked_) < kRequestQueue.depth; waiting_.pop_front()) {
     rtps::WriteParams params;
     params.related_sample_identity().writer_guid(reader_->guid());
     if (!writer_->write(waiting_.front().request, params)) return;

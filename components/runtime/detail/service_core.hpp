@@ -6,21 +6,19 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 
-#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/detail/dds_node.hpp"
 
 namespace tandem::runtime {
 
 /// Answers requests. A reply is queued until the client's reader is matched. If the client does not
 /// identify its reader, the reply is sent again for each reader that its participant adds within
 /// the waiting time, because the readers matched so far may belong to other clients.
-class Server {
+class Server final : public ServicePort {
  public:
-  // ROS 2's services profile with a deeper queue, because an evicted request is lost for good.
-  static constexpr QoS kQueue{.depth = 100};
-
-  Server(NodeCore& node, const std::string& service, Responder responder, QoS qos = kQueue);
-  void close();
+  Server(DdsNode& node, const std::string& service, Responder responder, const QoS& qos);
+  void close() override;
 
  private:
   struct QueuedReply {
@@ -36,7 +34,7 @@ class Server {
   double send_replies(double now);
   void send(QueuedReply& reply);
 
-  NodeCore& node_;
+  DdsNode& node_;
   std::string service_;
   Responder responder_;
   Codec request_codec_, response_codec_;
@@ -49,21 +47,23 @@ class Server {
 
 /// Sends requests and completes each call with a response or a timeout. Requests are queued until a
 /// server is matched.
-class Caller {
+class Caller final : public ClientPort {
  public:
-  /// Returns false for bytes that do not decode; the call then keeps waiting for a valid response.
-  using OnResponse = std::function<bool(const Bytes&)>;
-
-  /// Types are given by their DDS names.
-  Caller(NodeCore& node, const std::string& service, const std::string& request_type,
+  Caller(DdsNode& node, const std::string& service, TypeRef request, TypeRef response);
+  /// For requests and responses in bytes only. Types are given by their DDS names.
+  Caller(DdsNode& node, const std::string& service, const std::string& request_type,
          const std::string& response_type);
-  /// An empty request means that encoding failed; the call then fails.
-  void call(Bytes request, OnResponse on_response, double timeout,
-            std::function<void()> on_timeout);
-  [[nodiscard]] bool ready() const;
-  void close();
+
+  void call(const void* request, Receiver response, double timeout,
+            std::function<void()> on_timeout) override;
+  void call_bytes(const Bytes& request, std::function<void(const Bytes&)> fn, double timeout,
+                  std::function<void()> on_timeout) override;
+  [[nodiscard]] bool ready() const override;
+  void close() override;
 
  private:
+  // Returns false for bytes that do not decode; the call then keeps waiting for a valid response.
+  using OnResponse = std::function<bool(const Bytes&)>;
   struct Call {
     Bytes request;
     OnResponse on_response;
@@ -71,16 +71,21 @@ class Caller {
     std::function<void()> on_timeout;
   };
 
+  // An empty request means that encoding failed; the call then fails.
+  void send(Bytes request, OnResponse on_response, double timeout,
+            std::function<void()> on_timeout);
   bool on_response(const Bytes& bytes, const fdds::SampleInfo& info);
   double poll(double now);
   void send_waiting();
   void expire(double now);
   void fail(const Call& call);
 
-  NodeCore& node_;
+  DdsNode& node_;
   std::string service_;
   std::deque<Call> waiting_;            // not sent yet
   std::map<std::int64_t, Call> asked_;  // sent; key: sequence number
+  std::optional<Codec> request_codec_;
+  std::shared_ptr<Codec> response_codec_;
   std::shared_ptr<Writer> writer_;
   std::shared_ptr<Reader> reader_;
   std::shared_ptr<Poller> poller_;

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/dds_node.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+
+#include "tandem/runtime/detail/graph.hpp"
+#include "tandem/runtime/detail/guard_report.hpp"
+#include "tandem/runtime/detail/reader_set.hpp"
+#include "tandem/runtime/detail/service_core.hpp"
+#include "tandem/runtime/detail/thread_worker.hpp"
+#include "tandem/runtime/names.hpp"
+#include "tandem/runtime/time.hpp"
+
+namespace tandem::runtime {
+namespace {
+
+// Encodes the messages of a publisher; without a codec it takes bytes only.
+class DdsPublisher final : public PublisherPort {
+ public:
+  DdsPublisher(DdsNode& node, std::shared_ptr<Codec> codec, std::shared_ptr<Writer> writer)
+      : node_{node}, codec_{std::move(codec)}, writer_{std::move(writer)} {}
+
+  std::size_t publish(const void* message) override {
+    thread_local Bytes bytes;  // reused by all publishers of this thread
+    return codec_->encode(message, bytes) ? publish_bytes(bytes) : bytes.size();
+  }
+  std::size_t publish_bytes(const Bytes& bytes) override {
+    return writer_->write(bytes) ? 0 : bytes.size();
+  }
+  [[nodiscard]] int matched() const override { return writer_->matched(); }
+  [[nodiscard]] PublisherId id() const override { return to_id(writer_->guid()); }
+  [[nodiscard]] const std::string& topic() const override { return writer_->topic(); }
+  void close() override { node_.close_writer(*writer_); }
+
+ private:
+  DdsNode& node_;
+  std::shared_ptr<Codec> codec_;
+  std::shared_ptr<Writer> writer_;
+};
+
+// Time for a peer to open a compatible endpoint [s]; under DDS Security its second participant is
+// authenticated separately.
+constexpr double kSettling = 1.0, kSecuredSettling = 10.0;
+constexpr const char* kRequest = "_Request";  // suffixes of a service's types
+constexpr const char* kResponse = "_Response";
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+// The due items of `list`, kept alive because callbacks may change the list. Filtering here avoids
+// copying pointers to the many readers and pollers that are idle most of the time.
+template <class T, class Due>
+std::vector<std::shared_ptr<T>> select(const std::vector<std::shared_ptr<T>>& list, Due due) {
+  std::vector<std::shared_ptr<T>> selected;
+  for (const auto& item : list)
+    if (due(*item)) selected.push_back(item);
+  return selected;
+}
+
+// Logs once per process.
+void report_security(const Security& security) {
+  static std::once_flag once;
+  if (!security.on() && security.complaint.empty()) return;
+  std::call_once(once, [&] {
+    Logger log{"runtime"};
+    if (security.on())
+      log.info("DDS Security is on, from {}", security.folder);
+    else
+      log.warn(
+          "ROS_SECURITY_ENABLE=true, but this process runs without security: anyone on this "
+          "network can read and forge its messages: {}",
+          security.complaint);
+  });
+}
+
+template <class T>
+void erase(std::vector<std::shared_ptr<T>>& list, const T& item) {
+  std::erase_if(list, [&](const auto& element) { return element.get() == &item; });
+}
+
+}  // namespace
+
+DdsNode::DdsNode(NodeOptions node_options)
+    : NodeCore{std::move(node_options)},
+      participant_{Participant::shared()},
+      peers_{participant_->discovery(), log,
+             participant_->security().on() ? kSecuredSettling : kSettling} {
+  report_security(participant_->security());
+  participant_->graph().add_node(name);
+  wait_set_.attach_condition(wake_up_);
+  peer_poller_->poll = [this](double steady_now) { return peers_.poll(steady_now); };
+  add(peer_poller_);
+  guard_report_ = std::make_unique<GuardReport>(*this);
+  guard_poller_->poll = [this](double steady_now) { return guard_report_->poll(steady_now); };
+  add(guard_poller_);
+}
+
+DdsNode::~DdsNode() {
+  close();
+  guard_report_.reset();
+  wait_set_.detach_condition(wake_up_);
+  participant_->graph().remove_node(name);
+}
+
+std::shared_ptr<PublisherPort> DdsNode::open_publisher(const std::string& topic, TypeRef type,
+                                                       const QoS& qos) {
+  auto codec = std::make_shared<Codec>(type);
+  auto writer = open_writer({dds_topic_name(topic),
+                             codec->dds_name(),
+                             qos,
+                             {},
+                             qos_overrides.prefix_of(topic, "publisher")});
+  return std::make_shared<DdsPublisher>(*this, std::move(codec), std::move(writer));
+}
+
+std::shared_ptr<PublisherPort> DdsNode::open_generic_publisher(const std::string& topic,
+                                                               const std::string& type,
+                                                               const QoS& qos,
+                                                               const std::string& type_hash) {
+  return std::make_shared<DdsPublisher>(
+      *this, nullptr, open_writer({dds_topic_name(topic), dds_type(type), qos, type_hash}));
+}
+
+std::shared_ptr<SubscriptionPort> DdsNode::open_subscription(const std::string& topic,
+                                                             const QoS& qos, Receiver receiver,
+                                                             Accepts accepts) {
+  const auto codec = std::make_shared<Codec>(receiver.type);
+  auto deliver = [codec, receiver = std::move(receiver)](const Bytes& bytes, const auto&) {
+    if (!codec->decode(bytes, receiver.message())) {
+      receiver.reset();
+      return false;
+    }
+    receiver.deliver(receiver.message());
+    return true;
+  };
+  const Endpoint endpoint{dds_topic_name(topic),
+                          codec->dds_name(),
+                          qos,
+                          {},
+                          qos_overrides.prefix_of(topic, "subscription")};
+  auto readers = std::make_shared<ReaderSet>(*this, endpoint, std::move(deliver));
+  if (accepts == Accepts::kEvery)
+    readers->accept_every_publisher([this, topic](const QoS& wanted) {
+      return qos_overrides.apply(wanted, topic, "subscription");
+    });
+  return readers;
+}
+
+std::shared_ptr<SubscriptionPort> DdsNode::open_generic_subscription(
+    const std::string& topic, const std::string& type, const QoS& qos,
+    std::function<void(const Bytes&)> fn) {
+  auto deliver = [fn = std::move(fn)](const Bytes& bytes, const auto&) {
+    fn(bytes);
+    return true;
+  };
+  const Endpoint endpoint{dds_topic_name(topic), dds_type(type), qos};
+  return std::make_shared<ReaderSet>(*this, endpoint, std::move(deliver));
+}
+
+std::shared_ptr<ServicePort> DdsNode::open_service(const std::string& service, Responder responder,
+                                                   const QoS& qos) {
+  return std::make_shared<Server>(*this, service, std::move(responder), qos);
+}
+
+std::shared_ptr<ClientPort> DdsNode::open_client(const std::string& service, TypeRef request,
+                                                 TypeRef response) {
+  return std::make_shared<Caller>(*this, service, request, response);
+}
+
+std::shared_ptr<ClientPort> DdsNode::open_generic_client(const std::string& service,
+                                                         const std::string& type) {
+  return std::make_shared<Caller>(*this, service, dds_type(type + kRequest),
+                                  dds_type(type + kResponse));
+}
+
+std::shared_ptr<WorkerPort> DdsNode::open_worker(Worker::Work work) {
+  return std::make_shared<ThreadWorker>(std::move(work));
+}
+
+std::shared_ptr<void> DdsNode::watch_publishers(const std::string& topic, TypeRef type,
+                                                PublishersChanged fn) {
+  return peers_.watch_publishers(dds_topic_name(topic), Codec{type}.dds_name(), std::move(fn));
+}
+
+bool DdsNode::is_present(const PublisherId& publisher) const {
+  return discovery().policies(to_guid(publisher)).has_value();
+}
+
+std::vector<TopicInfo> DdsNode::topics() const {
+  std::map<std::pair<std::string, std::string>, TopicInfo> topics;
+  for (const auto& endpoint : discovery().endpoints()) {
+    if (!endpoint.topic.starts_with("rt/")) continue;
+    auto& info = topics[{endpoint.topic, endpoint.type}];
+    info.name = ros_name(endpoint.topic);
+    info.type = ros_type(endpoint.type);
+    (endpoint.writes ? info.publishers : info.subscriptions).push_back(endpoint.policies);
+    if (endpoint.writes && info.type_hash.empty())
+      info.type_hash = type_hash_in(endpoint.user_data);
+  }
+  std::vector<TopicInfo> all;
+  for (auto& [key, info] : topics) all.push_back(std::move(info));
+  return all;
+}
+
+std::vector<ServiceInfo> DdsNode::services() const {
+  std::map<std::string, std::string>
+      services;  // name → type; further servers of a service add nothing
+  for (const auto& endpoint : discovery().endpoints()) {
+    const std::string type = ros_type(endpoint.type);
+    if (endpoint.writes || !endpoint.topic.starts_with("rq/") || !type.ends_with(kRequest) ||
+        !endpoint.topic.ends_with("Request"))
+      continue;
+    const std::string service = ros_name(endpoint.topic);
+    services[service.substr(0, service.size() - std::string_view{"Request"}.size())] =
+        type.substr(0, type.size() - std::string_view{kRequest}.size());
+  }
+  std::vector<ServiceInfo> all;
+  for (auto& [service, type] : services) all.push_back({service, type});
+  return all;
+}
+
+std::shared_ptr<Writer> DdsNode::open_writer(const Endpoint& endpoint) {
+  auto writer = std::make_shared<Writer>(*participant_, endpoint);
+  writer->participant().graph().add_writer(name, writer->guid());
+  know(writer->guid(), endpoint, true);
+  return writer;
+}
+
+std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::Deliver deliver) {
+  const auto warn = [this, topic = ros_name(endpoint.topic)](const char* kind,
+                                                             const std::string& what) {
+    log.write_every(1.0, LogLevel::kWarn, topic + kind, topic + ": dropped " + what);
+  };
+  Reader::Refused refused{
+      .malformed =
+          [warn, type = ros_type(endpoint.type)](std::size_t size) {
+            warn("malformed", fmt::format("{} bytes that are not a valid {}", size, type));
+          },
+      .late =
+          [warn, lifespan = endpoint.qos.lifespan] {
+            warn("late", fmt::format("a message that arrived more than {} s late", lifespan));
+          }};
+  auto reader =
+      std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), std::move(refused));
+  reader->participant().graph().add_reader(name, reader->guid());
+  know(reader->guid(), endpoint, false);
+  wait_set_.attach_condition(reader->condition());
+  readers_.push_back(reader);
+  return reader;
+}
+
+// DDS does not report a participant's own endpoints to it.
+void DdsNode::know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
+  participant_->discovery().add({.guid = guid,
+                                 .writes = writes,
+                                 .topic = endpoint.topic,
+                                 .type = endpoint.type,
+                                 .policies = policies_of(endpoint.qos),
+                                 .user_data = endpoint.user_data(participant_->speaks_humble()),
+                                 .since = steady_seconds()});
+  peers_.add(guid, endpoint, writes);
+}
+
+void DdsNode::forget(const rtps::GUID_t& guid) {
+  participant_->discovery().remove(guid);
+  peers_.remove(guid);
+}
+
+void DdsNode::close_writer(Writer& writer) {
+  writer.participant().graph().remove(name, writer.guid());
+  forget(writer.guid());
+}
+
+void DdsNode::close_reader(Reader& reader) {
+  reader.close();
+  wait_set_.detach_condition(reader.condition());
+  reader.participant().graph().remove(name, reader.guid());
+  forget(reader.guid());
+  erase(readers_, reader);
+}
+
+void DdsNode::remove(TimerState& timer) {
+  timer.closed = true;
+  erase(timers_, timer);
+}
+
+void DdsNode::remove(Poller& poller) {
+  poller.closed = true;
+  erase(pollers_, poller);
+}
+
+void DdsNode::retire(std::shared_ptr<void> part) {
+  if (dispatching_) retired_.push_back(std::move(part));
+}
+
+double DdsNode::steady_now() const { return steady_seconds(); }
+std::int64_t DdsNode::system_nanoseconds() const { return runtime::system_nanoseconds(); }
+
+void DdsNode::spin() {
+  store.check_unknown();
+  while (!stopped()) dispatch(kForever);
+}
+
+void DdsNode::spin_some(double max_wait) {
+  const double end = steady_seconds() + max_wait;
+  double left = max_wait;
+  while (!stopped() && !dispatch(std::max(0.0, left)) && left > 0.0) left = end - steady_seconds();
+}
+
+void DdsNode::stop() {
+  NodeCore::stop();
+  wake_up_.set_trigger_value(true);
+}
+
+bool DdsNode::dispatch(double max_wait) {
+  const double wait = time_to_next(max_wait);
+  wait_set_.wait(active_, to_duration(wait));
+  if (wake_up_.get_trigger_value()) wake_up_.set_trigger_value(false);
+  dispatching_ = true;
+  const bool received = run_readers();
+  const bool fired = run_timers();
+  run_pollers();
+  dispatching_ = false;
+  retired_.clear();
+  return received || fired;
+}
+
+double DdsNode::time_to_next(double max_wait) const {
+  const double now_steady = steady_seconds();
+  double wait = max_wait;
+  for (const auto& reader : readers_)
+    if (reader->waiting()) return 0.0;
+  for (const auto& timer : timers_)
+    if (timer->wall || !use_sim_time) wait = std::min(wait, timer->beat.next() - now_steady);
+  for (const auto& poller : pollers_) wait = std::min(wait, poller->next - now_steady);
+  return std::max(0.0, wait);
+}
+
+bool DdsNode::run_readers() {
+  const auto is_due = [this](Reader& reader) {
+    return reader.waiting() ||
+           std::find(active_.begin(), active_.end(), &reader.condition()) != active_.end();
+  };
+  int taken = 0;
+  for (const auto& reader : select(readers_, is_due))
+    if (!stopped()) taken += reader->drain();
+  return taken > 0;
+}
+
+bool DdsNode::run_timers() {
+  const auto all = [](const TimerState&) { return true; };
+  bool fired = false;
+  for (const auto& timer : select(timers_, all)) {
+    if (stopped() || timer->closed) continue;
+    if (!timer->beat.due(timer->wall ? steady_seconds() : now())) continue;
+    timer->fn();
+    fired = true;
+  }
+  return fired;
+}
+
+void DdsNode::run_pollers() {
+  const auto is_due = [now_steady = steady_seconds()](const Poller& poller) {
+    return poller.next <= now_steady;
+  };
+  for (const auto& poller : select(pollers_, is_due))
+    if (!poller->closed) poller->next = poller->poll(steady_seconds());
+}
+
+}  // namespace tandem::runtime

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// A node on DDS: its endpoints and its event loop. Private to runtime/.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/endpoint.hpp"
+#include "tandem/runtime/detail/node_core.hpp"
+#include "tandem/runtime/detail/peer_watch.hpp"
+
+namespace tandem::runtime {
+
+/// Work with deadlines on the steady clock, such as unsent replies and unanswered calls.
+struct Poller {
+  std::function<double(double now)> poll;  ///< runs what is due; returns when to poll next [s]
+  double next = 0.0;
+  bool closed = false;
+};
+
+class GuardReport;
+
+class DdsNode final : public NodeCore {
+ public:
+  explicit DdsNode(NodeOptions node_options);
+  ~DdsNode() override;
+
+  [[nodiscard]] std::shared_ptr<PublisherPort> open_publisher(const std::string& topic,
+                                                              TypeRef type,
+                                                              const QoS& qos) override;
+  [[nodiscard]] std::shared_ptr<PublisherPort> open_generic_publisher(
+      const std::string& topic, const std::string& type, const QoS& qos,
+      const std::string& type_hash) override;
+  [[nodiscard]] std::shared_ptr<SubscriptionPort> open_subscription(const std::string& topic,
+                                                                    const QoS& qos,
+                                                                    Receiver receiver,
+                                                                    Accepts accepts) override;
+  [[nodiscard]] std::shared_ptr<SubscriptionPort> open_generic_subscription(
+      const std::string& topic, const std::string& type, const QoS& qos,
+      std::function<void(const std::vector<std::uint8_t>&)> fn) override;
+  [[nodiscard]] std::shared_ptr<ServicePort> open_service(const std::string& service,
+                                                          Responder responder,
+                                                          const QoS& qos) override;
+  [[nodiscard]] std::shared_ptr<ClientPort> open_client(const std::string& service, TypeRef request,
+                                                        TypeRef response) override;
+  [[nodiscard]] std::shared_ptr<ClientPort> open_generic_client(const std::string& service,
+                                                                const std::string& type) override;
+  [[nodiscard]] std::shared_ptr<WorkerPort> open_worker(Worker::Work work) override;
+  [[nodiscard]] std::shared_ptr<void> watch_publishers(const std::string& topic, TypeRef type,
+                                                       PublishersChanged fn) override;
+  void add(std::shared_ptr<TimerState> timer) override { timers_.push_back(std::move(timer)); }
+  void remove(TimerState& timer) override;
+  void retire(std::shared_ptr<void> part) override;
+
+  [[nodiscard]] bool is_present(const PublisherId& publisher) const override;
+  [[nodiscard]] std::vector<TopicInfo> topics() const override;
+  [[nodiscard]] std::vector<ServiceInfo> services() const override;
+
+  [[nodiscard]] double steady_now() const override;
+  [[nodiscard]] std::int64_t system_nanoseconds() const override;
+  void spin() override;
+  void spin_some(double max_wait) override;
+  void stop() override;
+
+  std::shared_ptr<Writer> open_writer(const Endpoint& endpoint);
+  std::shared_ptr<Reader> open_reader(const Endpoint& endpoint, Reader::Deliver deliver);
+  void close_writer(Writer& writer);
+  void close_reader(Reader& reader);
+  void add(std::shared_ptr<Poller> poller) { pollers_.push_back(std::move(poller)); }
+  void remove(Poller& poller);
+
+  [[nodiscard]] PeerWatch& peers() { return peers_; }
+  [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
+  /// Whether the endpoint belongs to this process.
+  [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
+
+ private:
+  void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
+  void forget(const rtps::GUID_t& guid);
+  bool dispatch(double max_wait);  // true if a message was taken or a timer ran
+  [[nodiscard]] double time_to_next(double max_wait) const;
+  bool run_readers();
+  bool run_timers();
+  void run_pollers();
+
+  std::shared_ptr<Participant> participant_;
+  PeerWatch peers_;
+  std::shared_ptr<Poller> peer_poller_ = std::make_shared<Poller>();
+  std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
+  fdds::WaitSet wait_set_;
+  fdds::GuardCondition wake_up_;
+  fdds::ConditionSeq active_;  // reused to avoid allocation
+  std::vector<std::shared_ptr<Reader>> readers_;
+  std::vector<std::shared_ptr<TimerState>> timers_;
+  std::vector<std::shared_ptr<Poller>> pollers_;
+  std::vector<std::shared_ptr<void>> retired_;
+  bool dispatching_ = false;
+  std::unique_ptr<GuardReport> guard_report_;
+};
+
+}  // namespace tandem::runtime
