@@ -58,18 +58,10 @@ MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInp
     with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
   // Last, so that an exception above leaves no thread running.
-  worker_ = std::thread{[this] { run(); }};
-}
-
-MapInput::~MapInput() {
-  static_.subscription = {};
-  local_.subscription = {};
-  {
-    const std::lock_guard lock{mutex_};
-    stop_ = true;
-  }
-  arrived_.notify_one();
-  worker_.join();
+  worker_ = node.create_worker([this] {
+    take_waiting();
+    return std::nullopt;
+  });
 }
 
 rt::Interface MapInput::interface_of_static() {
@@ -123,7 +115,7 @@ void MapInput::hand_over(Inbox& inbox, Job job) {
     const std::lock_guard lock{mutex_};
     inbox.waiting = std::move(job);
   }
-  arrived_.notify_one();
+  worker_.wake();
 }
 
 // Returns nullopt and sets `refusal` if the frame is unknown or not level.
@@ -229,27 +221,23 @@ const char* MapInput::missing_topic() const {
   return params_.map_source == "both" && !static_.place ? static_.topic : local_.topic;
 }
 
-void MapInput::run() {
+void MapInput::take_waiting() {
   std::unique_lock lock{mutex_};
-  while (true) {
-    arrived_.wait(lock, [this] { return stop_ || static_.waiting || local_.waiting; });
-    if (stop_) return;
-    const auto fixed = std::exchange(static_.waiting, std::nullopt);
-    const auto local = std::exchange(local_.waiting, std::nullopt);
-    const auto p_MB = p_MB_;
-    lock.unlock();
-    const auto map =
-        fixed ? unless_refused(static_.topic, [&] { return take_static(*fixed); }) : nullptr;
-    const auto [seen, unseen] =
-        local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : Live{};
-    lock.lock();
-    if (map) map_.value = map;
-    if (map || seen) static_.in_force = base_place_;
-    if (!seen) continue;
-    map_ = {seen, local->map->t};
-    unseen_ = unseen;
-    local_.in_force = local->place;
-  }
+  const auto fixed = std::exchange(static_.waiting, std::nullopt);
+  const auto local = std::exchange(local_.waiting, std::nullopt);
+  const auto p_MB = p_MB_;
+  lock.unlock();
+  const auto map =
+      fixed ? unless_refused(static_.topic, [&] { return take_static(*fixed); }) : nullptr;
+  const auto [seen, unseen] =
+      local ? unless_refused("octomap_local", [&] { return take_local(*local, p_MB); }) : Live{};
+  lock.lock();
+  if (map) map_.value = map;
+  if (map || seen) static_.in_force = base_place_;
+  if (!seen) return;
+  map_ = {seen, local->map->t};
+  unseen_ = unseen;
+  local_.in_force = local->place;
 }
 
 // Returns take(), or an empty result if it throws; logs the reason.
@@ -278,10 +266,19 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
   base_place_ = job.place;
   if (job.map)
     node_.log().info("map: {} x {} cells of {:.3f} m", grid.width, grid.height, grid.resolution);
-  if (params_.map_source == "static")
-    return std::make_shared<const StaticMap>(std::move(grid), params_.unknown_is_obstacle);
+  if (params_.map_source == "static") return shared_map(std::move(grid));
   base_ = std::move(grid);
   return nullptr;
+}
+
+// Nodes with equal grids share one map, so that what is computed of a map can be shared as well.
+std::shared_ptr<const StaticMap> MapInput::shared_map(Grid grid) {
+  const bool unknown_stops = params_.unknown_is_obstacle;
+  std::string key = fmt::format("{} {} {} {} {} {} ", grid.width, grid.height, grid.resolution,
+                                grid.origin.x(), grid.origin.y(), unknown_stops);
+  for (const Cell cell : grid.cells) key += static_cast<char>(cell);
+  return node_.cached<const StaticMap>(
+      key, [&] { return std::make_shared<const StaticMap>(std::move(grid), unknown_stops); });
 }
 
 MapInput::Live MapInput::take_local(const Job& job,

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Subscribes to octomap_binary or map and to octomap_local, and decodes them into a StaticMap on a
-// worker thread.
+// Subscribes to octomap_binary or map and to octomap_local, and decodes them into a StaticMap
+// beside the node's callbacks.
 #pragma once
 
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 #include <variant>
 
@@ -75,7 +73,7 @@ struct MapInputParams {
 enum class UnseenGround { kIgnored, kHeeded };
 
 /// Subscribes to the maps selected by `map_source` and `static_map`. Decoding a whole building
-/// takes 50 to 90 ms, so a worker thread does it while the node uses the old map. Only the newest
+/// takes 50 to 90 ms, so a worker does it while the node uses the old map. Only the newest
 /// message of each topic is queued. Invalid maps are logged and leave the old map in force. So do
 /// maps received while two nodes publish the topic, or from a publisher other than that of the map
 /// in force. When one publisher is left, its map is requested again.
@@ -99,7 +97,6 @@ class MapInput {
   /// Throws std::runtime_error if the fixtures cannot be read.
   MapInput(rt::Node& node, const MapInputParams& params, const FramesInput& frames,
            UnseenGround unseen = UnseenGround::kIgnored);
-  ~MapInput();
   /// The topics that it opens.
   [[nodiscard]] static rt::Interface interface();
   /// The same for a node that accepts `map_source: static` only.
@@ -165,10 +162,11 @@ class MapInput {
   [[nodiscard]] bool is_foreign(const char* topic, const Inbox& inbox) const;
   template <class M>
   void ask_again(const rt::Topic<M>& topic, Inbox& inbox);
-  void run();
+  void take_waiting();
   template <class Take>
   [[nodiscard]] auto unless_refused(const char* topic, const Take& take) -> decltype(take());
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
+  [[nodiscard]] std::shared_ptr<const StaticMap> shared_map(Grid grid);
   // The merged map and, if heeded, unseen ground.
   using Live = std::pair<std::shared_ptr<const StaticMap>, std::shared_ptr<const StaticMap>>;
   [[nodiscard]] Live take_local(const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
@@ -195,14 +193,12 @@ class MapInput {
   Grid known_;  // ground known to base_
 
   mutable std::mutex mutex_;
-  std::condition_variable arrived_;
-  bool stop_ = false;
   Inbox static_, local_{"octomap_local"};
   Stamped<std::shared_ptr<const StaticMap>> map_;  // stamped with octomap_local's arrival
   std::shared_ptr<const StaticMap> unseen_;
   std::optional<Eigen::Vector2d> p_MB_;
 
-  std::thread worker_;
+  rt::Worker worker_;  // last, because its work uses what is above
 };
 
 }  // namespace tandem

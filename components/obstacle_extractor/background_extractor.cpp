@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/obstacle_extractor/background_extractor.hpp"
 
-#include <chrono>
 #include <utility>
 
 namespace tandem {
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr long kSettle = 5;     // updates between two fits of a tile while maps keep arriving
-constexpr auto kQuiet = 300ms;  // without a new map: the map is at rest
-
-// Background work between two requests: none; wait for the map to come to rest; refit the tiles
-// that are due; refit all stale tiles.
-enum class Rest { kNothing, kLater, kSome, kAll };
+constexpr double kQuiet = 0.3;  // [s] without a new map: the map is at rest
 
 }  // namespace
 
@@ -27,24 +20,16 @@ std::optional<std::vector<Obstacle>> shapes_within(const FittedArea& area,
   return obstacles;
 }
 
-BackgroundExtractor::BackgroundExtractor(const ExtractorParams& params) {
+BackgroundExtractor::BackgroundExtractor(const ExtractorParams& params, std::function<void()> wake,
+                                         Make make)
+    : wake_{std::move(wake)}, make_{std::move(make)} {
   set_params(params);
-  worker_ = std::thread{[this] { run(); }};
 }
 
 void BackgroundExtractor::set_params(const ExtractorParams& params) {
   check(params);
   params_ = std::make_shared<const ExtractorParams>(params);
   asked_p_MC_.reset();
-}
-
-BackgroundExtractor::~BackgroundExtractor() {
-  {
-    const std::lock_guard lock{mutex_};
-    stop_ = true;
-  }
-  asked_.notify_one();
-  worker_.join();
 }
 
 std::optional<std::vector<Obstacle>> BackgroundExtractor::near(
@@ -60,49 +45,57 @@ std::optional<std::vector<Obstacle>> BackgroundExtractor::near(
   if (asks) {
     asked_map_ = map;
     asked_p_MC_ = p_MB;
-    asked_.notify_one();
+    wake_();
   }
   return area ? shapes_within(*area, p_MB) : std::nullopt;
 }
 
-void BackgroundExtractor::run() {
-  std::shared_ptr<const StaticMap> map;
-  std::shared_ptr<const ExtractorParams> params;
-  std::optional<Extractor> extractor;
-  Eigen::Vector2d p_MC{0.0, 0.0};
-  Rest rest = Rest::kNothing;
+std::optional<double> BackgroundExtractor::work() {
   std::unique_lock lock{mutex_};
-  while (true) {
-    const auto is_asked = [&] { return stop_ || waiting_; };
-    if (rest == Rest::kNothing)
-      asked_.wait(lock, is_asked);
-    else if (rest == Rest::kLater && !asked_.wait_for(lock, kQuiet, is_asked))
-      rest = Rest::kAll;
-    if (stop_) return;
-    const auto request = std::exchange(waiting_, std::nullopt);
-    lock.unlock();
-    bool has_changed = true;
-    if (request) {
-      p_MC = request->p_MC;
-      if (!extractor || request->params != params)
-        extractor.emplace(request->map, *request->params);
-      else if (request->map != map)
-        extractor->update(request->map);
-      map = request->map;
-      params = request->params;
-      rest = Rest::kSome;
-    } else {
-      has_changed =
-          extractor->refresh_near(p_MC, params->range + kAhead, rest == Rest::kAll ? 0 : kSettle);
-      if (!has_changed) rest = rest == Rest::kAll ? Rest::kNothing : Rest::kLater;
-    }
-    std::shared_ptr<const FittedArea> area;
-    if (has_changed)
-      area = std::make_shared<const FittedArea>(
-          FittedArea{p_MC, extractor->shapes_near(p_MC, params->range + kAhead), params->range});
+  auto request = std::exchange(waiting_, std::nullopt);
+  lock.unlock();
+  if (!request && rest_ == Rest::kNothing) return std::nullopt;
+  if (!request && rest_ == Rest::kLater) rest_ = Rest::kAll;
+  bool has_changed = true;
+  if (request)
+    begin(*std::move(request));
+  else
+    has_changed = refit();
+  if (has_changed) {
+    const double reach = request_->params->range + kAhead;
+    auto area = std::make_shared<const FittedArea>(FittedArea{
+        request_->p_MC, extractor_->shapes_near(request_->p_MC, reach), request_->params->range});
     lock.lock();
-    if (area) fitted_ = std::move(area);
+    fitted_ = std::move(area);
   }
+  return pause();
+}
+
+std::optional<double> BackgroundExtractor::pause() const {
+  if (rest_ == Rest::kNothing) return std::nullopt;
+  return rest_ == Rest::kLater ? kQuiet : 0.0;
+}
+
+void BackgroundExtractor::begin(Request request) {
+  if (!extractor_ || request.params != request_->params) {
+    extractor_ = make_(request.map, *request.params);
+    extractor_->put_down();
+  } else if (request.map != request_->map) {
+    if (extractor_.use_count() > 1)  // others go on with the old map
+      extractor_ = std::make_shared<Extractor>(*extractor_);
+    extractor_->update(request.map);
+  }
+  request_ = std::move(request);
+  rest_ = Rest::kSome;
+}
+
+// Returns whether a tile was refitted.
+bool BackgroundExtractor::refit() {
+  const double reach = request_->params->range + kAhead;
+  if (extractor_->refresh_near(request_->p_MC, reach, rest_ == Rest::kAll ? 0 : kSettle))
+    return true;
+  rest_ = rest_ == Rest::kAll ? Rest::kNothing : Rest::kLater;
+  return false;
 }
 
 }  // namespace tandem

@@ -23,7 +23,9 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
           [this](const auto& wanted) { shapes_.set_params(extractor_for_robot(wanted)); })},
       robot_{node, params_->input},
       map_{node, params_->map, robot_.frames()},
-      shapes_{extractor_for_robot(*params_)},
+      shapes_{extractor_for_robot(*params_), [this] { worker_.wake(); },
+              [this](const auto& map, const auto& params) { return extractor_of(map, params); }},
+      worker_{node.create_worker([this] { return shapes_.work(); })},
       obstacles_{node.create_publisher(topics::obstacles)},
       markers_{node.create_publisher(topics::obstacle_markers)},
       diagnostics_{node, {topics::obstacles.name}} {
@@ -33,6 +35,16 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
     });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
   time_jump_ = node.on_time_jump([this] { people_.reset(); });
+}
+
+// As long as its map stays, an extractor only adds tiles, which are the same for all drives in it.
+std::shared_ptr<Extractor> ObstacleExtractorNode::extractor_of(
+    const std::shared_ptr<const StaticMap>& map, const ExtractorParams& params) const {
+  std::string key = fmt::format("{} {}", fmt::ptr(map.get()), params.width);
+  ExtractorParams all = params;
+  all.visit(
+      [&](const char*, const auto& value, const auto&...) { key += fmt::format(" {}", value); });
+  return node_.cached<Extractor>(key, [&] { return std::make_shared<Extractor>(map, params); });
 }
 
 void ObstacleExtractorNode::extract() {

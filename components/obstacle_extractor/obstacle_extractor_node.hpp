@@ -65,6 +65,8 @@ class ObstacleExtractorNode {
   [[nodiscard]] static rt::Interface interface();
 
  private:
+  [[nodiscard]] std::shared_ptr<Extractor> extractor_of(const std::shared_ptr<const StaticMap>& map,
+                                                        const ExtractorParams& params) const;
   void extract();
   void report_none(const std::string& why, const char* waits_for = "");
   void publish(const std::vector<Obstacle>& shapes);
@@ -79,6 +81,7 @@ class ObstacleExtractorNode {
   Stamped<std::vector<Obstacle>> people_;
   std::unique_ptr<ObstacleTracksInput> on_people_;
 
+  rt::Worker worker_;  // destroyed before the shapes
   rt::Publisher<tandem_msgs::msg::ObstacleArray> obstacles_;
   rt::Publisher<visualization_msgs::msg::MarkerArray> markers_;
   Diagnostics diagnostics_;

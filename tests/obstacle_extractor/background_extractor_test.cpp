@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "obstacle_extractor/fitting_thread.hpp"
 #include "obstacle_extractor/worlds.hpp"
 
 namespace tandem {
@@ -38,7 +39,8 @@ std::vector<Obstacle> wait_for(BackgroundExtractor& shapes,
 
 TEST(BackgroundExtractor, GivesTheShapesOfTheExtractor) {
   const auto map = load_world(project_map("corridor"));
-  BackgroundExtractor shapes({});
+  test::FittingThread fitting({});
+  BackgroundExtractor& shapes = fitting.shapes;
   Extractor extractor(map, {});
   for (double x = 1.0; x < 14.0; x += 0.5)
     test::expect_same(wait_for(shapes, map, {x, 0.0}), extractor.near({x, 0.0}));
@@ -75,7 +77,8 @@ TEST(BackgroundExtractor, SaysNothingWhereNothingIsFitted) {
   EXPECT_TRUE(shapes_within(area, {2.9, 0.0}));
   EXPECT_FALSE(shapes_within(area, {3.1, 0.0}));
   EXPECT_FALSE(shapes_within(area, {std::numeric_limits<double>::quiet_NaN(), 0.0}));
-  BackgroundExtractor shapes({});
+  test::FittingThread fitting({});
+  BackgroundExtractor& shapes = fitting.shapes;
   EXPECT_FALSE(shapes.near(nullptr, {1.0, 0.0}));
   EXPECT_FALSE(shapes.near(map, {std::numeric_limits<double>::quiet_NaN(), 0.0}));
 }
@@ -91,7 +94,8 @@ TEST(BackgroundExtractor, KeepsTheOldMapsShapesUntilThereAreSomeOfTheNew) {
              slalom = load_world(project_map("slalom"));
   const Eigen::Vector2d p_MB{3.0, 0.0};
   const ExtractorParams params;
-  BackgroundExtractor shapes(params);
+  test::FittingThread fitting(params);
+  BackgroundExtractor& shapes = fitting.shapes;
   (void)wait_for(shapes, corridor, p_MB);
   Extractor fresh(corridor, params);  // as the tiles lie
   fresh.update(slalom);
@@ -111,7 +115,8 @@ TEST(BackgroundExtractor, GoesOnAsBeforeUntilOtherParametersAreFitted) {
   const auto map = load_world(project_map("corridor"));
   const Eigen::Vector2d p_MB{3.0, 0.0};
   const ExtractorParams near{.range = 1.5}, far{.range = 6.0};
-  BackgroundExtractor shapes(near);
+  test::FittingThread fitting(near);
+  BackgroundExtractor& shapes = fitting.shapes;
   const auto old = wait_for(shapes, map, p_MB);
   EXPECT_THROW(shapes.set_params({.range = -1.0}), std::invalid_argument);
   shapes.set_params(far);
@@ -133,8 +138,8 @@ TEST(BackgroundExtractor, GoesOnAsBeforeUntilOtherParametersAreFitted) {
 TEST(BackgroundExtractor, EndsWhileItFits) {
   const auto map = load_world(project_map("forest"));
   for (int i = 0; i < 20; ++i) {
-    BackgroundExtractor shapes({});
-    EXPECT_FALSE(shapes.near(map, {0.0, 0.0}));
+    test::FittingThread fitting({});
+    EXPECT_FALSE(fitting.shapes.near(map, {0.0, 0.0}));
   }
 }
 
