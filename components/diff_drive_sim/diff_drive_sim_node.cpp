@@ -208,6 +208,7 @@ void DiffDriveSimNode::publish_collision() {
   msg.header(header(stamp_at(sim_.state().t), params_->frames.map));
   msg.in_contact(contacts.in_contact);
   msg.count(contacts.count);
+  msg.walked_into(contacts.walked_into);
   msg.point().x(contacts.p_MQ.x());
   msg.point().y(contacts.p_MQ.y());
   msg.pose(to_msg(sim_.state().X_MB));

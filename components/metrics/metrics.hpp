@@ -135,7 +135,7 @@ struct DriveResult {
   double cpu_s = 0.0;                         ///< of the process, user and system; lockstep only
   PartTimes part_s;                           ///< by the steady clock; lockstep only
   int collisions = 0;                         ///< contact episodes, see ContactReport
-  std::optional<int> walked_into;             ///< times that a person walked into it; lockstep only
+  std::optional<int> walked_into;             ///< times that a person walked into it
   double min_clearance_m = 0.0;               ///< outline to the nearest static obstacle
   double mean_clearance_m = 0.0;  ///< mean over time, each sample at most `kFarClearance`
   double path_length_m = 0.0;     ///< length of base_link's path, reversing included
