@@ -5,18 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <map>
-#include <memory>
 #include <numbers>
 #include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "bringup/drive/drive_world.hpp"
-#include "tandem/model/footprint.hpp"
-#include "tandem/safety_filter/safety_filter.hpp"
+#include "closed_loop/live_system.hpp"
+#include "tandem/diff_drive_sim/diff_drive_sim.hpp"
+#include "tandem/io/reason_code.hpp"
+#include "tandem/model/diff_drive.hpp"
+#include "tandem/model/robot.hpp"
 
 namespace tandem::test {
 
@@ -91,113 +93,107 @@ class CoverageJudge {
   std::vector<Stand> stood_;
 };
 
-/// The algorithm cores of a drive with one scanner: simulator, builder and filter.
+/// A drive with one scanner, judged from the true poses of the robot.
 class BlindDrive {
  public:
   struct Settings {
-    RobotParams robot{};
     double scan_angle = std::numbers::pi;
     double coverage_timeout = 30.0;
     double unseen_speed = 0.15;
   };
 
-  BlindDrive(const Settings& settings, std::shared_ptr<const StaticMap> world, const Pose2& start)
-      : settings_{settings},
-        sim_{{}, settings.robot, std::move(world), 1},
-        sensing_{builder_params()},
-        filter_{filter_params(), settings.robot},
-        judge_{settings.robot} {
-    sim_.reset(start, 1);
+  BlindDrive(const Settings& settings, const Grid& world, const Pose2& start)
+      : settings_{settings}, judge_{robot_}, system_{world, start, 1, parameters()} {
+    rt::Node& node = system_.node();
+    scan_ = node.create_subscription(topics::scan, [this](const auto& scan) { look(scan); });
+    filter_ = node.create_subscription(topics::filter_status, [this](const auto& status) {
+      ++reasons_[from_msg(status.reason_code())];
+    });
+    system_.on_truth = [this] { judge(); };
+    system_.start();
     run({}, 1.5);  // the first scans
     max_speed_over_unseen_ = 0.0;
   }
 
   /// Holds the stick for this long, or until `done`.
   void run(const Twist2& stick, double duration, const std::function<bool()>& done = {}) {
-    for (const double end = t_ + duration; t_ < end - 1e-9 && !(done && done());) tick(stick);
+    system_.run(stick, duration, done);
   }
 
-  [[nodiscard]] const Pose2& X() const { return sim_.state().X_MB; }
-  [[nodiscard]] const Twist2& twist() const { return sim_.state().twist; }
-  [[nodiscard]] unsigned collisions() const { return sim_.contacts().count; }
-  [[nodiscard]] double t() const { return t_; }
+  [[nodiscard]] const Pose2& X() const { return system_.truth().X; }
+  [[nodiscard]] const Twist2& twist() const { return system_.truth().twist; }
+  [[nodiscard]] unsigned collisions() const { return system_.contacts(); }
+  [[nodiscard]] double t() const { return system_.t(); }
   /// Counts each reason that the filter gave since the last call.
-  [[nodiscard]] std::map<FilterReason, int> take_reasons() { return std::exchange(reasons_, {}); }
+  [[nodiscard]] std::map<Reason, int> take_reasons() { return std::exchange(reasons_, {}); }
   /// Speed of the outline's fastest point while over ground unseen for coverage_timeout [m/s].
   [[nodiscard]] double max_speed_over_unseen() const { return max_speed_over_unseen_; }
   [[nodiscard]] int looks_over_unseen() const { return looks_over_unseen_; }
 
  private:
-  static constexpr double kTick = 0.01;  // [s]
   // [s] a map may be one scan old, and is used for another scan
   static constexpr double kLate = 0.25;
+  static constexpr double kReach = 8.0;        // of the beams [m]
+  static constexpr std::size_t kHistory = 40;  // true poses, of 0.4 s
+  static constexpr int kEvery = 5;             // true poses between two that are judged
 
-  [[nodiscard]] DiffDriveSimNodeParams sim_params() const {
-    DiffDriveSimNodeParams params;
-    params.robot = settings_.robot;
-    params.scan_angle = settings_.scan_angle;
-    return params;
-  }
-  [[nodiscard]] OctomapBuilderNodeParams builder_params() const {
-    OctomapBuilderNodeParams params;
-    params.robot = settings_.robot;
-    params.map.coverage_timeout = settings_.coverage_timeout;
-    return params;
-  }
-  [[nodiscard]] SafetyFilterParams filter_params() const {
-    SafetyFilterParams params;
-    params.unseen_speed = settings_.unseen_speed;
-    return params;
+  [[nodiscard]] std::map<std::string, LiveSystem::Values> parameters() const {
+    return {
+        {"diff_drive_sim",
+         {{"scan_angle", fmt::format("{}", settings_.scan_angle)}, {"odom_rate", "100.0"}}},
+        {"octomap_builder", {{"coverage_timeout", fmt::format("{}", settings_.coverage_timeout)}}},
+        {"safety_filter", {{"unseen_speed", fmt::format("{}", settings_.unseen_speed)}}}};
   }
 
-  void tick(const Twist2& stick) {
-    t_ += kTick;
-    sim_.advance_to(t_);
-    const long n = std::lround(t_ / kTick);
-    if (n % 5 == 0) judge();
-    const OdometryReport report = sim_.odometry();
-    const RobotState robot{compose(report.X_MW, report.X_WB), report.twist, t_};
-    if (n % 2 == 0) sensing_.on_odometry(robot, report.X_WB, report.t, t_);
-    if (n % 5 == 0) judge_.outline(X(), t_);
-    if (n % 10 == 0) look(robot);
-    if (n % 4 != 0) return;
-    filter_.on_command(stick, t_);
-    const Filtered out = filter_.update(robot, t_);
-    ++reasons_[out.reason];
-    sim_.command(out.twist, t_);
+  // The robot moves while the scanner turns.
+  [[nodiscard]] Pose2 true_pose(double t) const {
+    auto at = std::find_if(poses_.rbegin(), poses_.rend(), [&](const auto& p) { return p.t <= t; });
+    if (at == poses_.rend()) --at;
+    return integrate(at->robot.X, at->robot.twist, t - at->t);
   }
-  void look(const RobotState& robot) {
-    const auto params = sim_params();
-    for (int i = 0; i < params.scan_beams; ++i) {
-      const double angle = beam_angle(i, params.scan_beams, params.scan_angle);
-      judge_.beam(X(), angle, std::min<double>(scan_range_of(sim_, params, X(), i), 8.0), t_);
+
+  void look(const sensor_msgs::msg::LaserScan& scan) {
+    if (poses_.empty()) return;
+    const double began = rt::to_seconds(scan.header().stamp());
+    for (std::size_t i = 0; i < scan.ranges().size(); ++i) {
+      const auto number = static_cast<double>(i);
+      const double t = began + number * static_cast<double>(scan.time_increment());
+      const double angle = static_cast<double>(scan.angle_min()) +
+                           number * static_cast<double>(scan.angle_increment());
+      judge_.beam(true_pose(t), angle, std::min<double>(scan.ranges()[i], kReach), t);
     }
-    const auto seen = sensing_.look(scan_of(sim_, params).scan(), {}, t_);
-    if (!seen) return;
-    MapInputParams map;
-    map.map_source = "local";
-    const Eigen::Vector2d p_MB = robot.X_MB.position();
-    filter_.on_map(local_map_over({}, *seen, p_MB, map), unseen_ground_over({}, *seen, p_MB, map));
   }
+
   void judge() {
+    poses_.push_back({t(), system_.truth()});
+    if (poses_.size() > kHistory) poses_.pop_front();
+    if (++judged_ % kEvery != 0) return;
     const double fastest =
-        std::hypot(std::abs(twist().v) + std::abs(twist().w) * 0.5 * settings_.robot.width,
-                   twist().w * (0.5 * settings_.robot.length + std::abs(settings_.robot.center_x)));
-    if (fastest < 0.01 ||
-        !judge_.is_driven_into_unseen(X(), t_, settings_.coverage_timeout + kLate))
-      return;
-    ++looks_over_unseen_;
-    max_speed_over_unseen_ = std::max(max_speed_over_unseen_, fastest);
+        std::hypot(std::abs(twist().v) + std::abs(twist().w) * 0.5 * robot_.width,
+                   twist().w * (0.5 * robot_.length + std::abs(robot_.center_x)));
+    if (fastest >= 0.01 &&
+        judge_.is_driven_into_unseen(X(), t(), settings_.coverage_timeout + kLate)) {
+      ++looks_over_unseen_;
+      max_speed_over_unseen_ = std::max(max_speed_over_unseen_, fastest);
+    }
+    judge_.outline(X(), t());
   }
+
+  struct Stamped {
+    double t;
+    Odometry robot;
+  };
 
   Settings settings_;
-  DiffDriveSim sim_;
-  LiveSensing sensing_;
-  SafetyFilter filter_;
+  RobotParams robot_;
   CoverageJudge judge_;
-  double t_ = 0.0, max_speed_over_unseen_ = 0.0;
+  LiveSystem system_;
+  std::deque<Stamped> poses_;
+  int judged_ = 0;
+  double max_speed_over_unseen_ = 0.0;
   int looks_over_unseen_ = 0;
-  std::map<FilterReason, int> reasons_;
+  std::map<Reason, int> reasons_;
+  rt::Subscription scan_, filter_;
 };
 
 }  // namespace tandem::test

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Drives a robot that knows obstacles only from its scanner, while the scanner or the odometry
-// fails. Runs the cores from scans to the filter in one loop with the simulated base.
+// fails.
 #pragma once
 
 #include <algorithm>
@@ -8,25 +8,24 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "bringup/drive/drive_world.hpp"
-#include "tandem/safety_filter/safety_filter.hpp"
+#include "closed_loop/live_system.hpp"
 
 namespace tandem::test {
 
 using Random = std::mt19937;
+using Scan = sensor_msgs::msg::LaserScan;
 
 inline double between(Random& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
 /// Modifies a scan as a scanner with this fault does.
-using ScanFault = std::function<void(SimulatedScan&, Random&)>;
+using ScanFault = std::function<void(Scan&, Random&)>;
 /// The twist that faulty odometry at X_WB reports, given the true twist.
 using TwistFault = Twist2 (*)(const Twist2& twist, const Pose2& X_WB);
 
@@ -40,29 +39,34 @@ struct SensingFault {
 };
 
 inline ScanFault all_beams(float value) {
-  return [value](SimulatedScan& scan, Random&) {
-    std::fill(scan.ranges.begin(), scan.ranges.end(), value);
+  return [value](Scan& scan, Random&) {
+    std::fill(scan.ranges().begin(), scan.ranges().end(), value);
   };
 }
-inline void lose_half(SimulatedScan& scan, Random& random) {
-  for (float& range : scan.ranges)
+inline void lose_half(Scan& scan, Random& random) {
+  for (float& range : scan.ranges())
     if (random() % 2 == 0) range = std::numeric_limits<float>::quiet_NaN();
 }
-inline void lose_a_side(SimulatedScan& scan, Random&) {
-  const auto quarter = static_cast<std::ptrdiff_t>(scan.ranges.size() / 4);
-  std::fill(scan.ranges.begin() + quarter, scan.ranges.begin() + 3 * quarter,
+inline void lose_a_side(Scan& scan, Random&) {
+  const auto quarter = static_cast<std::ptrdiff_t>(scan.ranges().size() / 4);
+  std::fill(scan.ranges().begin() + quarter, scan.ranges().begin() + 3 * quarter,
             std::numeric_limits<float>::quiet_NaN());
 }
-inline void farthest_as_range_max(SimulatedScan& scan, Random&) {
-  scan.form.range_max = *std::max_element(scan.ranges.begin(), scan.ranges.end());
+inline void farthest_as_range_max(Scan& scan, Random&) {
+  float farthest = 0.0F;
+  for (const float range : scan.ranges())
+    if (std::isfinite(range)) farthest = std::max(farthest, range);
+  scan.range_max(farthest);
 }
-inline void see_posts(SimulatedScan& scan, Random&) {
-  for (std::size_t i = 0; i < scan.ranges.size(); i += 30) scan.ranges[i] = 0.25F;
+inline void see_posts(Scan& scan, Random&) {
+  for (std::size_t i = 0; i < scan.ranges().size(); i += 30) scan.ranges()[i] = 0.25F;
 }
 inline ScanFault frozen() {
-  return [first = std::optional<SimulatedScan>{}](SimulatedScan& scan, Random&) mutable {
+  return [first = std::optional<Scan>{}](Scan& scan, Random&) mutable {
     if (!first) first = scan;
+    const auto header = scan.header();
     scan = *first;
+    scan.header(header);
   };
 }
 
@@ -73,7 +77,7 @@ inline const std::vector<SensingFault>& sensing_faults() {
       {.name = "Zeros", .scan = [] { return all_beams(0.0F); }, .reason = "gives no valid range"},
       {.name = "NaN", .scan = [] { return all_beams(kNaN); }, .reason = "gives no valid range"},
       {.name = "NoBeams",
-       .scan = [] { return [](SimulatedScan& scan, Random&) { scan.ranges.clear(); }; },
+       .scan = [] { return [](Scan& scan, Random&) { scan.ranges().clear(); }; },
        .reason = "gives no valid range"},
       {.name = "Covered", .scan = [] { return all_beams(0.2F); }, .reason = "gives no valid range"},
       {.name = "Frozen", .scan = frozen, .reason = "frozen"},
@@ -101,7 +105,7 @@ inline const std::vector<SensingFault>& sensing_faults() {
 }
 
 /// A room of 3 to 8 m with poles, none of them at the robot's start.
-inline std::shared_ptr<const StaticMap> room_with_poles(Random& random) {
+inline Grid room_with_poles(Random& random) {
   Grid grid{0.05, {-6.0, -6.0}, 240, 240, std::vector<Cell>(57600, Cell::kFree)};
   std::vector<Eigen::Vector2d> poles;
   const double half = between(random, 1.5, 4.0);
@@ -116,7 +120,7 @@ inline std::shared_ptr<const StaticMap> room_with_poles(Random& random) {
       for (const auto& pole : poles) occupied = occupied || (p - pole).norm() < 0.12;
       if (occupied) grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
     }
-  return std::make_shared<const StaticMap>(std::move(grid));
+  return grid;
 }
 
 /// One drive of 15 s with a person who pushes forward half of the time and in random directions
@@ -128,79 +132,69 @@ class FaultyDrive {
         fault_{fault},
         spoil_{fault.scan ? fault.scan() : ScanFault{}},
         fault_begins_{seed % 2 == 1 ? 0.0 : between(random_, 1.0, 6.0)},
-        sim_{{}, {}, room_with_poles(random_), seed},
-        sensing_{builder_params(fault)},
-        filter_{filter_params(fault), RobotParams{}} {
-    sim_.reset({0.0, 0.0, between(random_, -3.1, 3.1)}, seed);
+        system_{room_with_poles(random_), Pose2{0.0, 0.0, between(random_, -3.1, 3.1)}, seed,
+                parameters(fault), LiveSystem::Relayed::kSensors} {
+    rt::Node& node = system_.node();
+    scan_ = node.create_publisher(topics::scan);
+    odom_ = node.create_publisher(topics::odom);
+    true_scan_ = node.create_subscription(kTrueScan, [this](Scan scan) {
+      if (spoil_ && is_faulty()) spoil_(scan, random_);
+      scan_.publish(scan);
+    });
+    true_odom_ = node.create_subscription(kTrueOdom, [this](nav_msgs::msg::Odometry odom) {
+      if (fault_.twist != nullptr && is_faulty()) spoil_twist(odom);
+      odom_.publish(odom);
+    });
+    system_.on_truth = [this] { travelled_ += kPeriod * std::abs(system_.truth().twist.v); };
+    system_.start();
   }
 
   void run() {
-    Twist2 wish;
-    for (int n = 1; n * kTick < kDuration; ++n) {
-      t_ = n * kTick;
-      sim_.advance_to(t_);
-      const OdometryReport report = sim_.odometry();
-      const RobotState robot = state_of(report);
-      sensing_.on_odometry(robot, report.X_WB, report.t, t_);
-      if (n % 5 == 0) look(robot);
-      if (n % 75 == 1) wish = {between(random_, -0.4, 0.8), between(random_, -1.0, 1.0)};
-      if (n % 150 < 75) wish.v = 0.8;
-      if (n % 2 == 0) filter_.on_command(wish, t_);
-      sim_.command(filter_.update(robot, t_).twist, t_);
-      travelled_ += kTick * std::abs(sim_.state().twist.v);
+    constexpr double kDuration = 15.0, kPush = 1.5;  // [s]
+    for (int i = 0; i < static_cast<int>(kDuration / kPush); ++i) {
+      Twist2 wish{between(random_, -0.4, 0.8), between(random_, -1.0, 1.0)};
+      if (i % 2 == 0) wish.v = 0.8;
+      system_.run(wish, kPush);
     }
   }
 
-  [[nodiscard]] unsigned contacts() const { return sim_.contacts().count; }
+  [[nodiscard]] unsigned contacts() const { return system_.contacts(); }
   [[nodiscard]] double travelled() const { return travelled_; }
   /// True if the reason given at the end is the one expected for the fault.
-  [[nodiscard]] bool is_named() {
-    const std::string said = sensing_.trouble(t_), expected = fault_.reason;
+  [[nodiscard]] bool is_named() const {
+    const std::string &said = system_.trouble(), expected = fault_.reason;
     return expected.empty() ? said.empty() : said.find(expected) != std::string::npos;
   }
+  [[nodiscard]] const std::string& said() const { return system_.trouble(); }
 
  private:
-  static constexpr double kTick = 0.02, kDuration = 15.0;  // [s]
+  static constexpr double kPeriod = 0.02;  // [s] of the ground truth
+  static constexpr rt::Topic<Scan> kTrueScan{"true_scan", topics::scan.qos};
+  static constexpr rt::Topic<nav_msgs::msg::Odometry> kTrueOdom{"true_odom"};
 
-  static OctomapBuilderNodeParams builder_params(const SensingFault& fault) {
-    OctomapBuilderNodeParams params;
-    params.scan.no_return = fault.no_return;
-    return params;
+  static std::map<std::string, LiveSystem::Values> parameters(const SensingFault& fault) {
+    return {
+        {"octomap_builder", {{"no_return", fmt::format("[{}]", fmt::join(fault.no_return, ", "))}}},
+        {"safety_filter", {{"unseen_speed", fmt::format("{}", fault.unseen_speed)}}}};
   }
 
-  static SafetyFilterParams filter_params(const SensingFault& fault) {
-    SafetyFilterParams params;
-    params.unseen_speed = fault.unseen_speed;
-    return params;
-  }
+  [[nodiscard]] bool is_faulty() const { return system_.t() > fault_begins_; }
 
-  RobotState state_of(const OdometryReport& report) const {
-    RobotState robot{compose(report.X_MW, report.X_WB), report.twist, t_, report.X_WB};
-    if (fault_.twist != nullptr && t_ > fault_begins_)
-      robot.twist = fault_.twist(report.twist, report.X_WB);
-    return robot;
-  }
-
-  void look(const RobotState& robot) {
-    SimulatedScan scan = scan_of(sim_, {});
-    if (spoil_ && t_ > fault_begins_) spoil_(scan, random_);
-    const auto seen = sensing_.look(scan.scan(), {}, t_);
-    if (!sensing_.trouble(t_).empty()) return filter_.on_map(nullptr);
-    if (!seen) return;
-    MapInputParams map;
-    map.map_source = "local";
-    const Eigen::Vector2d p_MB = robot.X_MB.position();
-    filter_.on_map(local_map_over({}, *seen, p_MB, map), unseen_ground_over({}, *seen, p_MB, map));
+  void spoil_twist(nav_msgs::msg::Odometry& odom) const {
+    const auto X_WB = from_msg(odom.pose().pose());
+    const auto twist = from_msg(odom.twist().twist());
+    if (X_WB && twist) odom.twist().twist(to_msg(fault_.twist(*twist, *X_WB)));
   }
 
   Random random_;
   const SensingFault& fault_;
   ScanFault spoil_;
   double fault_begins_;  // [s]
-  DiffDriveSim sim_;
-  LiveSensing sensing_;
-  SafetyFilter filter_;
-  double t_ = 0.0, travelled_ = 0.0;
+  double travelled_ = 0.0;
+  LiveSystem system_;
+  rt::Publisher<Scan> scan_;
+  rt::Publisher<nav_msgs::msg::Odometry> odom_;
+  rt::Subscription true_scan_, true_odom_;
 };
 
 }  // namespace tandem::test

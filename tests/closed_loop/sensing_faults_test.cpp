@@ -16,7 +16,7 @@ TEST_P(SensingFaults, TouchNothingAndAreNamed) {
     FaultyDrive drive{seed, GetParam()};
     drive.run();
     EXPECT_EQ(drive.contacts(), 0u) << seed;
-    EXPECT_TRUE(drive.is_named()) << seed;
+    EXPECT_TRUE(drive.is_named()) << seed << ": " << drive.said();
     travelled += drive.travelled();
   }
   if (*GetParam().reason == '\0') {

@@ -14,16 +14,16 @@ constexpr double kSlow = 0.15 + 0.03;
 
 // A world of 16 m, occupied where `inside(x, y)`.
 template <class Inside>
-std::shared_ptr<const StaticMap> world_where(const Inside& inside) {
+Grid world_where(const Inside& inside) {
   Grid grid{0.05, {-8.0, -8.0}, 320, 320, std::vector<Cell>(320 * 320, Cell::kFree)};
   for (int iy = 0; iy < grid.height; ++iy)
     for (int ix = 0; ix < grid.width; ++ix)
       if (const Eigen::Vector2d p = grid.center(ix, iy); inside(p.x(), p.y()))
         grid.cells[grid.index(ix, iy)] = Cell::kOccupied;
-  return std::make_shared<const StaticMap>(grid);
+  return grid;
 }
 
-std::shared_ptr<const StaticMap> room(double half_length, double half_width) {
+Grid room(double half_length, double half_width) {
   return world_where(
       [=](double x, double y) { return std::abs(x) > half_length || std::abs(y) > half_width; });
 }
@@ -37,7 +37,7 @@ TEST(UnseenGround, ARobotThatSeesOnlyAheadLeavesADeadEndTheWayItCame) {
   const double began = drive.t();
   drive.run({-0.4, 0.0}, 20.0, [&] { return drive.X().x < -0.4; });
   EXPECT_LT(drive.t() - began, 4.0 / 0.4 + 1.0);
-  EXPECT_FALSE(drive.take_reasons().contains(FilterReason::kUnseen));
+  EXPECT_FALSE(drive.take_reasons().contains(Reason::kUnseenGround));
   // Beside where it stood at first nothing was ever seen.
   drive.run({-0.4, 0.0}, 6.0, [&] { return drive.X().x < -1.0; });
   EXPECT_LT(drive.X().x, -1.0);
@@ -52,7 +52,7 @@ TEST(UnseenGround, ADeadEndIsLeftSlowlyAfterTheGroundBehindWasForgotten) {
   drive.run({-0.4, 0.0}, 10.0);
   EXPECT_NEAR(drive.X().x, x - 1.5, 0.1);
   EXPECT_LE(drive.max_speed_over_unseen(), kSlow);
-  EXPECT_GT(drive.take_reasons()[FilterReason::kUnseen], 200);
+  EXPECT_GT(drive.take_reasons()[Reason::kUnseenGround], 200);
 }
 
 TEST(UnseenGround, ARobotTurnsAtFullRateInAHallThatItHasDrivenThrough) {
@@ -66,7 +66,7 @@ TEST(UnseenGround, ARobotTurnsAtFullRateInAHallThatItHasDrivenThrough) {
     return false;
   });
   EXPECT_GT(turned, 6.3);
-  EXPECT_FALSE(drive.take_reasons().contains(FilterReason::kUnseen));
+  EXPECT_FALSE(drive.take_reasons().contains(Reason::kUnseenGround));
 }
 
 // An obstacle that the scanner has never seen is half a metre behind the robot.
@@ -78,7 +78,7 @@ TEST(UnseenGround, BackwardsIntoWhatWasNeverSeenIsSlow) {
     EXPECT_LT(drive.X().x, -1.5 * unseen_speed) << "it may be driven into";
     EXPECT_LE(drive.max_speed_over_unseen(), unseen_speed + 0.01);
     EXPECT_GT(drive.looks_over_unseen(), 5);
-    EXPECT_GT(drive.take_reasons()[FilterReason::kUnseen], 20);
+    EXPECT_GT(drive.take_reasons()[Reason::kUnseenGround], 20);
   }
 }
 
@@ -88,7 +88,7 @@ TEST(UnseenGround, OfSpeedZeroIsNotDrivenInto) {
   drive.run({-0.4, 0.0}, 5.0);
   EXPECT_GT(drive.X().x, -0.06);
   EXPECT_EQ(drive.looks_over_unseen(), 0);
-  EXPECT_GT(drive.take_reasons()[FilterReason::kUnseen], 100);
+  EXPECT_GT(drive.take_reasons()[Reason::kUnseenGround], 100);
   drive.run({0.8, 0.0}, 3.0);
   EXPECT_GT(drive.X().x, 1.8) << "ahead it sees";
 }
@@ -106,11 +106,11 @@ TEST(UnseenGround, AScannerThatSeesAllAroundSlowsNothing) {
   BlindDrive drive({.scan_angle = kAllAround}, room(4.0, 4.0), {-2.0, 0.0, 0.0});
   for (const Twist2& stick : {Twist2{-0.4, 0.3}, Twist2{0.8, 0.0}, Twist2{0.0, 1.0}}) {
     drive.run(stick, 2.0);
-    EXPECT_FALSE(drive.take_reasons().contains(FilterReason::kUnseen)) << stick.v;
+    EXPECT_FALSE(drive.take_reasons().contains(Reason::kUnseenGround)) << stick.v;
   }
 }
 
-std::shared_ptr<const StaticMap> random_room(std::mt19937& random) {
+Grid random_room(std::mt19937& random) {
   std::uniform_real_distribution<double> place(-5.0, 5.0), size(0.1, 0.6);
   std::vector<std::array<double, 3>> discs;
   for (int i = 0; i < 14; ++i) {

@@ -209,7 +209,7 @@ void run(const MetricsRequest& request) {
   const Scenario scenario = with_options(file, options);
   check_robot(scenario);
   const System system = system_of(scenario, options);
-  DriveObserver drive{scenario, system};
+  DriveObserver drive{scenario, system, drive_world(scenario, system)};
   Replay{request, parameters_of<MapServerParams>(system, "map_server"), drive}.run();
   if (!drive.driving())
     throw std::runtime_error(request.recording +

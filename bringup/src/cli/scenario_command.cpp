@@ -95,13 +95,13 @@ class Display {
   double next_ = 0.0;
 };
 
-DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
+DriveResult drive(const DriveJob& job, const ScenarioRequest& request, Lockstep& lockstep) {
   Display display{request.quiet};
   const auto show = [&](const Progress& progress) { display.show(progress); };
   DriveOptions options = job.options;
   const Scenario scenario = with_options(job.scenario, options);
   options.map.clear();  // already applied to the scenario by with_options
-  DriveLog log = options.lockstep ? drive_in_lockstep(scenario, options, show)
+  DriveLog log = options.lockstep ? lockstep.drive(scenario, options, show)
                                   : drive_over_dds(scenario, options, show);
   display.end();
   if (request.picture.empty()) return log.result;
@@ -114,12 +114,13 @@ DriveResult drive(const DriveJob& job, const ScenarioRequest& request) {
 
 std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all,
                                    const ScenarioRequest& request) {
+  Lockstep lockstep;                         // each worker process gets its own copy by fork
   if (request.lockstep && all.size() > 1) {  // progress lines of parallel drives would interleave
     ScenarioRequest each = request;
     each.quiet = true;
     ProgressBar bar{all.size(), 0, "drives"};
     auto results = run_side_by_side(
-        all, request.jobs, [&](const DriveJob& job) { return drive(job, each); },
+        all, request.jobs, [&](const DriveJob& job) { return drive(job, each, lockstep); },
         [&] {
           if (!request.quiet) bar.step("");
         });
@@ -130,7 +131,7 @@ std::vector<DriveResult> drive_all(const std::vector<DriveJob>& all,
   if (!request.lockstep) rt::install_signal_handlers();
   std::vector<DriveResult> results;
   for (const DriveJob& job : all) {
-    DriveResult result = drive(job, request);
+    DriveResult result = drive(job, request, lockstep);
     if (!request.lockstep && rt::shutting_down())  // an interrupted drive gives no result
       throw std::runtime_error(
           fmt::format("interrupted after {} of {} drives", results.size(), all.size()));

@@ -5,7 +5,6 @@
 #include "bringup/scenario/shortest_path.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
 #include "tandem/io/reason_code.hpp"
-#include "tandem/map/map_file.hpp"
 #include "tandem/runtime/time.hpp"
 
 namespace tandem {
@@ -17,18 +16,14 @@ DiffDriveSimNodeParams sim_of(const System& system) {
   return parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim");
 }
 
-StaticMap world_of(const DiffDriveSimNodeParams& sim) {
-  return StaticMap{slice(*load_map(sim.map), sim.slice), sim.unknown_is_obstacle};
-}
-
 }  // namespace
 
-DriveObserver::DriveObserver(const Scenario& scenario, const System& system)
+DriveObserver::DriveObserver(const Scenario& scenario, const System& system,
+                             const DriveWorld& world)
     : scenario_{scenario},
-      map_{world_of(sim_of(system))},
+      map_{world.map},
       footprint_{footprint_of(sim_of(system).robot)},
-      metrics_{metrics_setting(scenario, system,
-                               shortest_path(map_, footprint_, scenario.start, scenario.goal))} {
+      metrics_{metrics_setting(scenario, system, world.shortest_path)} {
   log_.result.scenario = scenario.name;
   log_.result.map = scenario.map;
   log_.result.method = scenario.method;
@@ -40,7 +35,7 @@ void DriveObserver::on_robot(const Odometry& robot, double t) {
   sample_.t = t;
   sample_.X_MB = robot.X;
   sample_.twist = robot.twist;
-  sample_.clearance = map_.clearance(footprint_, robot.X, kFarClearance);
+  sample_.clearance = map_->clearance(footprint_, robot.X, kFarClearance);
   if (!driving_) return;
   if (!first_) first_ = t;
   metrics_.add(sample_);
@@ -49,7 +44,10 @@ void DriveObserver::on_robot(const Odometry& robot, double t) {
 
 void DriveObserver::on_collision(const tandem_msgs::msg::Collision& msg) {
   const long more = collisions_.growth(msg.count());
-  if (driving_) sample_.collisions += static_cast<int>(more);
+  const long walked_into = walked_into_.growth(msg.walked_into());
+  if (!driving_) return;
+  sample_.collisions += static_cast<int>(more);
+  log_.result.walked_into = log_.result.walked_into.value_or(0) + static_cast<int>(walked_into);
 }
 
 void DriveObserver::on_user(const geometry_msgs::msg::Twist& msg) {

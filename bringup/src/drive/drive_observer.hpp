@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bringup/drive/drive_log.hpp"
+#include "bringup/drive/drive_world.hpp"
 #include "tandem/io/conversions.hpp"
 #include "tandem/map/static_map.hpp"
 #include "tandem/model/footprint.hpp"
@@ -19,7 +20,7 @@ namespace tandem {
 /// have been running long before it.
 class DriveObserver {
  public:
-  DriveObserver(const Scenario& scenario, const System& system);
+  DriveObserver(const Scenario& scenario, const System& system, const DriveWorld& world);
 
   /// Adds a sample: pose in M and twist of the robot at time t [s].
   void on_robot(const Odometry& robot, double t);
@@ -41,7 +42,7 @@ class DriveObserver {
 
  private:
   Scenario scenario_;
-  StaticMap map_;
+  std::shared_ptr<const StaticMap> map_;
   Footprint footprint_;
   Metrics metrics_;
 
@@ -49,7 +50,7 @@ class DriveObserver {
   DriveSample sample_;
   bool driving_ = false;
   std::optional<double> first_;  // time of the drive's first sample [s]
-  NodeTotal collisions_, interventions_, plans_, fallbacks_, overruns_;
+  NodeTotal collisions_, walked_into_, interventions_, plans_, fallbacks_, overruns_;
 };
 
 }  // namespace tandem

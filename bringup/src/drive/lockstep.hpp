@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a scenario with the cores of the nodes in one loop, without DDS and on simulated time.
+// Runs a scenario with its nodes on a local bus, without DDS and on simulated time.
 #pragma once
 
 #include <functional>
 #include <memory>
 
 #include "bringup/drive/drive_log.hpp"
+#include "tandem/runtime/local_bus.hpp"
+#include "tandem/runtime/result_cache.hpp"
 
 namespace tandem {
 
@@ -14,10 +16,10 @@ namespace tandem {
 /// obstacle.
 void check_drive(const Scenario& scenario, const DriveOptions& options);
 
-/// Runs the components' cores in one loop on simulated time. Deterministic: on one machine, the
-/// same scenario and options give the same drive bit for bit, except for the measured times. Caches
-/// the last few worlds and the shapes fitted in them, which speeds up repeated drives in one world
-/// without changing their results.
+/// Runs the nodes of a system on an rt::LocalBus. Deterministic: on one machine, the same scenario
+/// and options give the same drive bit for bit, except for the measured times. Keeps the last few
+/// worlds and what was computed of them, which speeds up repeated drives in one world without
+/// changing their results.
 class Lockstep {
  public:
   Lockstep();
@@ -31,9 +33,16 @@ class Lockstep {
   /// Throws what the components' constructors throw.
   [[nodiscard]] DriveLog drive(const Scenario& scenario, const DriveOptions& options,
                                const std::function<void(const Progress&)>& progress = {});
+  /// The same; `prepare` is called with the bus before the nodes are made, to disturb its links or
+  /// to add nodes.
+  using Prepare = std::function<void(const std::shared_ptr<rt::LocalBus>&)>;
+  [[nodiscard]] DriveLog drive(const Scenario& scenario, const DriveOptions& options,
+                               const std::function<void(const Progress&)>& progress,
+                               const Prepare& prepare);
 
  private:
-  std::unique_ptr<class Worlds> worlds_;
+  std::unique_ptr<class DriveWorlds> worlds_;
+  std::shared_ptr<rt::ResultCache> cache_;
 };
 
 /// Runs a single drive in lockstep; see Lockstep.

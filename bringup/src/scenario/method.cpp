@@ -105,17 +105,19 @@ bool steers_leader(const DriveMethod& method) {
   return method.planner_method == "leader" || method.planner_method == "path";
 }
 
-std::set<std::string> components_of(const DriveMethod& method, const std::string& map_source) {
-  std::set<std::string> all{"map_server", "obstacle_extractor", "arbitration", "safety_filter",
-                            "diff_drive_sim"};
-  if (map_source != "static") all.insert("octomap_builder");
-  all.insert(method.components.begin(), method.components.end());
+std::vector<std::string> components_of(const DriveMethod& method, const std::string& map_source) {
+  std::vector<std::string> all{"map_server", "diff_drive_sim"};
+  if (map_source != "static") all.emplace_back("octomap_builder");
+  all.emplace_back("obstacle_extractor");
+  all.insert(all.end(), method.components.begin(), method.components.end());
+  all.insert(all.end(), {"arbitration", "safety_filter"});
   return all;
 }
 
 std::set<std::string> components_of_all_methods() {
   std::set<std::string> all;
-  for (const DriveMethod& method : all_methods()) all.merge(components_of(method, "live"));
+  for (const DriveMethod& method : all_methods())
+    for (const auto& name : components_of(method, "live")) all.insert(name);
   return all;
 }
 

@@ -44,9 +44,10 @@ struct DriveMethod {
 /// Whether the person steers the leader rather than the robot.
 [[nodiscard]] bool steers_leader(const DriveMethod& method);
 
-/// The components of a drive with this method; see Scenario::map_source.
-[[nodiscard]] std::set<std::string> components_of(const DriveMethod& method,
-                                                  const std::string& map_source);
+/// The components of a drive with this method, in the order of the data flow; see
+/// Scenario::map_source.
+[[nodiscard]] std::vector<std::string> components_of(const DriveMethod& method,
+                                                     const std::string& map_source);
 
 /// Every component that a drive with any method may run.
 [[nodiscard]] std::set<std::string> components_of_all_methods();

@@ -63,7 +63,6 @@ struct DriveOptions {
   bool lockstep = false;
   double speed = 1.0;             ///< simulated per real time, over DDS
   std::string driver{};           ///< empty: the scenario's
-  bool obstacles = true;          ///< false: no obstacles, no walkers; lockstep only
   std::string recording{};        ///< empty: the scenario's
   std::string recording_topic{};  ///< likewise
 };

@@ -99,6 +99,19 @@ Scenario in_its_world(Scenario scenario) {
   return scenario;
 }
 
+Scenario without_obstacles(Scenario scenario) {
+  constexpr double kFarAway = 500.0, kHeight = 0.5;  // [m]; a map must not be empty
+  octomap::OcTree tree{0.05};
+  tree.updateNode(scenario.start.x + kFarAway, scenario.start.y + kFarAway, kHeight, true);
+  scenario.map = save(tree, "empty").string();
+  scenario.map_source = "static";
+  scenario.fixtures.clear();
+  scenario.slice.clear();
+  scenario.people.clear();
+  scenario.crossings.clear();
+  return scenario;
+}
+
 Scenario with_its_goal(Scenario scenario) {
   const std::size_t turn = (scenario.seed + scenario.goals.size() - 1) % scenario.goals.size();
   std::get<PoseGoal>(scenario.goal).X_MG = scenario.goals[turn];

@@ -23,6 +23,9 @@ void check_seed(const std::string& map, unsigned seed);
 /// with a one-line reason.
 [[nodiscard]] Scenario in_its_world(Scenario scenario);
 
+/// The scenario in a world without obstacles and walkers near the start.
+[[nodiscard]] Scenario without_obstacles(Scenario scenario);
+
 /// A scenario of several goals with the one selected by the seed, modulo their number. Unless the
 /// scenario sets a route, the driver gets the widest path there. Throws like in_its_world().
 [[nodiscard]] Scenario with_its_goal(Scenario scenario);

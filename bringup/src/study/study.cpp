@@ -47,8 +47,8 @@ std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
                                 Lockstep& lockstep) {
   if (!place_of(scenario.goal) || !has_person(drive_method(scenario.method))) return std::nullopt;
   options.method = "manual";
-  options.obstacles = false;
-  const DriveResult result = lockstep.drive(scenario, options).result;
+  options.map.clear();
+  const DriveResult result = lockstep.drive(without_obstacles(scenario), options).result;
   return result.reached ? std::optional{result.time_to_goal_s} : std::nullopt;
 }
 

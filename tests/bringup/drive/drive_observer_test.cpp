@@ -20,7 +20,8 @@ class Observed : public testing::Test {
   explicit Observed(const std::string& scenario = "corridor") {
     const Scenario drive = with_options(
         load_scenario(test::source_path("bringup/scenarios/" + scenario + ".yaml")), {});
-    drive_.emplace(drive, system_of(drive, {}));
+    const System system = system_of(drive, {});
+    drive_.emplace(drive, system, drive_world(drive, system));
   }
 
   void robot(double t) { drive_->on_robot({Pose2{1.0, 0.0, 0.0}, {}}, t); }
