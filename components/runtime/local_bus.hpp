@@ -23,7 +23,7 @@ struct LinkFaults {
 };
 
 /// A bus inside the process. Nodes whose NodeOptions name it exchange messages, services and
-/// actions with each other and with nobody else; component code is the same as over DDS. A drive of
+/// actions with each other only; component code is the same as over DDS. A drive of
 /// the same nodes is the same bit for bit on one machine, whatever else it does.
 ///
 /// * Time is simulated: it advances to the next event when nothing is left to do. Callbacks take
@@ -53,7 +53,7 @@ class TANDEM_EXPORT LocalBus {
   /// Runs the callbacks that are due within the next `duration` [s]. Passes on what they throw;
   /// throws std::runtime_error if nodes answer each other endlessly without time passing.
   void run_for(double duration);
-  /// Runs callbacks until `done()`, which is asked after each of them, for at most `timeout` [s].
+  /// Runs callbacks until `done()`, which is evaluated after each of them, for at most `timeout` [s].
   /// Returns whether it is done. Throws as run_for().
   bool run_until(const std::function<bool()>& done, double timeout);
 

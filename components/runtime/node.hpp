@@ -164,7 +164,7 @@ class TANDEM_EXPORT Node {
 
   /// On a LocalBus with a cache, what an earlier call with this key returned, of whatever node;
   /// otherwise the result of `make()`, a std::shared_ptr<T>. The key must name everything that the
-  /// result depends on, and nobody may change a result that others may have.
+  /// result depends on. Do not change a result: other nodes may use it.
   template <class T, class Make>
   [[nodiscard]] std::shared_ptr<T> cached(const std::string& key, Make make) {
     const auto cache = result_cache();

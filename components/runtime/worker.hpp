@@ -16,8 +16,8 @@ class WorkerPort;
 /// callbacks share needs a mutex.
 class TANDEM_EXPORT Worker {
  public:
-  /// Does the work that is there. Returns after how long [s] to call it again even if nobody wakes
-  /// it (0: at once); nullopt: not before wake().
+  /// Does the pending work. Returns after how long [s] to call it again without wake() (0: at
+  /// once); nullopt: not before wake().
   using Work = std::function<std::optional<double>()>;
 
   Worker() = default;

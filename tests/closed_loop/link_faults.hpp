@@ -74,7 +74,7 @@ inline LinkDrive link_drive(unsigned number) {
 inline DriveResult drive_with_fault(Lockstep& lockstep, const LinkDrive& drive) {
   Scenario scenario = load_scenario(source_path("bringup/scenarios/forest_task2.yaml"));
   scenario.duration = 30.0;
-  if (drive.link == "/cmd_vel") {  // of a plain Twist nobody sees that it is late: tests/README.md
+  if (drive.link == "/cmd_vel") {  // a plain Twist does not show its age: tests/README.md
     scenario.parameters["safety_filter"]["stamped"] = {"true", "this test"};
     scenario.parameters["diff_drive_sim"]["max_stamp_age"] = {"0.05", "this test"};
   }

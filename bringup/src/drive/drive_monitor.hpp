@@ -11,7 +11,7 @@
 
 namespace tandem {
 
-/// State of a running drive, from time to time.
+/// Receives the state of a running drive every 0.2 s.
 using OnProgress = std::function<void(const Progress&)>;
 
 /// Passes the messages of a drive to a DriveObserver, and stops its node when the drive is over or
