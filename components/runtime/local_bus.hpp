@@ -53,8 +53,8 @@ class TANDEM_EXPORT LocalBus {
   /// Runs the callbacks that are due within the next `duration` [s]. Passes on what they throw;
   /// throws std::runtime_error if nodes answer each other endlessly without time passing.
   void run_for(double duration);
-  /// Runs callbacks until `done()`, which is evaluated after each of them, for at most `timeout` [s].
-  /// Returns whether it is done. Throws as run_for().
+  /// Runs callbacks until `done()`, which is evaluated after each of them, for at most `timeout`
+  /// [s]. Returns whether it is done. Throws as run_for().
   bool run_until(const std::function<bool()>& done, double timeout);
 
   /// Messages that are published on the topic from now on (full name; empty: on every topic
