@@ -142,7 +142,8 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram, double now) {
     Source& source = of(destination, body + 4);
     source.acknowledged = true;
     const std::int64_t base = submessage.sequence_number(8);
-    if (base <= 0) continue;  // a reader's first ACKNACK says nothing about its progress
+    if (base <= 0) continue;                 // a reader's first ACKNACK does not tell its progress
+    if (base > WriterReach::kEnd) continue;  // sums below would overflow
     source.acknowledge(submessage.entity(0), base);
     source.reach.know(base - 1, now);
   }

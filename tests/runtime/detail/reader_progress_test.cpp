@@ -215,6 +215,15 @@ TEST_P(Progress, ShortensAHeartbeatWhoseLastNumberLeaps) {
   EXPECT_EQ(first_of(octets).sequence_number(16), 9 + WriterReach::kLeap);
 }
 
+// libFuzzer found the sum of this number and a leap.
+TEST_P(Progress, IgnoresAnAcknowledgementThatNoWriterReaches) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  acknowledge(kMost);
+  const Octets octets = narrowed(heartbeat(1, kMost));
+  EXPECT_EQ(taken_, 0);
+  EXPECT_LE(first_of(octets).sequence_number(16), WriterReach::kLeap);
+}
+
 // A reader ignores counts that are not above the last one.
 TEST_P(Progress, RenumbersHeartbeatsAfterAForgedCount) {
   const auto count_of = [&](std::uint32_t count) {
