@@ -9,68 +9,68 @@ namespace tandem {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr int kNone = 1 << 29;  // at least as many steps: the column has no obstacle cell
 
 // h_i(y)² of (1) for every cell: one pass up and one pass down each column, row by row.
 std::vector<double> squared_column_gaps(const std::vector<std::uint8_t>& is_obstacle,
                                         std::size_t width, std::size_t height) {
-  std::vector<double> steps(is_obstacle.size());  // to the nearest obstacle cell of the column
-  std::vector<double> last(width, kUnbounded);
-  const auto sweep = [&](std::size_t y, bool first) {
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::size_t i = y * width + x;
-      last[x] = is_obstacle[i] ? 0.0 : last[x] + 1.0;
-      steps[i] = first ? last[x] : std::min(steps[i], last[x]);
+  std::vector<int> up(is_obstacle.size());  // steps to the nearest obstacle cell below
+  std::vector<int> last(width, kNone);      // the same of the row before
+  for (std::size_t y = 0, i = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x, ++i) up[i] = last[x] = is_obstacle[i] ? 0 : last[x] + 1;
+  std::vector<double> squares(is_obstacle.size());
+  std::fill(last.begin(), last.end(), kNone);
+  for (std::size_t y = height; y-- > 0;)
+    for (std::size_t x = 0, i = y * width; x < width; ++x, ++i) {
+      last[x] = is_obstacle[i] ? 0 : last[x] + 1;
+      const int steps = std::min(up[i], last[x]);
+      const double gap = std::max(0.0, steps - 0.5);
+      squares[i] = steps >= kNone ? kUnbounded : gap * gap;
     }
-  };
-  for (std::size_t y = 0; y < height; ++y) sweep(y, true);
-  std::fill(last.begin(), last.end(), kUnbounded);
-  for (std::size_t y = height; y-- > 0;) sweep(y, false);
-  for (double& step : steps) {
-    const double gap = std::max(0.0, step - 0.5);
-    step = gap * gap;
-  }
-  return steps;
+  return squares;
 }
 
-// Lower envelope of parabolas (x − foot)² + height, added with ascending feet.
+// Lower envelope of parabolas (x − foot)² + height over x ≥ 0, added with ascending feet.
 class Envelope {
  public:
-  explicit Envelope(std::size_t most) {
-    parabolas_.reserve(most);
-    starts_.reserve(most);
-  }
-  void clear() {
-    parabolas_.clear();
-    starts_.clear();
-  }
+  explicit Envelope(std::size_t most) : parabolas_(most) {}
+  void clear() { count_ = 0; }
   void add(double foot, double height) {
     if (height == kUnbounded) return;
-    double start = -kUnbounded;
-    while (!parabolas_.empty()) {
-      const auto& last = parabolas_.back();
-      start = 0.5 * (foot + last.foot) + 0.5 * (height - last.height) / (foot - last.foot);
-      if (start > starts_.back()) break;
-      parabolas_.pop_back();
-      starts_.pop_back();
-      start = -kUnbounded;
+    // A parabola that is nowhere the lowest is removed. At its start the comparison needs no
+    // division.
+    while (count_ > 0) {
+      const Parabola& last = parabolas_[count_ - 1];
+      const double to_new = last.start - foot, to_last = last.start - last.foot;
+      if (to_new * to_new + height > to_last * to_last + last.height) break;
+      --count_;
     }
-    parabolas_.push_back({foot, height});
-    starts_.push_back(start);
+    double start = 0.0;
+    if (count_ > 0) {
+      const Parabola& last = parabolas_[count_ - 1];
+      start = 0.5 * (foot + last.foot + (height - last.height) / (foot - last.foot));
+    }
+    parabolas_[count_++] = {foot, height, start};
   }
-  // Value at x; call with ascending x and a cursor that starts at 0.
-  [[nodiscard]] double at(double x, std::size_t& cursor) const {
-    if (parabolas_.empty()) return kUnbounded;
-    while (cursor + 1 < parabolas_.size() && starts_[cursor + 1] <= x) ++cursor;
-    const double d = x - parabolas_[cursor].foot;
-    return d * d + parabolas_[cursor].height;
+  // values[x] = the smaller of itself and of the envelope at x.
+  void lower(double* values, std::size_t width) const {
+    for (std::size_t i = 0, x = 0; i < count_; ++i) {
+      const double end = i + 1 < count_ ? parabolas_[i + 1].start : kUnbounded;
+      const Parabola& lowest = parabolas_[i];
+      for (; x < width && static_cast<double>(x) < end; ++x) {
+        const double d = static_cast<double>(x) - lowest.foot;
+        values[x] = std::min(values[x], d * d + lowest.height);
+      }
+    }
   }
 
  private:
   struct Parabola {
     double foot, height;
+    double start;  // x from which it is the lowest
   };
   std::vector<Parabola> parabolas_;
-  std::vector<double> starts_;  // x from which each parabola is the lowest
+  std::size_t count_ = 0;
 };
 
 }  // namespace
@@ -87,9 +87,8 @@ std::vector<double> distance_transform(const std::vector<std::uint8_t>& is_obsta
     for (std::size_t x = 0; x < columns; ++x)
       edges.add(static_cast<double>(x) + 0.5,
                 std::min(row[x], x + 1 < columns ? row[x + 1] : kUnbounded));
-    std::size_t cursor = 0;
-    for (std::size_t x = 0; x < columns; ++x)
-      row[x] = std::sqrt(std::min(row[x], edges.at(static_cast<double>(x), cursor)));  // (1)
+    edges.lower(row, columns);
+    for (std::size_t x = 0; x < columns; ++x) row[x] = std::sqrt(row[x]);  // (1)
   }
   return result;
 }
