@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tandem/local_planner/guesses.hpp"
+
 namespace tandem {
 namespace {
 
@@ -14,6 +16,26 @@ constexpr double kExplores = 0.3;  // share of the budget within which other gue
 // plan's; the second factor holds if the last plan is poor.
 constexpr double kBetter = 0.9;
 constexpr double kBetterThanPoor = 0.98;
+
+// A solve that comes this close to a known solution, or within this share of its length, is taken
+// to end in it.
+constexpr double kNear = 0.1;  // [m]
+constexpr double kNearShare = 0.1;
+
+double travel(const Forecast& motion) {
+  double length = 0.0;
+  for (std::size_t k = 0; k + 1 < motion.X_MB.size(); ++k) {
+    const Pose2 &from = motion.X_MB[k], &to = motion.X_MB[k + 1];
+    length +=
+        (to.position() - from.position()).norm() + kHeadingArm * std::abs(to.theta - from.theta);
+  }
+  return length;
+}
+
+bool is_solved(const Candidate& candidate) {
+  const SolveStatus status = candidate.solution.status;
+  return status != SolveStatus::kFailed && status != SolveStatus::kKnown;
+}
 
 double seconds_since(CandidateSearch::Clock::time_point start) {
   return std::chrono::duration<double>(CandidateSearch::Clock::now() - start).count();
@@ -29,6 +51,7 @@ CandidateSearch::CandidateSearch(SolverKind kind)
 Candidate CandidateSearch::find(const Cycle& cycle, Clock::time_point started) {
   started_ = started;
   effort_ = {};
+  known_.clear();
   budgeted_iterations_ = 0;
   if (last_ && !is_continued(cycle)) last_.reset();
   Candidate best = first_candidate(cycle);
@@ -52,7 +75,10 @@ bool CandidateSearch::is_continued(const Cycle& cycle) const {
 }
 
 SolveLimits CandidateSearch::solve_limits(const NmpcParams& params) const {
-  SolveLimits limits{.iteration_time = iteration_time_, .iterations = params.max_iterations};
+  SolveLimits limits{.iteration_time = iteration_time_,
+                     .iterations = params.max_iterations,
+                     .known = known_,
+                     .near = near_};
   if (params.iteration_budget > 0)
     limits.iterations =
         std::clamp(params.iteration_budget - budgeted_iterations_, 1, params.max_iterations);
@@ -86,6 +112,8 @@ Candidate CandidateSearch::solve(Solver& solver, const Cycle& cycle, Ocp ocp,
                              0.1 * cycle.params.time_budget);
   const double took = seconds_since(before);
   solve_time_ = solve_time_ > 0.0 ? 0.8 * solve_time_ + 0.2 * took : took;
+  if (solution.status == SolveStatus::kKnown)
+    return {.solution = std::move(solution), .solver = answer.by};
   if (solution.status == SolveStatus::kFailed) solution.point = guess;
 
   Forecast motion;
@@ -104,8 +132,7 @@ Candidate CandidateSearch::attempt(const Cycle& cycle, const Forecast& guess, bo
   const Iterate point =
       warm ? warm_start(*last_, elapsed(cycle), ocp) : cold_start(ocp, within_limits(ocp, guess));
   Candidate out = solve(explorer_, cycle, std::move(ocp), point);
-  if (out.solution.status == SolveStatus::kFailed || !left_out_a_pair(out) ||
-      !has_time_for_another(cycle.params, 1.0))
+  if (!is_solved(out) || !left_out_a_pair(out) || !has_time_for_another(cycle.params, 1.0))
     return out;
   ocp = problem(cycle, out.motion);
   const Solved so_far{out.ocp, out.solution.point, cycle.start.t0};
@@ -115,8 +142,7 @@ Candidate CandidateSearch::attempt(const Cycle& cycle, const Forecast& guess, bo
 Candidate CandidateSearch::first_candidate(const Cycle& cycle) {
   ++effort_.guesses;
   if (!last_) return attempt(cycle, cold_guess(cycle), false);
-  const Ocp ocp = problem(cycle, cycle.nominal);
-  Candidate out = attempt(cycle, shifted_motion(*last_, elapsed(cycle), ocp), true);
+  Candidate out = attempt(cycle, shifted_motion(*last_, elapsed(cycle), cycle.base), true);
   const bool failed = out.solution.status == SolveStatus::kFailed ||
                       out.solution.status == SolveStatus::kTimeout || !is_clear(cycle, out);
   if (!failed || !has_time_for_another(cycle.params, 1.0)) return out;
@@ -127,7 +153,9 @@ Candidate CandidateSearch::first_candidate(const Cycle& cycle) {
 }
 
 // Solves from other guesses while time permits. The last plan is replaced only by a clearly better
-// motion, so that the robot does not alternate between two ways of nearly equal value.
+// motion, so that the robot does not alternate between two ways of nearly equal value. Nearly all
+// guesses lead to a solution that is known, so a solve stops when it comes near one, and those of
+// which that is plain are not solved from unless the last plan is poor.
 void CandidateSearch::explore(const Cycle& cycle, Candidate& best) {
   if (cycle.params.extra_guesses == 0) return;
   const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
@@ -137,13 +165,19 @@ void CandidateSearch::explore(const Cycle& cycle, Candidate& best) {
   std::optional<Candidate> found;
   std::vector<Forecast> others = other_guesses(cycle, turn_, arcs);
   effort_.guesses += static_cast<int>(others.size());
+  if (usable) known_.push_back(best.solution.point);
+  near_ = std::min(kNear, kNearShare * travel(best.motion));
   for (const Forecast& guess : most_promising_first(cycle, std::move(others))) {
     if (!has_time_for_another(cycle.params, kExplores)) break;
+    if (!poor && is_alike(guess, best.motion, cycle.body, cycle.request.obstacles, cycle.limits))
+      continue;
     Candidate other = attempt(cycle, guess, false);
-    const bool wins = other.solution.status != SolveStatus::kFailed &&
-                      other.value < (found ? found->value : to_beat);
-    if (wins && is_clear(cycle, other)) found = std::move(other);
+    if (!is_solved(other)) continue;
+    known_.push_back(other.solution.point);
+    if (other.value < (found ? found->value : to_beat) && is_clear(cycle, other))
+      found = std::move(other);
   }
+  known_.clear();
   turn_ += arcs;
   if (found) best = std::move(*found);
 }

@@ -70,6 +70,8 @@ class CandidateSearch {
   Clock::time_point started_;
   SearchEffort effort_;
   int budgeted_iterations_ = 0;  // as counted against iteration_budget
+  std::vector<Iterate> known_;   // solutions that other guesses need not find again
+  double near_ = 0.0;            // distance at which a solve is taken to find one of them [m]
 };
 
 }  // namespace tandem

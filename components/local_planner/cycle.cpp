@@ -51,7 +51,7 @@ double extent_of_braking(const Cycle& cycle) {
 
 // Cost of one more stage at rest in the motion's final pose.
 double final_cost(const Cycle& cycle, const Forecast& motion) {
-  const StageCost& c = cycle.costs.back();
+  const StageCost& c = cycle.base.stages.back().cost;
   const Pose2& X = motion.X_MB.back();
   const Eigen::Vector2d off = X.position() - c.X_MR.position();
   return off.dot(c.pull(off)) + 2.0 * c.q_theta * (1.0 - std::cos(X.theta - c.X_MR.theta));
@@ -75,6 +75,35 @@ Moving predicted(const PlanRequest& request, double delay, const MotorLag& lag,
     t = std::max(t, s.until);
   }
   return at;
+}
+
+// The problem without pairs, see problem().
+Ocp without_pairs(const Cycle& cycle, std::vector<StageCost> costs) {
+  Ocp ocp{.dt = cycle.params.dt,
+          .half = cycle.params.model == "arc" ? 0.5 * cycle.params.dt : 0.0,
+          .slack_weight =
+              kSlackWeight * std::max(kLeastPull, pull(costs, cycle.start.X_MB, cycle.params.dt)),
+          .gap_v = cycle.params.margin_v,
+          .gap_w = cycle.params.margin_w,
+          .X_MB = cycle.start.X_MB,
+          .command = cycle.start.command,
+          .lag = LagStep::over(cycle.params.dt, lag_of(cycle.params)),
+          .motion = cycle.start.moves};
+  const Twist2& u = cycle.start.command;
+  double time = cycle.params.control_period;
+  for (int k = 0; k < cycle.params.horizon_steps; ++k, time += cycle.params.dt) {
+    const double step = k == 0 ? cycle.params.control_period : cycle.params.dt;
+    ocp.v.push_back(reachable(cycle.robot.v_min, cycle.robot.v_max, u.v, cycle.robot.a_max * time));
+    ocp.w.push_back(
+        reachable(-cycle.robot.w_max, cycle.robot.w_max, u.w, cycle.robot.alpha_max * time));
+    const double rise = cycle.robot.a_max * step, less = fall(cycle, time - step, step);
+    ocp.change_v.push_back(u.v > 0.0 ? Interval{-less, rise} : Interval{-rise, less});
+    ocp.change_w.push_back({-cycle.robot.alpha_max * step, cycle.robot.alpha_max * step});
+  }
+  if (cycle.params.workspace > 0.0)
+    ocp.workspace = std::max(cycle.params.workspace, extent_of_braking(cycle));
+  for (StageCost& cost : costs) ocp.stages.push_back({cost, {}});
+  return ocp;
 }
 
 }  // namespace
@@ -110,7 +139,7 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
               .request = request,
               .start = start,
               .nominal = forecast(request, from, params, robot),
-              .costs = {},
+              .base = {},
               .to_avoid = {},
               .limits = {.margin = params.margin,
                          .moving = params.margin_moving,
@@ -118,8 +147,9 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
                          .dt = params.dt,
                          .max_pairs = params.max_pairs},
               .least_slack = 0.0};
-  cycle.costs = stage_costs(request, cycle.nominal, params, robot);
-  for (StageCost& cost : cycle.costs) cost.X_MR = guided(cost.X_MR, request.guidance);
+  std::vector<StageCost> costs = stage_costs(request, cycle.nominal, params, robot);
+  for (StageCost& cost : costs) cost.X_MR = guided(cost.X_MR, request.guidance);
+  cycle.base = without_pairs(cycle, std::move(costs));
   cycle.to_avoid = passable(body, {.X_MB = start.X_MB, .start = params.delay}, request.obstacles);
   PairLimits here = cycle.limits;
   here.dt = 0.0;
@@ -129,33 +159,10 @@ Cycle begin_cycle(const PlanRequest& request, const NmpcParams& params, const Ro
 }
 
 Ocp problem(const Cycle& cycle, const Forecast& guess) {
-  Ocp ocp{.dt = cycle.params.dt,
-          .half = cycle.params.model == "arc" ? 0.5 * cycle.params.dt : 0.0,
-          .slack_weight = kSlackWeight * std::max(kLeastPull, pull(cycle.costs, cycle.start.X_MB,
-                                                                   cycle.params.dt)),
-          .gap_v = cycle.params.margin_v,
-          .gap_w = cycle.params.margin_w,
-          .X_MB = cycle.start.X_MB,
-          .command = cycle.start.command,
-          .lag = LagStep::over(cycle.params.dt, lag_of(cycle.params)),
-          .motion = cycle.start.moves};
-  const Twist2& u = cycle.start.command;
-  double time = cycle.params.control_period;
-  for (int k = 0; k < cycle.params.horizon_steps; ++k, time += cycle.params.dt) {
-    const double step = k == 0 ? cycle.params.control_period : cycle.params.dt;
-    ocp.v.push_back(reachable(cycle.robot.v_min, cycle.robot.v_max, u.v, cycle.robot.a_max * time));
-    ocp.w.push_back(
-        reachable(-cycle.robot.w_max, cycle.robot.w_max, u.w, cycle.robot.alpha_max * time));
-    const double rise = cycle.robot.a_max * step, less = fall(cycle, time - step, step);
-    ocp.change_v.push_back(u.v > 0.0 ? Interval{-less, rise} : Interval{-rise, less});
-    ocp.change_w.push_back({-cycle.robot.alpha_max * step, cycle.robot.alpha_max * step});
-  }
-  if (cycle.params.workspace > 0.0)
-    ocp.workspace = std::max(cycle.params.workspace, extent_of_braking(cycle));
+  Ocp ocp = cycle.base;
   auto pairs = nearest_pairs(cycle.body, cycle.request.obstacles, std::span(guess.X_MB).subspan(1),
                              cycle.limits);
-  for (std::size_t k = 0; k < cycle.costs.size(); ++k)
-    ocp.stages.push_back({cycle.costs[k], std::move(pairs[k])});
+  for (std::size_t k = 0; k < ocp.stages.size(); ++k) ocp.stages[k].pairs = std::move(pairs[k]);
   return ocp;
 }
 
@@ -178,7 +185,7 @@ Forecast within_limits(const Ocp& ocp, const Forecast& motion) {
 Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion) {
   Candidate out{.ocp = std::move(ocp)};
   out.motion = within_limits(out.ocp, motion);
-  Iterate point = cold_start(out.ocp, out.motion);
+  Iterate point = trajectory(out.ocp, out.motion);
   out.gaps = clearances(cycle.body, cycle.request.obstacles, std::span(out.motion.X_MB).subspan(1),
                         cycle.limits);
   for (std::size_t k = 0; k < out.gaps.size(); ++k) {
@@ -248,7 +255,8 @@ bool is_poor(const Cycle& cycle, const Candidate& candidate) {
   // Such a motion tunnels through an obstacle.
   if (candidate.slack > cycle.least_slack + kTolerated) return true;
   const bool is_near = candidate.clearance < cycle.limits.reach;
-  return is_near && is_stuck(cycle.request, cycle.nominal, candidate.motion,
+  return is_near && is_stuck(cycle.request.method, cycle.nominal,
+                             cycle.base.stages.back().cost.X_MR.position(), candidate.motion,
                              cycle.params.dt * cycle.params.horizon_steps, cycle.robot);
 }
 
@@ -258,10 +266,9 @@ Forecast cold_guess(const Cycle& cycle) {
 }
 
 std::vector<Forecast> most_promising_first(const Cycle& cycle, std::vector<Forecast> guesses) {
-  const Ocp ocp = problem(cycle, cycle.nominal);
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < guesses.size(); ++i)
-    order.emplace_back(rate(cycle, ocp, guesses[i]).value, i);
+    order.emplace_back(rate(cycle, cycle.base, guesses[i]).value, i);
   std::sort(order.begin(), order.end());
   std::vector<Forecast> sorted;
   for (const auto& [value, i] : order) sorted.push_back(std::move(guesses[i]));

@@ -29,7 +29,7 @@ struct Cycle {
   const PlanRequest& request;
   Start start;                     ///< predicted for the moment the command acts
   Forecast nominal;                ///< nominal trajectory: what the person asks for
-  std::vector<StageCost> costs;    ///< N
+  Ocp base;                        ///< the problem without pairs
   std::vector<Obstacle> to_avoid;  ///< the request's obstacles, see passable()
   PairLimits limits;
   double least_slack;  ///< by how much the start pose already violates the margin [m]
@@ -67,7 +67,8 @@ struct Candidate {
 /// Clamps the motion's twists to the problem's limits and rolls them out with its model.
 [[nodiscard]] Forecast within_limits(const Ocp& ocp, const Forecast& motion);
 
-/// Brings the motion within all limits and computes its cost, slack and clearance.
+/// Brings the motion within all limits and computes its cost, slack and clearance. The pairs of
+/// `ocp` are not read.
 [[nodiscard]] Candidate rate(const Cycle& cycle, Ocp ocp, const Forecast& motion);
 
 /// Whether the motion passes the exact check for as long as the robot needs to come to rest.

@@ -2,6 +2,7 @@
 #include "tandem/local_planner/guesses.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "tandem/local_planner/ocp/ellipse_distance.hpp"
@@ -91,17 +92,38 @@ std::vector<Eigen::Vector2d> points_beside(const Forecast& nominal, const Body& 
   return points;
 }
 
-bool is_stuck(const PlanRequest& request, const Forecast& nominal, const Forecast& motion,
-              double horizon, const RobotParams& robot) {
+bool is_alike(const Forecast& guess, const Forecast& motion, const Body& body,
+              std::span<const Obstacle> obstacles, const PairLimits& limits) {
+  constexpr double kTurned = 1.2;    // [rad] larger differences of heading are another manoeuvre
+  constexpr double kReverse = 0.05;  // [m/s] slower motions have no direction
+  for (std::size_t k = 0; k < guess.twist.size(); ++k)
+    if (guess.twist[k].v * motion.twist[k].v < -kReverse * kReverse ||
+        std::abs(guess.X_MB[k + 1].theta - motion.X_MB[k + 1].theta) > kTurned)
+      return false;
+  PairLimits touching = limits;
+  touching.margin = touching.moving = 0.0;
+  std::vector<Pose2> between(guess.twist.size());
+  for (const double r : {0.25, 0.5, 0.75}) {
+    for (std::size_t k = 0; k < between.size(); ++k) {
+      const Pose2 &a = guess.X_MB[k + 1], &b = motion.X_MB[k + 1];
+      between[k] = {a.x + r * (b.x - a.x), a.y + r * (b.y - a.y),
+                    a.theta + r * (b.theta - a.theta)};
+    }
+    if (first_miss(body, obstacles, between, touching) < between.size()) return false;
+  }
+  return true;
+}
+
+bool is_stuck(Method method, const Forecast& nominal, const Eigen::Vector2d& target,
+              const Forecast& motion, double horizon, const RobotParams& robot) {
   constexpr double kProgress = 0.6;  // a motion that covers a smaller share of the way is stuck
   constexpr double kAble = 0.3;      // mean speed over v_max, allowing for a turn on the spot first
   const Eigen::Vector2d from = motion.X_MB.front().position(), to = motion.X_MB.back().position();
-  if (request.method == Method::kIntention) {
+  if (method == Method::kIntention) {
     const Eigen::Vector2d way = nominal.X_MB.back().position() - from;
     return way.norm() > 0.3 && (to - from).dot(way) < kProgress * way.squaredNorm();
   }
-  const Eigen::Vector2d goal = request.X_MG.position();
-  const double way = (goal - from).norm(), rest = (goal - to).norm();
+  const double way = (target - from).norm(), rest = (target - to).norm();
   return way > 0.3 && way - rest < kProgress * std::min(way, kAble * robot.v_max * horizon);
 }
 

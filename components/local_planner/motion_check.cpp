@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSpacing = 0.01;         // [m] travel between two checks
 constexpr double kRoundTolerance = 0.03;  // [m]
+constexpr double kFar = 1e9;              // [m]
 
 double reach(const Body& body) {
   if (!body.round) return circumradius(body.footprint);
@@ -33,6 +34,54 @@ double untouched_scale(const Body& body, const Pose2& X_MB, const Obstacle& obst
   return 0.99 * low;
 }
 
+// An obstacle, and how far body and obstacle must move in all before they can touch.
+struct Approach {
+  Eigen::Vector2d axis;      // cosine and sine of the obstacle's angle
+  double speed;              // [m/s]
+  double clear_until = 0.0;  // [m]
+};
+
+std::vector<Approach> approaches(std::span<const Obstacle> obstacles) {
+  std::vector<Approach> all;
+  all.reserve(obstacles.size());
+  for (const Obstacle& o : obstacles)
+    all.push_back({{std::cos(o.angle), std::sin(o.angle)}, o.v_MO.norm()});
+  return all;
+}
+
+// Lower bound of the distance between body and obstacle [m]: from circles around both, and where
+// these overlap from the discs that cover the body.
+double least_distance(const Body& body, double radius, const Pose2& X_MB, const Obstacle& obstacle,
+                      const Eigen::Vector2d& axis) {
+  constexpr double kSlop = 1e-9;  // [m] rounding
+  const double apart = (obstacle.p_MO - X_MB.position()).norm() - obstacle.a - radius;
+  if (apart > 0.0 || body.discs.empty()) return apart - kSlop;
+  const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
+  double least = kFar;
+  for (const Disc& disc : body.discs) {
+    const Eigen::Vector2d p_MC{X_MB.x + c * disc.p_BC.x() - s * disc.p_BC.y(),
+                               X_MB.y + s * disc.p_BC.x() + c * disc.p_BC.y()};
+    least = std::min(least, signed_distance(obstacle, axis, p_MC).value - disc.radius);
+  }
+  return least - kSlop;
+}
+
+// Whether the body touches one of the obstacles `t` [s] after their time, having moved by `way`
+// [m].
+bool touches_any(const Body& body, double radius, const Pose2& X_MB, double t, double way,
+                 std::span<const Obstacle> obstacles, std::vector<Approach>& approaches) {
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    Approach& approach = approaches[i];
+    const double moved = way + approach.speed * t;
+    if (moved < approach.clear_until) continue;
+    const Obstacle there = predicted(obstacles[i], t);
+    const double distance = least_distance(body, radius, X_MB, there, approach.axis);
+    if (distance <= 0.0 && touches(body, X_MB, there)) return true;
+    approach.clear_until = moved + distance;
+  }
+  return false;
+}
+
 }  // namespace
 
 double largest_radius(const Body& body) {
@@ -48,7 +97,6 @@ Obstacle predicted(const Obstacle& obstacle, double t) {
 }
 
 bool touches(const Body& body, const Pose2& X_MB, const Obstacle& obstacle) {
-  if ((obstacle.p_MO - X_MB.position()).norm() > obstacle.a + reach(body)) return false;
   if (!body.round) return overlaps(body.footprint, X_MB, obstacle);
   const Disc& disc = body.discs.front();
   return signed_distance(obstacle, transform(X_MB, disc.p_BC)).value <
@@ -57,9 +105,11 @@ bool touches(const Body& body, const Pose2& X_MB, const Obstacle& obstacle) {
 
 std::vector<Obstacle> passable(const Body& body, const Motion& motion,
                                std::span<const Obstacle> obstacles) {
+  const double radius = reach(body);
   std::vector<Obstacle> out(obstacles.begin(), obstacles.end());
   for (Obstacle& obstacle : out) {
     const Obstacle now = predicted(obstacle, motion.start);
+    if ((now.p_MO - motion.X_MB.position()).norm() > now.a + radius) continue;
     if (!touches(body, motion.X_MB, now)) continue;
     const double factor = std::max(1e-6, untouched_scale(body, motion.X_MB, now));
     obstacle = scaled(obstacle, factor);
@@ -70,8 +120,9 @@ std::vector<Obstacle> passable(const Body& body, const Motion& motion,
 bool is_clear(const Body& body, const Motion& motion, std::span<const Obstacle> obstacles,
               double duration) {
   const double radius = reach(body);
+  std::vector<Approach> each = approaches(obstacles);
   Moving at{motion.X_MB, motion.moves};
-  double t = 0.0;
+  double t = 0.0, way = 0.0;  // way: bound of how far any point of the body has moved
   for (const Twist2& u : motion.twist) {
     const double held = std::min(motion.dt, duration - t);
     if (held <= 0.0) break;
@@ -83,11 +134,13 @@ bool is_clear(const Body& body, const Motion& motion, std::span<const Obstacle> 
     for (int i = 1; i <= steps; ++i) {
       const double s = held * i / steps;
       const Pose2 X_at = follow(at, u, motion.lag, s).X_MB;
-      for (const Obstacle& obstacle : obstacles)
-        if (touches(body, X_at, predicted(obstacle, motion.start + t + s))) return false;
+      if (touches_any(body, radius, X_at, motion.start + t + s, way + travel * i / steps, obstacles,
+                      each))
+        return false;
     }
     at = follow(at, u, motion.lag, motion.dt);
     t += motion.dt;
+    way += travel;
   }
   return true;
 }

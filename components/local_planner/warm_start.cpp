@@ -85,7 +85,7 @@ void set_changes(const Ocp& ocp, std::vector<double>& z) {
 
 }  // namespace
 
-Iterate cold_start(const Ocp& ocp, const Forecast& motion) {
+Iterate trajectory(const Ocp& ocp, const Forecast& motion) {
   Iterate guess;
   Twist2 moves = ocp.motion;
   for (std::size_t k = 0; k < ocp.stages.size(); ++k) {
@@ -97,6 +97,11 @@ Iterate cold_start(const Ocp& ocp, const Forecast& motion) {
     guess.z.insert(guess.z.end(), {moves.v, moves.w});
   }
   set_changes(ocp, guess.z);
+  return guess;
+}
+
+Iterate cold_start(const Ocp& ocp, const Forecast& motion) {
+  Iterate guess = trajectory(ocp, motion);
   set_slacks(ocp, guess.z);
   return guess;
 }

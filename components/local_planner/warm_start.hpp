@@ -15,8 +15,11 @@ struct Solved {
   double t0 = 0.0;  ///< [s]
 };
 
-/// Primal point that follows the motion, without multipliers. The slacks satisfy the pairs of `ocp`
-/// except for the speed-dependent margin of rows (4).
+/// Primal point that follows the motion, with slacks near zero, without multipliers.
+[[nodiscard]] Iterate trajectory(const Ocp& ocp, const Forecast& motion);
+
+/// trajectory() with slacks that satisfy the pairs of `ocp`, except for the speed-dependent margin
+/// of rows (4).
 [[nodiscard]] Iterate cold_start(const Ocp& ocp, const Forecast& motion);
 
 /// Pose of a solution `elapsed` [s] after its stage 0; the last pose after its end.

@@ -283,14 +283,17 @@ Footprint inset(const Footprint& footprint, double depth) {
 }
 
 bool overlaps(const Footprint& footprint, const Pose2& X_MB, const Obstacle& obstacle) {
+  // The pose of the body in the obstacle's axes.
+  const Eigen::Vector2d p = in_axes(obstacle, X_MB.position());
+  const double c = std::cos(X_MB.theta - obstacle.angle);
+  const double s = std::sin(X_MB.theta - obstacle.angle);
   ConvexPolygon image;
   const auto touches = [&](const ConvexPolygon& part) {
     image.clear();
     image.reserve(part.size());
-    for (const auto& p_BV : part) {
-      const Eigen::Vector2d q = in_axes(obstacle, transform(X_MB, p_BV));
-      image.emplace_back(q.x() / obstacle.a, q.y() / obstacle.b);
-    }
+    for (const auto& p_BV : part)
+      image.emplace_back((p.x() + c * p_BV.x() - s * p_BV.y()) / obstacle.a,
+                         (p.y() + s * p_BV.x() + c * p_BV.y()) / obstacle.b);
     return squared_distance_to_point(image, Eigen::Vector2d::Zero()) < 1.0;
   };
   return std::any_of(footprint.parts.begin(), footprint.parts.end(), touches);

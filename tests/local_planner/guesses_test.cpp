@@ -90,23 +90,57 @@ TEST(StoppedInTime, BrakesAfterTheFirstTwistIfItIsTooLate) {
 }
 
 TEST(IsStuck, StandingIsStuckAndTheNominalTrajectoryIsNot) {
-  PlanRequest request{.method = Method::kIntention};
   const Forecast nominal = straight(0.5);
-  EXPECT_TRUE(is_stuck(request, nominal, straight(0.0), 3.0, kRobotParams));
-  EXPECT_FALSE(is_stuck(request, nominal, nominal, 3.0, kRobotParams));
+  const auto stuck = [&](const Forecast& motion) {
+    return is_stuck(Method::kIntention, nominal, {0.0, 0.0}, motion, 3.0, kRobotParams);
+  };
+  EXPECT_TRUE(stuck(straight(0.0)));
+  EXPECT_FALSE(stuck(nominal));
 }
 
 TEST(IsStuck, WhereThePersonHardlyMovesNothingIsStuck) {
-  PlanRequest request{.method = Method::kIntention};
-  EXPECT_FALSE(is_stuck(request, straight(0.05), straight(0.0), 3.0, kRobotParams));
+  EXPECT_FALSE(
+      is_stuck(Method::kIntention, straight(0.05), {0.0, 0.0}, straight(0.0), 3.0, kRobotParams));
 }
 
-TEST(IsStuck, TowardALeaderPartOfTheRobotsSpeedIsEnough) {
-  PlanRequest request{.method = Method::kLeader, .X_MG = {5.0, 0.0, 0.0}};
-  EXPECT_TRUE(is_stuck(request, straight(0.8), straight(0.1), 3.0, kRobotParams));
-  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.2), 3.0, kRobotParams));
-  request.X_MG.x = 0.2;
-  EXPECT_FALSE(is_stuck(request, straight(0.8), straight(0.0), 3.0, kRobotParams)) << "it is there";
+TEST(IsStuck, TowardATargetPartOfTheRobotsSpeedIsEnough) {
+  const auto stuck = [](double target, double speed) {
+    return is_stuck(Method::kLeader, straight(0.8), {target, 0.0}, straight(speed), 3.0,
+                    kRobotParams);
+  };
+  EXPECT_TRUE(stuck(5.0, 0.1));
+  EXPECT_FALSE(stuck(5.0, 0.2));
+  EXPECT_FALSE(stuck(0.2, 0.0)) << "it is there";
+}
+
+// --- guesses that need no solve of their own ---
+
+bool alike(const Forecast& guess, const Forecast& motion, const std::vector<Obstacle>& obstacles) {
+  return is_alike(guess, motion, disc(), obstacles, kLimits);
+}
+
+TEST(IsAlike, MotionsWithNothingBetweenThem) {
+  EXPECT_TRUE(alike(straight(0.8), straight(0.6), {}));
+  EXPECT_TRUE(alike(straight(0.8), straight(0.6), {pillar(8.0)}));
+}
+
+TEST(IsAlike, NotIfAnObstacleLiesBetween) {
+  Forecast left = straight(0.8), right = straight(0.8);
+  for (std::size_t k = 1; k < left.X_MB.size(); ++k) {
+    left.X_MB[k].y += 1.0;
+    right.X_MB[k].y -= 1.0;
+  }
+  const double there = left.X_MB[left.X_MB.size() / 2].x;
+  EXPECT_TRUE(alike(left, right, {}));
+  EXPECT_FALSE(alike(left, right, {pillar(there)}));
+}
+
+TEST(IsAlike, NotForwardAndBackward) { EXPECT_FALSE(alike(straight(0.5), straight(-0.2), {})); }
+
+TEST(IsAlike, NotIfOneTurnsAway) {
+  Forecast turned = straight(0.5);
+  for (Pose2& X_MB : turned.X_MB) X_MB.theta += 1.5;
+  EXPECT_FALSE(alike(straight(0.5), turned, {}));
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ struct Chain {
   void centre(const Ocp& ocp, double barrier);
   void begin_from_here(const Ocp& ocp);
 
+  [[nodiscard]] bool is_near(const Iterate& known, double distance) const;
   bool is_done(const SolveLimits& limits, Clock::time_point started);
   void lower_barrier(const Ocp& ocp);
   bool advance_point(const Ocp& ocp);
@@ -141,8 +142,20 @@ void Chain<n>::begin_from_here(const Ocp& ocp) {
   system.condense(ocp, box, now, mu, multipliers);
 }
 
-// Sets the status. Returns true on convergence, after enough acceptable iterations, at the
-// iteration limit, or if two more iterations might miss the deadline.
+template <int n>
+bool Chain<n>::is_near(const Iterate& known, double distance) const {
+  if (known.z.size() != now.z.size()) return false;
+  const double d2 = distance * distance;
+  for (std::size_t k = 0; k < now.z.size(); k += block_of(n)) {
+    const double dx = now.z[k + kX] - known.z[k + kX], dy = now.z[k + kY] - known.z[k + kY];
+    const double turn = kHeadingArm * (now.z[k + kTheta] - known.z[k + kTheta]);
+    if (dx * dx + dy * dy > d2 || turn * turn > d2) return false;
+  }
+  return true;
+}
+
+// Sets the status. Returns true on convergence, near a known solution, after enough acceptable
+// iterations, at the iteration limit, or if two more iterations might miss the deadline.
 template <int n>
 bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
   const double error = system.error(kTarget);
@@ -150,6 +163,11 @@ bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
     out.status = SolveStatus::kConverged;
     return true;
   }
+  for (const Iterate& known : limits.known)
+    if (is_near(known, limits.near)) {
+      out.status = SolveStatus::kKnown;
+      return true;
+    }
   acceptable = error <= kAcceptable ? acceptable + 1 : 0;
   out.status = acceptable > 0 ? SolveStatus::kAcceptable : SolveStatus::kTimeout;
   if (acceptable == kAcceptableCount || out.iterations >= limits.iterations) return true;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -21,11 +22,16 @@ struct SolveLimits {
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   double iteration_time = 0.0;  ///< duration of an iteration in the previous solve [s]
   int iterations = 60;          ///< at most
+  /// Solutions that need not be found again. The structured solver stops when all poses are within
+  /// `near` of those of one of them; Ipopt does not look at them.
+  std::span<const Iterate> known = {};
+  double near = 0.0;  ///< [m]; headings: that distance on a circle of kHeadingArm
 };
+inline constexpr double kHeadingArm = 0.5;  ///< [m]
 
-/// How a solve ended: converged, within the looser tolerance, out of time or iterations, or
-/// neither.
-enum class SolveStatus { kConverged, kAcceptable, kTimeout, kFailed };
+/// How a solve ended: converged, within the looser tolerance, out of time or iterations, near a
+/// known solution, or none of these.
+enum class SolveStatus { kConverged, kAcceptable, kTimeout, kKnown, kFailed };
 
 /// The last iterate of a solve, and how it ended.
 struct Solution {
