@@ -18,6 +18,7 @@ constexpr double kWhole = 1.0;  // [m] clusters up to this size are never split 
 // crowded tiles, in passages that coarser shapes would close.
 constexpr double kNarrow = 0.05, kKept = 0.10;
 
+constexpr double kFar = 1.0;  // [m] from the robot, at which a tile is refitted half as often
 constexpr std::size_t kPatches = 6;  // with more new cells the tile is refitted at once
 constexpr double kOffRaster = 1e-3;  // [cells] maximum offset of two grids that share a raster
 
@@ -76,7 +77,8 @@ bool Extractor::refresh_near(const Eigen::Vector2d& p_MB, double range, long set
   for (auto it = tiles_.begin(); it != tiles_.end(); ++it) {
     const auto& [place, tile] = *it;
     if (!tile.is_stale || !rect.contains(place[0], place[1])) continue;
-    if (updates_ - tile.fitted < settle) continue;
+    const double wait = static_cast<double>(settle) * (1.0 + distance_to_tile(place, p_MB) / kFar);
+    if (static_cast<double>(updates_ - tile.fitted) < wait) continue;
     if (oldest == tiles_.end() || tile.fitted < oldest->second.fitted) oldest = it;
   }
   if (oldest == tiles_.end()) return false;
@@ -105,6 +107,15 @@ CellRect Extractor::tiles_near(const Eigen::Vector2d& p_MB, double range) const 
   return {tile(std::max(0.0, x0), shift_.x()), tile(std::max(0.0, y0), shift_.y()),
           tile(std::min(x1, grid.width - 1.0), shift_.x()) + 1,
           tile(std::min(y1, grid.height - 1.0), shift_.y()) + 1};
+}
+
+double Extractor::distance_to_tile(const std::array<int, 2>& place,
+                                   const Eigen::Vector2d& p_MB) const {
+  const Grid& grid = map_->grid();
+  const CellRect rect = cells_of(place[0], place[1]);
+  const Eigen::Vector2d low = grid.origin + grid.resolution * Eigen::Vector2d(rect.x0, rect.y0);
+  const Eigen::Vector2d high = grid.origin + grid.resolution * Eigen::Vector2d(rect.x1, rect.y1);
+  return (p_MB - p_MB.cwiseMax(low).cwiseMin(high)).norm();
 }
 
 CellRect Extractor::cells_of(int tx, int ty) const {

@@ -70,9 +70,9 @@ class Extractor {
   void put_down() { region_ = 0; }
 
   /// Refits one tile near the point: of those whose cells or free space have changed and that were
-  /// fitted at least `settle` updates ago, the one fitted longest ago. Returns false if there is
-  /// none. Once it returns false for settle = 0, the shapes equal those of a new extractor with the
-  /// same tile boundaries.
+  /// fitted at least `settle` updates ago (twice as many 1 m from the point, thrice as many 2 m
+  /// from it), the one fitted longest ago. Returns false if there is none. Once it returns false
+  /// for settle = 0, the shapes equal those of a new extractor with the same tile boundaries.
   [[nodiscard]] bool refresh_near(const Eigen::Vector2d& p_MB, double range, long settle);
 
   /// Shapes that together contain every obstacle cell whose square comes within `range` of the
@@ -97,6 +97,8 @@ class Extractor {
   /// Tiles [x0, x1) × [y0, y1), numbered from the first map's origin.
   [[nodiscard]] CellRect tiles_near(const Eigen::Vector2d& p_MB, double range) const;
   [[nodiscard]] CellRect cells_of(int tx, int ty) const;
+  [[nodiscard]] double distance_to_tile(const std::array<int, 2>& place,
+                                        const Eigen::Vector2d& p_MB) const;
   [[nodiscard]] const Tile& tile_at(int tx, int ty);
   void fit(Tile& tile, int tx, int ty) const;
   [[nodiscard]] bool patch(Tile& tile) const;
