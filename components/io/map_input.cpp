@@ -31,13 +31,6 @@ std::shared_ptr<const StaticMap> static_map(const octomap::OcTree& tree,
                                            params.unknown_is_obstacle);
 }
 
-std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& local,
-                                                const Eigen::Vector2d& p_MB,
-                                                const MapInputParams& params) {
-  return std::make_shared<const StaticMap>(overlay(base, local, p_MB, params.local_reach),
-                                           params.unknown_is_obstacle);
-}
-
 std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known, const Grid& local,
                                                     const Eigen::Vector2d& p_MB,
                                                     const MapInputParams& params) {
@@ -272,7 +265,7 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
 }
 
 // Nodes with equal grids share one map, so that what is computed of a map can be shared as well.
-std::shared_ptr<const StaticMap> MapInput::shared_map(Grid grid) {
+std::shared_ptr<const StaticMap> MapInput::shared_map(Grid grid) const {
   const bool unknown_stops = params_.unknown_is_obstacle;
   std::string key = fmt::format("{} {} {} {} {} {} ", grid.width, grid.height, grid.resolution,
                                 grid.origin.x(), grid.origin.y(), unknown_stops);
@@ -289,7 +282,7 @@ MapInput::Live MapInput::take_local(const Job& job,
   const Eigen::Vector2d middle =
       local.origin + 0.5 * local.resolution * Eigen::Vector2d(local.width, local.height);
   const Eigen::Vector2d p_MC = p_MB.value_or(middle);
-  return {local_map_over(*base_, local, p_MC, params_),
+  return {shared_map(overlay(*base_, local, p_MC, params_.local_reach)),
           heeds_unseen_ == UnseenGround::kHeeded ? unseen_ground_over(known_, local, p_MC, params_)
                                                  : nullptr};
 }
@@ -299,14 +292,23 @@ Grid MapInput::decode(const MapMessage& msg, double height, bool may_be_empty) c
   return std::visit([&](const auto& map) { return grid_of(map, height, may_be_empty); }, msg);
 }
 
+// Nodes that read the same map at the same heights share one result.
 Grid MapInput::grid_of(const octomap_msgs::msg::Octomap& msg, double height,
                        bool may_be_empty) const {
-  const auto decoded =
-      decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
-  if (!decoded.tree) throw std::runtime_error(decoded.error);
   SliceParams in_its_frame = params_.slice;
   in_its_frame.floor -= height;
-  return slice(*decoded.tree, in_its_frame);
+  std::string key =
+      fmt::format("{} {} {} {}", msg.id(), msg.binary(), msg.resolution(), may_be_empty);
+  in_its_frame.visit(
+      [&](const char*, double value, const auto&...) { key += fmt::format(" {}", value); });
+  key += ' ';
+  key.append(reinterpret_cast<const char*>(msg.data().data()), msg.data().size());
+  return *node_.cached<const Grid>(key, [&] {
+    const auto decoded =
+        decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
+    if (!decoded.tree) throw std::runtime_error(decoded.error);
+    return std::make_shared<const Grid>(slice(*decoded.tree, in_its_frame));
+  });
 }
 
 Grid MapInput::grid_of(const nav_msgs::msg::OccupancyGrid& msg, double, bool) const {

@@ -58,11 +58,6 @@ struct MapInputParams {
                                                           const MapInputParams& params,
                                                           const VirtualFixtures& fixtures);
 
-/// Merges `local`, the current view of a robot at p_MB, with the permanent map `base`.
-[[nodiscard]] std::shared_ptr<const StaticMap> local_map_over(const Grid& base, const Grid& local,
-                                                              const Eigen::Vector2d& p_MB,
-                                                              const MapInputParams& params);
-
 /// Ground unknown to both maps, as obstacles; everything outside the grid counts as unknown.
 [[nodiscard]] std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known,
                                                                   const Grid& local,
@@ -166,7 +161,7 @@ class MapInput {
   template <class Take>
   [[nodiscard]] auto unless_refused(const char* topic, const Take& take) -> decltype(take());
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
-  [[nodiscard]] std::shared_ptr<const StaticMap> shared_map(Grid grid);
+  [[nodiscard]] std::shared_ptr<const StaticMap> shared_map(Grid grid) const;
   // The merged map and, if heeded, unseen ground.
   using Live = std::pair<std::shared_ptr<const StaticMap>, std::shared_ptr<const StaticMap>>;
   [[nodiscard]] Live take_local(const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;
