@@ -161,7 +161,8 @@ void DiffDriveSimNode::publish_frames() {
   tf_static_.publish(msg);
 }
 
-// Takes the beams of this tick; publishes the scan after the last one and begins the next turn.
+// Takes the beams of this tick; publishes the scan after the last one and begins the next turn. A
+// turn that nobody subscribes to when it begins is not measured.
 void DiffDriveSimNode::turn_scanner() {
   const auto& [t, X_MB, twist] = sim_.state();
   const int beams = params_->scan_beams;
@@ -169,11 +170,13 @@ void DiffDriveSimNode::turn_scanner() {
   const double per_beam = time_per_beam();
   while (true) {
     const auto i = static_cast<int>(ranges_.size());
+    if (i == 0) is_heard_ = scan_.matched() > 0;
     const double taken = turn_began_ + per_beam * i;
     if (taken > t) return;
-    ranges_.push_back(scan_range_of(sim_, *params_, integrate(X_MB, twist, taken - t), i));
+    ranges_.push_back(
+        is_heard_ ? scan_range_of(sim_, *params_, integrate(X_MB, twist, taken - t), i) : 0.0F);
     if (i + 1 < beams) continue;
-    publish_scan();
+    if (is_heard_) publish_scan();
     ranges_.clear();
     turn_began_ += turn;
   }

@@ -123,6 +123,7 @@ class DiffDriveSimNode {
   long ticks_ = 0;
   std::vector<float> ranges_;  // ranges of the current turn so far
   double turn_began_ = 0.0;    // [s]
+  bool is_heard_ = false;      // whether the current turn had a subscriber when it began
 
   rt::Publisher<rosgraph_msgs::msg::Clock> clock_;
   rt::Publisher<nav_msgs::msg::Odometry> odom_, ground_truth_;
