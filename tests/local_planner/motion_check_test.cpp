@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 #include "tandem/local_planner/fallback.hpp"
 #include "tandem/model/robot.hpp"
 
@@ -43,6 +47,55 @@ TEST(MotionCheck, MeetsAMovingObstacleWhereItWillBe) {
   comes.front().v_MO = {-1.0, 0.0};
   EXPECT_TRUE(is_clear(kMir, {.X_MB = {0, 0, 0}, .dt = 1.0, .twist = {{}}}, comes, 1.0));
   EXPECT_FALSE(is_clear(kMir, rest, comes, 3.0));
+}
+
+// is_clear() without what it skips.
+bool is_clear_everywhere(const Body& body, const Motion& motion,
+                         const std::vector<Obstacle>& obstacles) {
+  const double radius = circumradius(body.footprint);
+  Moving at{motion.X_MB, motion.moves};
+  double t = motion.start;
+  for (const Twist2& u : motion.twist) {
+    const double v = std::max(std::abs(u.v), motion.lag.any() ? std::abs(at.twist.v) : 0.0);
+    const double w = std::max(std::abs(u.w), motion.lag.any() ? std::abs(at.twist.w) : 0.0);
+    const int steps = std::max(1, static_cast<int>(std::ceil((v + radius * w) * motion.dt / 0.01)));
+    for (int i = 1; i <= steps; ++i) {
+      const double s = motion.dt * i / steps;
+      const Pose2 X = follow(at, u, motion.lag, s).X_MB;
+      for (const Obstacle& obstacle : obstacles)
+        if (touches(body, X, predicted(obstacle, t + s))) return false;
+    }
+    at = follow(at, u, motion.lag, motion.dt);
+    t += motion.dt;
+  }
+  return true;
+}
+
+TEST(MotionCheck, MissesNothingByWhatItSkips) {
+  std::mt19937 random{3};
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution{low, high}(random);
+  };
+  int clear = 0;
+  for (int n = 0; n < 2000; ++n) {
+    Motion motion{.X_MB = {uniform(-1, 1), uniform(-1, 1), uniform(-3, 3)}, .start = 0.1};
+    if (n % 3 == 0) motion.lag = {0.3, 0.2};
+    for (int k = 0; k < 8; ++k) motion.twist.push_back({uniform(-0.5, 1.0), uniform(-1.5, 1.5)});
+    std::vector<Obstacle> obstacles;
+    for (int j = 0; j < 6; ++j) {
+      const double a = uniform(0.05, 0.6), b = n % 2 == 0 ? a : uniform(0.02, a);
+      obstacles.push_back({.p_MO = {uniform(-3, 3), uniform(-3, 3)},
+                           .a = a,
+                           .b = b,
+                           .angle = uniform(-3, 3),
+                           .v_MO = {uniform(-0.5, 0.5), uniform(-0.5, 0.5)}});
+    }
+    const bool expected = is_clear_everywhere(kMir, motion, obstacles);
+    EXPECT_EQ(is_clear(kMir, motion, obstacles, 8 * motion.dt), expected) << n;
+    clear += expected ? 1 : 0;
+  }
+  EXPECT_GT(clear, 400);
+  EXPECT_LT(clear, 1600);
 }
 
 TEST(MotionCheck, InsideAShapeOnlyTheWayOutIsClear) {

@@ -138,6 +138,30 @@ TEST(ChangingMap, ARemovedObjectIsNotAnObstacle) {
   }
 }
 
+// How often the tile of a flickering bar at p_MQ is refitted in 48 updates.
+int refits_of_bar_at(const Eigen::Vector2d& p_MQ) {
+  const Eigen::Vector2d p_MB{5.0, 5.0};
+  Grid grid{0.05, {0.0, 0.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
+  const int ix = static_cast<int>(p_MQ.x() / 0.05), iy = static_cast<int>(p_MQ.y() / 0.05);
+  for (int i = 0; i < 8; ++i) grid.cells[grid.index(ix + i, iy)] = Cell::kOccupied;
+  Extractor extractor(std::make_shared<const StaticMap>(grid), {.tile = 2.0});
+  (void)extractor.near(p_MB);
+  int refits = 0;
+  for (int update = 0; update < 48; ++update) {
+    Cell& end = grid.cells[grid.index(ix + 8, iy)];
+    end = end == Cell::kFree ? Cell::kOccupied : Cell::kFree;
+    extractor.update(std::make_shared<const StaticMap>(grid));
+    (void)extractor.near(p_MB);
+    while (extractor.refresh_near(p_MB, 4.0, 3)) ++refits;
+  }
+  return refits;
+}
+
+TEST(ChangingMap, FarTilesAreRefittedLessOften) {
+  EXPECT_EQ(refits_of_bar_at({5.2, 5.2}), 16);  // in the robot's tile: after 3 updates
+  EXPECT_EQ(refits_of_bar_at({8.2, 5.2}), 4);   // its tile is 3 m away: after 12
+}
+
 TEST(ChangingMap, RefreshedShapesAreThoseOfTheNewMapAlone) {
   ChangingWorld world(6);
   const ExtractorParams params{.range = 2.5, .tile = 2.0};

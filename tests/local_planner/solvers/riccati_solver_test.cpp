@@ -207,6 +207,28 @@ TEST(RiccatiSolver, StartedFromItsOwnSolutionNeedsNoIterationOrOne) {
   }
 }
 
+TEST(RiccatiSolver, StopsNearAKnownSolution) {
+  RiccatiSolver solver;
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    const StartingPoint start = first_problem(random_case(seed), true);
+    const Solution alone = solver.solve(start.ocp, start.guess, {.iterations = 300});
+    if (alone.status != SolveStatus::kConverged) continue;
+    std::vector<Iterate> known{alone.point};
+    const SolveLimits limits{.iterations = 300, .known = known, .near = 0.1};
+    const Solution again = solver.solve(start.ocp, start.guess, limits);
+    EXPECT_EQ(again.status, SolveStatus::kKnown) << seed;
+    EXPECT_LE(again.iterations, alone.iterations) << seed;
+    for (std::size_t k = 0; k < start.ocp.stages.size(); ++k)
+      EXPECT_LT((pose_after(start.ocp, again.point.z, k).position() -
+                 pose_after(start.ocp, alone.point.z, k).position())
+                    .norm(),
+                0.1)
+          << seed;
+    for (std::size_t i = kX; i < known[0].z.size(); i += block(start.ocp)) known[0].z[i] += 1e6;
+    EXPECT_EQ(solver.solve(start.ocp, start.guess, limits).point.z, alone.point.z) << seed;
+  }
+}
+
 TEST(RiccatiSolver, StopsAtItsLimits) {
   RiccatiSolver solver;
   const StartingPoint start = first_problem(random_case(1), true);
