@@ -52,6 +52,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
       params_{node.declare_parameters<Params>()},
       sim_{simulation(*params_)},
       source_{source_timeout(params_->robot)},
+      scan_random_{static_cast<unsigned>(params_->seed)},
       clock_{node.create_publisher(topics::clock)},
       odom_{node.create_publisher(topics::odom)},
       ground_truth_{node.create_publisher(topics::ground_truth)},
@@ -105,6 +106,7 @@ void DiffDriveSimNode::subscribe() {
 
 void DiffDriveSimNode::reset(const Pose2& X_MB) {
   sim_.reset(X_MB, static_cast<unsigned>(params_->seed));
+  scan_random_.seed(static_cast<unsigned>(params_->seed));
   ranges_.clear();  // a scan must not mix two poses
   turn_began_ = sim_.state().t;
   node_.log().info("reset to ({:.2f}, {:.2f}, {:.2f})", X_MB.x, X_MB.y, X_MB.theta);
@@ -162,7 +164,7 @@ void DiffDriveSimNode::publish_frames() {
 }
 
 // Takes the beams of this tick; publishes the scan after the last one and begins the next turn. A
-// turn that nobody subscribes to when it begins is not measured.
+// turn is skipped if `scan` has no subscriber when it begins.
 void DiffDriveSimNode::turn_scanner() {
   const auto& [t, X_MB, twist] = sim_.state();
   const int beams = params_->scan_beams;
@@ -173,13 +175,19 @@ void DiffDriveSimNode::turn_scanner() {
     if (i == 0) is_heard_ = scan_.matched() > 0;
     const double taken = turn_began_ + per_beam * i;
     if (taken > t) return;
-    ranges_.push_back(
-        is_heard_ ? scan_range_of(sim_, *params_, integrate(X_MB, twist, taken - t), i) : 0.0F);
+    const Pose2 X_there = integrate(X_MB, twist, taken - t);
+    ranges_.push_back(is_heard_ ? noisy(scan_range_of(sim_, *params_, X_there, i)) : 0.0F);
     if (i + 1 < beams) continue;
     if (is_heard_) publish_scan();
     ranges_.clear();
     turn_began_ += turn;
   }
+}
+
+float DiffDriveSimNode::noisy(float range) {
+  if (params_->scan_noise <= 0.0 || !std::isfinite(range)) return range;
+  std::normal_distribution<float> noise{0.0F, static_cast<float>(params_->scan_noise)};
+  return std::max(0.0F, range + noise(scan_random_));
 }
 
 double DiffDriveSimNode::time_per_beam() const {

@@ -32,6 +32,7 @@ struct DiffDriveSimNodeParams {
   int scan_beams = 360;
   double scan_range = 10.0;
   double scan_angle = kAllAround;
+  double scan_noise = 0.0;
   std::string scan_frame = "base_scan";
   bool single_source = true;
   bool publish_description = true;
@@ -51,7 +52,8 @@ struct DiffDriveSimNodeParams {
     field("people", people, Range{-1e5, 1e5},
           "simulated people, for each: radius [m], speed [m/s], number of points, x1, y1, … [m] of "
           "the path that they walk back and forth");
-    field("seed", seed, Range{0, 2147483647}, "seed of slip and odometry noise");
+    field("seed", seed, Range{0, 2147483647},
+          "seed of slip and of the noise of odometry and ranges");
     field("step", step, Range{0.001, 0.1}, "[s] simulated time between two /clock messages");
     field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated time per real time");
     field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] rate of odom, tf and ground truth");
@@ -60,6 +62,7 @@ struct DiffDriveSimNodeParams {
     field("scan_range", scan_range, Range{0.1, 1000.0}, "[m] maximum range of a return");
     field("scan_angle", scan_angle, Range{0.01, 6.2832},
           "[rad] field of view of a scan, centred straight ahead; 2π: all around");
+    field("scan_noise", scan_noise, Range{0.0, 1.0}, "[m] standard deviation of a range");
     field("scan_frame", scan_frame, "name of the scanner's frame, 0.3 m above base_link");
     field("single_source", single_source,
           "the base stands while commands of two programs arrive within base_timeout, because one "
@@ -110,6 +113,7 @@ class DiffDriveSimNode {
   void publish_odometry();
   void publish_frames();
   void turn_scanner();
+  [[nodiscard]] float noisy(float range);
   [[nodiscard]] double time_per_beam() const;  // [s]
   void publish_scan();
   void publish_collision();
@@ -123,7 +127,8 @@ class DiffDriveSimNode {
   long ticks_ = 0;
   std::vector<float> ranges_;  // ranges of the current turn so far
   double turn_began_ = 0.0;    // [s]
-  bool is_heard_ = false;      // whether the current turn had a subscriber when it began
+  std::mt19937 scan_random_;
+  bool is_heard_ = false;  // whether the current turn had a subscriber when it began
 
   rt::Publisher<rosgraph_msgs::msg::Clock> clock_;
   rt::Publisher<nav_msgs::msg::Odometry> odom_, ground_truth_;

@@ -18,6 +18,31 @@ namespace {
 
 constexpr double kStill = 1e-6;  // [m]; smaller motions of a frame are ignored
 
+// Maps of their own types, so that the many maps of live sensing do not displace static maps from
+// the cache.
+struct LiveMap {
+  LiveMap(Grid grid, bool unknown_is_obstacle) : map{std::move(grid), unknown_is_obstacle} {}
+  StaticMap map;
+};
+struct LiveGrid {
+  explicit LiveGrid(Grid all) : grid{std::move(all)} {}
+  Grid grid;
+};
+
+std::string key_of(const Grid& grid, bool unknown_is_obstacle) {
+  std::string key = fmt::format("{} {} {} {} {} {} ", grid.width, grid.height, grid.resolution,
+                                grid.origin.x(), grid.origin.y(), unknown_is_obstacle);
+  return key.append(reinterpret_cast<const char*>(grid.cells.data()), grid.cells.size());
+}
+
+std::string key_of(const octomap_msgs::msg::Octomap& msg, const SliceParams& heights) {
+  std::string key = fmt::format("{} {} {}", msg.id(), msg.binary(), msg.resolution());
+  SliceParams all = heights;
+  all.visit([&](const char*, double value, const auto&...) { key += fmt::format(" {}", value); });
+  key += ' ';
+  return key.append(reinterpret_cast<const char*>(msg.data().data()), msg.data().size());
+}
+
 }  // namespace
 
 VirtualFixtures fixtures_of(const MapInputParams& params) {
@@ -267,11 +292,18 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
 // Nodes with equal grids share one map, so that what is computed of a map can be shared as well.
 std::shared_ptr<const StaticMap> MapInput::shared_map(Grid grid) const {
   const bool unknown_stops = params_.unknown_is_obstacle;
-  std::string key = fmt::format("{} {} {} {} {} {} ", grid.width, grid.height, grid.resolution,
-                                grid.origin.x(), grid.origin.y(), unknown_stops);
-  for (const Cell cell : grid.cells) key += static_cast<char>(cell);
+  const std::string key = key_of(grid, unknown_stops);
   return node_.cached<const StaticMap>(
       key, [&] { return std::make_shared<const StaticMap>(std::move(grid), unknown_stops); });
+}
+
+// shared_map() of a grid that the next scan replaces.
+std::shared_ptr<const StaticMap> MapInput::shared_live_map(Grid grid) const {
+  const bool unknown_stops = params_.unknown_is_obstacle;
+  const std::string key = key_of(grid, unknown_stops);
+  const auto live = node_.cached<const LiveMap>(
+      key, [&] { return std::make_shared<const LiveMap>(std::move(grid), unknown_stops); });
+  return {live, &live->map};
 }
 
 MapInput::Live MapInput::take_local(const Job& job,
@@ -282,7 +314,7 @@ MapInput::Live MapInput::take_local(const Job& job,
   const Eigen::Vector2d middle =
       local.origin + 0.5 * local.resolution * Eigen::Vector2d(local.width, local.height);
   const Eigen::Vector2d p_MC = p_MB.value_or(middle);
-  return {shared_map(overlay(*base_, local, p_MC, params_.local_reach)),
+  return {shared_live_map(overlay(*base_, local, p_MC, params_.local_reach)),
           heeds_unseen_ == UnseenGround::kHeeded ? unseen_ground_over(known_, local, p_MC, params_)
                                                  : nullptr};
 }
@@ -297,18 +329,18 @@ Grid MapInput::grid_of(const octomap_msgs::msg::Octomap& msg, double height,
                        bool may_be_empty) const {
   SliceParams in_its_frame = params_.slice;
   in_its_frame.floor -= height;
-  std::string key =
-      fmt::format("{} {} {} {}", msg.id(), msg.binary(), msg.resolution(), may_be_empty);
-  in_its_frame.visit(
-      [&](const char*, double value, const auto&...) { key += fmt::format(" {}", value); });
-  key += ' ';
-  key.append(reinterpret_cast<const char*>(msg.data().data()), msg.data().size());
-  return *node_.cached<const Grid>(key, [&] {
+  const auto read = [&] {
     const auto decoded =
         decode_octomap({msg.id(), msg.binary(), msg.resolution()}, msg.data(), may_be_empty);
     if (!decoded.tree) throw std::runtime_error(decoded.error);
-    return std::make_shared<const Grid>(slice(*decoded.tree, in_its_frame));
-  });
+    return slice(*decoded.tree, in_its_frame);
+  };
+  const std::string key = key_of(msg, in_its_frame);
+  if (may_be_empty)
+    return node_
+        .cached<const LiveGrid>(key, [&] { return std::make_shared<const LiveGrid>(read()); })
+        ->grid;
+  return *node_.cached<const Grid>(key, [&] { return std::make_shared<const Grid>(read()); });
 }
 
 Grid MapInput::grid_of(const nav_msgs::msg::OccupancyGrid& msg, double, bool) const {

@@ -162,6 +162,7 @@ class MapInput {
   [[nodiscard]] auto unless_refused(const char* topic, const Take& take) -> decltype(take());
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
   [[nodiscard]] std::shared_ptr<const StaticMap> shared_map(Grid grid) const;
+  [[nodiscard]] std::shared_ptr<const StaticMap> shared_live_map(Grid grid) const;
   // The merged map and, if heeded, unseen ground.
   using Live = std::pair<std::shared_ptr<const StaticMap>, std::shared_ptr<const StaticMap>>;
   [[nodiscard]] Live take_local(const Job& job, const std::optional<Eigen::Vector2d>& p_MB) const;

@@ -17,7 +17,7 @@ constexpr double kExplores = 0.3;  // share of the budget within which other gue
 constexpr double kBetter = 0.9;
 constexpr double kBetterThanPoor = 0.98;
 
-// A solve that comes this close to a known solution, or within this share of its length, is taken
+// A solve that comes this close to a known solution, and within this share of its length, is taken
 // to end in it.
 constexpr double kNear = 0.1;  // [m]
 constexpr double kNearShare = 0.1;
@@ -35,6 +35,11 @@ double travel(const Forecast& motion) {
 bool is_solved(const Candidate& candidate) {
   const SolveStatus status = candidate.solution.status;
   return status != SolveStatus::kFailed && status != SolveStatus::kKnown;
+}
+
+bool is_optimal(const Candidate& candidate) {
+  const SolveStatus status = candidate.solution.status;
+  return status == SolveStatus::kConverged || status == SolveStatus::kAcceptable;
 }
 
 double seconds_since(CandidateSearch::Clock::time_point start) {
@@ -75,10 +80,8 @@ bool CandidateSearch::is_continued(const Cycle& cycle) const {
 }
 
 SolveLimits CandidateSearch::solve_limits(const NmpcParams& params) const {
-  SolveLimits limits{.iteration_time = iteration_time_,
-                     .iterations = params.max_iterations,
-                     .known = known_,
-                     .near = near_};
+  SolveLimits limits{
+      .iteration_time = iteration_time_, .iterations = params.max_iterations, .known = known_};
   if (params.iteration_budget > 0)
     limits.iterations =
         std::clamp(params.iteration_budget - budgeted_iterations_, 1, params.max_iterations);
@@ -106,14 +109,14 @@ Candidate CandidateSearch::solve(Solver& solver, const Cycle& cycle, Ocp ocp,
   budgeted_iterations_ += answer.effort;
   effort_.confirmed += answer.verdict == Verdict::kConfirmed ? 1 : 0;
   effort_.disagreements += answer.verdict == Verdict::kDisagreement ? 1 : 0;
+  if (solution.status == SolveStatus::kKnown)  // tells nothing of how long a solve takes
+    return {.solution = std::move(solution), .solver = answer.by};
   // Smoothed and bounded, so that one preempted iteration cannot keep later solves from starting.
   // A solve that had no time for an iteration lets the estimate decay.
   iteration_time_ = std::min(0.7 * iteration_time_ + 0.3 * solution.iteration_time,
                              0.1 * cycle.params.time_budget);
   const double took = seconds_since(before);
   solve_time_ = solve_time_ > 0.0 ? 0.8 * solve_time_ + 0.2 * took : took;
-  if (solution.status == SolveStatus::kKnown)
-    return {.solution = std::move(solution), .solver = answer.by};
   if (solution.status == SolveStatus::kFailed) solution.point = guess;
 
   Forecast motion;
@@ -154,32 +157,39 @@ Candidate CandidateSearch::first_candidate(const Cycle& cycle) {
 
 // Solves from other guesses while time permits. The last plan is replaced only by a clearly better
 // motion, so that the robot does not alternate between two ways of nearly equal value. Nearly all
-// guesses lead to a solution that is known, so a solve stops when it comes near one, and those of
-// which that is plain are not solved from unless the last plan is poor.
+// guesses lead to a solution that is known: a solve stops when it comes near one, and guesses that
+// plainly lead to `best` are skipped unless it is poor.
 void CandidateSearch::explore(const Cycle& cycle, Candidate& best) {
   if (cycle.params.extra_guesses == 0) return;
   const bool usable = best.solution.status != SolveStatus::kFailed && is_clear(cycle, best);
   const bool poor = !usable || is_poor(cycle, best);
+  const bool may_skip = !poor && is_optimal(best);
   const double to_beat = usable ? (poor ? kBetterThanPoor : kBetter) * best.value : kUnbounded;
   const unsigned arcs = static_cast<unsigned>(cycle.params.extra_guesses) * (poor ? 3 : 1);
   std::optional<Candidate> found;
   std::vector<Forecast> others = other_guesses(cycle, turn_, arcs);
   effort_.guesses += static_cast<int>(others.size());
-  if (usable) known_.push_back(best.solution.point);
-  near_ = std::min(kNear, kNearShare * travel(best.motion));
+  if (usable) note(best);
   for (const Forecast& guess : most_promising_first(cycle, std::move(others))) {
     if (!has_time_for_another(cycle.params, kExplores)) break;
-    if (!poor && is_alike(guess, best.motion, cycle.body, cycle.request.obstacles, cycle.limits))
+    if (may_skip && is_alike(guess, best.motion, cycle.body, cycle.request.obstacles, cycle.limits))
       continue;
     Candidate other = attempt(cycle, guess, false);
-    if (!is_solved(other)) continue;
-    known_.push_back(other.solution.point);
-    if (other.value < (found ? found->value : to_beat) && is_clear(cycle, other))
-      found = std::move(other);
+    if (!is_solved(other) || !is_clear(cycle, other)) continue;
+    note(other);
+    if (other.value < (found ? found->value : to_beat)) found = std::move(other);
   }
   known_.clear();
   turn_ += arcs;
   if (found) best = std::move(*found);
+}
+
+// Keeps a solution for the solves from other guesses. A point that is no optimum is not kept: the
+// way to the optimum may lead past it.
+void CandidateSearch::note(const Candidate& candidate) {
+  if (!is_optimal(candidate)) return;
+  known_.push_back(
+      {candidate.solution.point, std::min(kNear, kNearShare * travel(candidate.motion))});
 }
 
 // Solves again from the best solution with the verifier, which compares both solvers' results.

@@ -56,6 +56,7 @@ class CandidateSearch {
   [[nodiscard]] Candidate attempt(const Cycle& cycle, const Forecast& guess, bool warm);
   [[nodiscard]] Candidate solve(Solver& solver, const Cycle& cycle, Ocp ocp, const Iterate& guess);
   void explore(const Cycle& cycle, Candidate& best);
+  void note(const Candidate& candidate);
   void certify(const Cycle& cycle, Candidate& best);
 
   Solver explorer_;                 // solves from every guess
@@ -69,9 +70,8 @@ class CandidateSearch {
   // Of the current cycle.
   Clock::time_point started_;
   SearchEffort effort_;
-  int budgeted_iterations_ = 0;  // as counted against iteration_budget
-  std::vector<Iterate> known_;   // solutions that other guesses need not find again
-  double near_ = 0.0;            // distance at which a solve is taken to find one of them [m]
+  int budgeted_iterations_ = 0;       // as counted against iteration_budget
+  std::vector<KnownSolution> known_;  // that other guesses need not find again
 };
 
 }  // namespace tandem

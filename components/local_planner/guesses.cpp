@@ -96,8 +96,9 @@ bool is_alike(const Forecast& guess, const Forecast& motion, const Body& body,
               std::span<const Obstacle> obstacles, const PairLimits& limits) {
   constexpr double kTurned = 1.2;    // [rad] larger differences of heading are another manoeuvre
   constexpr double kReverse = 0.05;  // [m/s] slower motions have no direction
+  const auto direction = [](double v) { return v > kReverse ? 1 : v < -kReverse ? -1 : 0; };
   for (std::size_t k = 0; k < guess.twist.size(); ++k)
-    if (guess.twist[k].v * motion.twist[k].v < -kReverse * kReverse ||
+    if (direction(guess.twist[k].v) * direction(motion.twist[k].v) < 0 ||
         std::abs(guess.X_MB[k + 1].theta - motion.X_MB[k + 1].theta) > kTurned)
       return false;
   PairLimits touching = limits;

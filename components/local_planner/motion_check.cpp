@@ -34,11 +34,11 @@ double untouched_scale(const Body& body, const Pose2& X_MB, const Obstacle& obst
   return 0.99 * low;
 }
 
-// An obstacle, and how far body and obstacle must move in all before they can touch.
+// An obstacle, and the total travel of body and obstacle before which they cannot touch.
 struct Approach {
-  Eigen::Vector2d axis;      // cosine and sine of the obstacle's angle
-  double speed;              // [m/s]
-  double clear_until = 0.0;  // [m]
+  Eigen::Vector2d axis;        // cosine and sine of the obstacle's angle
+  double speed;                // [m/s]
+  double clear_until = -kFar;  // [m]
 };
 
 std::vector<Approach> approaches(std::span<const Obstacle> obstacles) {

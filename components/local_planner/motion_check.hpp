@@ -15,8 +15,8 @@ namespace tandem {
 /// The robot as the planner sees it: discs in the optimal control problem, outline in the check.
 struct Body {
   Footprint footprint;
-  std::vector<Disc> discs;
-  bool round = false;  ///< the first disc replaces the outline, as in Devalla's scripts
+  std::vector<Disc> discs;  ///< cover the outline, or none
+  bool round = false;       ///< the first disc replaces the outline, as in Devalla's scripts
 };
 
 /// Radius of the body's largest disc [m], the half width its widest part needs. Discs of one part

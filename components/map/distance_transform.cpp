@@ -9,13 +9,13 @@ namespace tandem {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-constexpr int kNone = 1 << 29;  // at least as many steps: the column has no obstacle cell
+constexpr int kNone = 1 << 29;  // this many steps or more: no obstacle cell in the column
 
 // h_i(y)² of (1) for every cell: one pass up and one pass down each column, row by row.
 std::vector<double> squared_column_gaps(const std::vector<std::uint8_t>& is_obstacle,
                                         std::size_t width, std::size_t height) {
-  std::vector<int> up(is_obstacle.size());  // steps to the nearest obstacle cell below
-  std::vector<int> last(width, kNone);      // the same of the row before
+  std::vector<int> up(is_obstacle.size());  // steps to the last obstacle cell in the rows so far
+  std::vector<int> last(width, kNone);      // likewise, of the previous row
   for (std::size_t y = 0, i = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x, ++i) up[i] = last[x] = is_obstacle[i] ? 0 : last[x] + 1;
   std::vector<double> squares(is_obstacle.size());

@@ -12,10 +12,11 @@
 namespace tandem::runtime {
 
 /// Keeps what nodes on LocalBuses have computed, for the nodes of later buses: a study drives
-/// thousands of times through the same map. The results used last are kept. Use on one thread.
+/// thousands of times through the same map. Of each type, the results used last are kept. Use on
+/// one thread.
 class ResultCache {
  public:
-  /// `max_results`: how many are kept.
+  /// `max_results`: how many of each type are kept.
   explicit ResultCache(std::size_t max_results) : max_results_{max_results} {}
 
   /// The result of an earlier call with this key and type, otherwise that of `make()`, a
@@ -30,12 +31,19 @@ class ResultCache {
       return std::static_pointer_cast<T>(results_.back().value);
     }
     std::shared_ptr<T> made = make();
-    if (results_.size() >= max_results_) results_.erase(results_.begin());
+    make_room(typeid(T));
     results_.push_back({typeid(T), key, std::const_pointer_cast<std::remove_const_t<T>>(made)});
     return made;
   }
 
  private:
+  void make_room(std::type_index type) {
+    const auto is_of_type = [&](const Result& result) { return result.type == type; };
+    const auto count = std::count_if(results_.begin(), results_.end(), is_of_type);
+    if (static_cast<std::size_t>(count) >= max_results_)
+      results_.erase(std::find_if(results_.begin(), results_.end(), is_of_type));
+  }
+
   struct Result {
     std::type_index type;
     std::string key;

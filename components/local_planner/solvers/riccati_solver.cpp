@@ -163,8 +163,8 @@ bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
     out.status = SolveStatus::kConverged;
     return true;
   }
-  for (const Iterate& known : limits.known)
-    if (is_near(known, limits.near)) {
+  for (const KnownSolution& known : limits.known)
+    if (is_near(known.point, known.near)) {
       out.status = SolveStatus::kKnown;
       return true;
     }

@@ -107,7 +107,9 @@ const Solution& Solver::structured(const Ocp& ocp, const Iterate& guess,
 }
 
 Answer Solver::certify(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits) {
-  const Solution& ours = structured(ocp, guess, limits);
+  SolveLimits all = limits;
+  all.known = {};  // a verdict needs both solutions
+  const Solution& ours = structured(ocp, guess, all);
   const bool converged = ours.status == SolveStatus::kConverged;
   Answer answer{.solution = ipopt_solve(ocp, converged ? ours.point : guess, limits)};
   const Solution& theirs = answer.solution;

@@ -16,18 +16,24 @@ struct Iterate {
   std::vector<double> lower, upper;  ///< multipliers of the variables' bounds
 };
 
+/// A solution that need not be found again.
+struct KnownSolution {
+  Iterate point;  ///< the solution
+  /// Distance of each stage's position at which a solve counts as having found it [m]; for headings
+  /// the distance on a circle of kHeadingArm.
+  double near = 0.0;
+};
+inline constexpr double kHeadingArm = 0.5;  ///< [m]
+
 /// When to stop. The deadline is checked in every iteration.
 struct SolveLimits {
   /// wall-clock limit
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
   double iteration_time = 0.0;  ///< duration of an iteration in the previous solve [s]
   int iterations = 60;          ///< at most
-  /// Solutions that need not be found again. The structured solver stops when all poses are within
-  /// `near` of those of one of them; Ipopt does not look at them.
-  std::span<const Iterate> known = {};
-  double near = 0.0;  ///< [m]; headings: that distance on a circle of kHeadingArm
+  /// The structured solver stops near one of these; Ipopt does not look at them.
+  std::span<const KnownSolution> known = {};
 };
-inline constexpr double kHeadingArm = 0.5;  ///< [m]
 
 /// How a solve ended: converged, within the looser tolerance, out of time or iterations, near a
 /// known solution, or none of these.

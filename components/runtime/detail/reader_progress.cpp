@@ -142,8 +142,9 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram, double now) {
     Source& source = of(destination, body + 4);
     source.acknowledged = true;
     const std::int64_t base = submessage.sequence_number(8);
-    if (base <= 0) continue;                 // a reader's first ACKNACK does not tell its progress
-    if (base > WriterReach::kEnd) continue;  // sums below would overflow
+    if (base <= 0) continue;  // a reader's first ACKNACK does not tell its progress
+    if (base > WriterReach::kEnd)
+      continue;  // no writer reaches it, and top() + kLeap would overflow
     source.acknowledge(submessage.entity(0), base);
     source.reach.know(base - 1, now);
   }

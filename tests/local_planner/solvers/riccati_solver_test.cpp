@@ -213,8 +213,8 @@ TEST(RiccatiSolver, StopsNearAKnownSolution) {
     const StartingPoint start = first_problem(random_case(seed), true);
     const Solution alone = solver.solve(start.ocp, start.guess, {.iterations = 300});
     if (alone.status != SolveStatus::kConverged) continue;
-    std::vector<Iterate> known{alone.point};
-    const SolveLimits limits{.iterations = 300, .known = known, .near = 0.1};
+    std::vector<KnownSolution> known{{alone.point, 0.1}};
+    const SolveLimits limits{.iterations = 300, .known = known};
     const Solution again = solver.solve(start.ocp, start.guess, limits);
     EXPECT_EQ(again.status, SolveStatus::kKnown) << seed;
     EXPECT_LE(again.iterations, alone.iterations) << seed;
@@ -224,7 +224,8 @@ TEST(RiccatiSolver, StopsNearAKnownSolution) {
                     .norm(),
                 0.1)
           << seed;
-    for (std::size_t i = kX; i < known[0].z.size(); i += block(start.ocp)) known[0].z[i] += 1e6;
+    std::vector<double>& far = known[0].point.z;
+    for (std::size_t i = kX; i < far.size(); i += block(start.ocp)) far[i] += 1e6;
     EXPECT_EQ(solver.solve(start.ocp, start.guess, limits).point.z, alone.point.z) << seed;
   }
 }
