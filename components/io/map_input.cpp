@@ -14,12 +14,9 @@
 #include "tandem/model/reasons.hpp"
 
 namespace tandem {
-namespace {
-
-constexpr double kStill = 1e-6;  // [m]; smaller motions of a frame are ignored
 
 // Maps of their own types, so that the many maps of live sensing do not displace static maps from
-// the cache.
+// the cache. Not in an unnamed namespace, where each module would have types of its own.
 struct LiveMap {
   LiveMap(Grid grid, bool unknown_is_obstacle) : map{std::move(grid), unknown_is_obstacle} {}
   StaticMap map;
@@ -28,6 +25,10 @@ struct LiveGrid {
   explicit LiveGrid(Grid all) : grid{std::move(all)} {}
   Grid grid;
 };
+
+namespace {
+
+constexpr double kStill = 1e-6;  // [m]; smaller motions of a frame are ignored
 
 std::string key_of(const Grid& grid, bool unknown_is_obstacle) {
   std::string key = fmt::format("{} {} {} {} {} {} ", grid.width, grid.height, grid.resolution,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <typeindex>
@@ -23,8 +24,9 @@ class ResultCache {
   /// std::shared_ptr<T>. The key must name everything that the result depends on.
   template <class T, class Make>
   [[nodiscard]] std::shared_ptr<T> get(const std::string& key, Make make) {
+    const std::size_t hash = std::hash<std::string>{}(key);  // keys may be large and nearly equal
     const auto known = std::find_if(results_.begin(), results_.end(), [&](const Result& result) {
-      return result.type == typeid(T) && result.key == key;
+      return result.hash == hash && result.type == typeid(T) && result.key == key;
     });
     if (known != results_.end()) {
       std::rotate(known, known + 1, results_.end());  // the one used last is at the end
@@ -32,7 +34,8 @@ class ResultCache {
     }
     std::shared_ptr<T> made = make();
     make_room(typeid(T));
-    results_.push_back({typeid(T), key, std::const_pointer_cast<std::remove_const_t<T>>(made)});
+    results_.push_back(
+        {typeid(T), hash, key, std::const_pointer_cast<std::remove_const_t<T>>(made)});
     return made;
   }
 
@@ -46,6 +49,7 @@ class ResultCache {
 
   struct Result {
     std::type_index type;
+    std::size_t hash;
     std::string key;
     std::shared_ptr<void> value;
   };

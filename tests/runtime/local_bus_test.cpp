@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -285,6 +286,25 @@ TEST_F(LocalBus, EndsAnEndlessConversation) {
   const auto in = node.create_subscription(kIn, [&](const auto& message) { out.publish(message); });
   out.publish(number(1.0));
   EXPECT_THROW(bus_->run_for(1.0), std::runtime_error);
+}
+
+TEST_F(LocalBus, SharesWhatNodesHaveComputed) {
+  const auto cache = std::make_shared<rt::ResultCache>(2);
+  int made = 0;
+  // On a bus of its own each time, as in the drives of a study.
+  const auto number_of = [&]<class T>(const std::string& key, T value) {
+    rt::NodeOptions on_new_bus = options("test");
+    on_new_bus.bus = std::make_shared<rt::LocalBus>(1, cache);
+    rt::Node node{on_new_bus};
+    return *node.cached<const T>(key, [&] { return ++made, std::make_shared<const T>(value); });
+  };
+  EXPECT_EQ(number_of("a", 1), 1);
+  EXPECT_EQ(number_of("a", 2), 1) << "the result of the first call";
+  EXPECT_EQ(number_of("a", 0.5), 0.5) << "another type";
+  for (const char* key : {"b", "c", "d"}) (void)number_of(key, 0.5);
+  EXPECT_EQ(number_of("a", 3), 1) << "results of another type displace none";
+  EXPECT_EQ(number_of("a", 0.7), 0.7) << "forgotten: two of its type were used since";
+  EXPECT_EQ(made, 6);
 }
 
 TEST_F(LocalBus, StopsANode) {
