@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

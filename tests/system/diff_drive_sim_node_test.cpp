@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -169,6 +170,28 @@ TEST_F(SimOverDds, ShowsItsClockItsFramesAndWhatItsScannerSees) {
   ASSERT_EQ(scan.ranges().size(), 360u);
   EXPECT_NEAR(scan.ranges()[180], kPoleRim - kStart, 0.06);  // straight ahead: the pole
   EXPECT_NEAR(scan.ranges()[0], 5.0 + kStart, 0.06);         // behind: the wall
+}
+
+// Of a robot at rest, two scans differ by noise alone, whose deviation is √2 times that of one.
+TEST_F(OneComponent, RangesHaveTheNoiseOfTheParameter) {
+  const auto sim = load("diff_drive_sim", {{"map", source_path("maps/forest.bt")},
+                                           {"start", "[-4.0, -4.0, 0.0]"},
+                                           {"scan_noise", "0.05"}});
+  std::vector<std::vector<float>> scans;
+  const auto scan_in = node_.create_subscription(
+      topics::scan, [&](const auto& msg) { scans.push_back(msg.ranges()); });
+  ASSERT_TRUE(wait_until([&] { return scans.size() >= 10; }));
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t n = 1; n < 10; ++n)
+    for (std::size_t i = 0; i < scans[n].size(); ++i) {
+      const double difference = scans[n][i] - scans[n - 1][i];
+      if (!std::isfinite(difference)) continue;
+      sum += difference * difference;
+      ++count;
+    }
+  ASSERT_GT(count, 1000);
+  EXPECT_NEAR(std::sqrt(0.5 * sum / count), 0.05, 0.005);
 }
 
 }  // namespace
