@@ -3,10 +3,10 @@
 // descriptions and type hashes of the first files to those of type_hashes.hpp. The files after
 // --known define types that the first ones may use.
 //
-// Parses the subset of IDL that ROS 2's generator writes (modules, structures, constants),
-// describes each structure in the form of type_description_interfaces, and hashes the description
-// according to REP-2016 (RIHS01): SHA-256 of its JSON without default values, with nested types
-// sorted by name.
+// Parses the subset of IDL that ROS 2's generator writes (modules, structures, constants, default
+// values), describes each structure in the form of type_description_interfaces, and hashes the
+// description according to REP-2016 (RIHS01): SHA-256 of its JSON without default values, with
+// nested types sorted by name.
 #include <openssl/sha.h>
 
 #include <algorithm>
@@ -35,7 +35,8 @@ struct Field {
   std::string name;
   int type_id = 0;
   long capacity = 0, string_capacity = 0;
-  std::string nested;  // package/kind/Name
+  std::string nested{};         // package/kind/Name
+  std::string default_value{};  // as in the IDL; empty: none
 };
 
 using Structures = std::map<std::string, std::vector<Field>>;
@@ -133,6 +134,7 @@ class Parser {
 
   Field field() {
     Field field;
+    if (peek() == "@") field.default_value = default_value();
     if (peek() == "sequence") {
       next();
       expect("<");
@@ -152,6 +154,15 @@ class Parser {
     }
     expect(";");
     return field;
+  }
+
+  // @default (value=1.0)
+  std::string default_value() {
+    for (const char* token : {"@", "default", "(", "value", "="}) expect(token);
+    std::string value;
+    while (peek() != ")") value += next();
+    expect(")");
+    return value;
   }
 
   void element(Field& field) {
@@ -208,6 +219,25 @@ class Parser {
   std::vector<std::string> scope_;
 };
 
+// Adds for each service that is not in `known` the type of its introspection events, as rosidl
+// derives it.
+void add_events(Structures& all, const Structures& known) {
+  constexpr std::string_view kRequest = "_Request";
+  const std::string info = "service_msgs/msg/ServiceEventInfo";
+  if (!all.contains(info)) return;
+  Structures events;
+  for (const auto& [name, fields] : all) {
+    if (!name.ends_with(kRequest) || known.contains(name)) continue;
+    const std::string service = name.substr(0, name.size() - kRequest.size());
+    const int sequence = kNested + kBoundedSequence;
+    if (all.contains(service + "_Response"))
+      events[service + "_Event"] = {{"info", kNested, 0, 0, info},
+                                    {"request", sequence, 1, 0, name},
+                                    {"response", sequence, 1, 0, service + "_Response"}};
+  }
+  all.merge(events);
+}
+
 std::string description(const std::string& name, const Structures& all) {
   std::string text = "{\"type_name\": \"" + name + "\", \"fields\": [";
   bool first = true;
@@ -252,11 +282,11 @@ std::string hash(const std::string& name, const Structures& all) {
 }
 
 // A value as it stands in a .msg file, as a string literal.
-std::string literal(const Constant& constant) {
-  if (constant.value == "TRUE") return "\"true\"";
-  if (constant.value == "FALSE") return "\"false\"";
+std::string literal(const std::string& value) {
+  if (value == "TRUE") return "\"true\"";
+  if (value == "FALSE") return "\"false\"";
   std::string text = "\"";
-  for (const char c : constant.value) text += (c == '"' || c == '\\' ? "\\" : "") + std::string{c};
+  for (const char c : value) text += (c == '"' || c == '\\' ? "\\" : "") + std::string{c};
   return text + "\"";
 }
 
@@ -280,12 +310,13 @@ std::string code(const Structures& all, const Structures& known, const Constants
       constant_count += own->second.size();
       for (const Constant& constant : own->second)
         values << "    {\"" << constant.name << "\", " << constant.type_id << ", "
-               << literal(constant) << "},\n";
+               << literal(constant.value) << "},\n";
     }
     types << "},\n";
     for (const Field& field : members)
       fields << "    {\"" << field.name << "\", " << field.type_id << ", " << field.capacity << ", "
-             << field.string_capacity << ", \"" << field.nested << "\"},\n";
+             << field.string_capacity << ", \"" << field.nested << "\", "
+             << literal(field.default_value) << "},\n";
     count += members.size();
   }
   return "#include \"type_hashes.hpp\"\n\n"
@@ -310,6 +341,7 @@ int main(int argc, char** argv) try {
   Structures all = known;
   for (auto file = files.begin(); file != first_known; ++file)
     Parser{*file, all, constants}.parse();
+  add_events(all, known);
   std::ofstream out{argv[1]};
   out << code(all, known, constants);
   return out.good() ? 0 : 1;

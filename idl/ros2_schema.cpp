@@ -54,7 +54,8 @@ std::string members_of(const DescribedType& type) {
     text += std::string{basic(constant.type_id)} + " " + std::string{constant.name} + "=" +
             std::string{constant.value} + "\n";
   for (const auto& field : type.fields)
-    text += element(field) + suffix(field) + " " + std::string{field.name} + "\n";
+    text += element(field) + suffix(field) + " " + std::string{field.name} +
+            (field.default_value.empty() ? "" : " ") + std::string{field.default_value} + "\n";
   return text;
 }
 

@@ -9,8 +9,8 @@
 namespace tandem::runtime {
 
 /// The definition of an IDL type ("pkg/msg/Type", "pkg/srv/Type_Request") in ROS 2's .msg format,
-/// followed by the types it contains, as Foxglove and MCAP expect for "ros2msg"; without comments
-/// and default values. nullopt as described_type() is null. Thread-safe.
+/// followed by the types it contains, as Foxglove and MCAP expect for "ros2msg"; without comments.
+/// nullopt as described_type() is null. Thread-safe.
 [[nodiscard]] std::optional<std::string> ros2msg(std::string_view type);
 
 /// The definition of the type alone, as in its .msg file. nullopt as described_type() is null.

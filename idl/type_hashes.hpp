@@ -14,12 +14,13 @@ namespace tandem::runtime {
 /// tandem_add_interfaces() of a loaded module defines. Thread-safe, as described_type() is.
 [[nodiscard]] std::string_view type_hash(std::string_view dds_type);
 
-/// A field in the form of type_description_interfaces/msg/Field, without its default value.
+/// A field in the form of type_description_interfaces/msg/Field.
 struct DescribedField {
   std::string_view name;
   std::uint8_t type_id;
   std::uint64_t capacity, string_capacity;
-  std::string_view nested;  ///< "builtin_interfaces/msg/Time", or "" for a basic type
+  std::string_view nested;         ///< "builtin_interfaces/msg/Time", or "" for a basic type
+  std::string_view default_value;  ///< as it stands in a .msg file; hashes leave it out
 };
 
 /// A constant of a type. Descriptions and hashes leave constants out; definitions have them.

@@ -19,6 +19,7 @@
 #include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/module_file.hpp"
+#include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
@@ -212,16 +213,15 @@ ComponentDescription description_of(const std::string& component) {
 }
 
 bool is_parameter_of_every_node(const std::string& name) {
-  return name == kUseSimTime || name == kTypeDescriptionService || name.starts_with(kQosOverrides);
+  every_node::Params params;
+  return names_of(params).contains(name) || name.starts_with(kQosOverrides);
 }
 
 void check_parameters(const std::string& component, const NodeOptions& options) {
   const ComponentDescription description = description_of(component);
   ParameterStore store{make_node_name(options.ns, options.name).full(), options.parameters};
   for (const Field& field : description.parameters) store.load(field);
-  bool truth = false;
-  store(kUseSimTime, truth, "");
-  store(kTypeDescriptionService, truth, "");
+  every_node::Params{}.visit(store);
   store.accept_all(kQosOverrides);
   store.check_unknown();
 }

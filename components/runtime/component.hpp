@@ -98,7 +98,7 @@ template <class C>
 TANDEM_EXPORT void check_parameters(const std::string& component, const NodeOptions& options);
 
 /// Whether the runtime gives every node a parameter of that name (use_sim_time,
-/// start_type_description_service, qos_overrides.…).
+/// start_type_description_service, service_configure_introspection, qos_overrides.…).
 [[nodiscard]] TANDEM_EXPORT bool is_parameter_of_every_node(const std::string& name);
 
 /// A component, its node and the thread that spins it. Destruction stops it.

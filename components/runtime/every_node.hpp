@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The topics and services that the runtime opens for every node, besides those of its component.
+// The topics, services and parameters of every node, besides those of its component.
 #pragma once
+
+#include <string>
 
 #include <msgs.hpp>
 
+#include "tandem/config/params.hpp"
 #include "tandem/runtime/interface.hpp"
 #include "tandem/runtime/visibility.hpp"
 
@@ -50,7 +53,37 @@ inline constexpr ServiceName<rcl_interfaces::srv::SetLoggerLevels> set_logger_le
 inline constexpr ServiceName<type_description_interfaces::srv::GetTypeDescription>
     get_type_description{"~/get_type_description"};
 
-/// All of them, as the node's options open them by default.
+/// All topics and services, as the node's options open them by default.
 [[nodiscard]] TANDEM_EXPORT Interface interface();
+
+/// Parameters that every node has: those of rclcpp, and those that enable introspection under the
+/// names that ROS 2's demos give them.
+struct Params {
+  static constexpr const char* kUseSimTime = "use_sim_time";
+  static constexpr const char* kTypeDescriptionService = "start_type_description_service";
+
+  bool use_sim_time = false;
+  bool start_type_description_service = true;
+  std::string service_introspection = "disabled";
+  std::string client_introspection = "disabled";
+  std::string action_server_introspection = "disabled";
+  std::string action_client_introspection = "disabled";
+
+  template <class Visitor>
+  void visit(Visitor&& field) {
+    const OneOf states{{"disabled", "metadata", "contents"}};
+    field(kUseSimTime, use_sim_time, "true: the time is taken from /clock");
+    field(kTypeDescriptionService, start_type_description_service,
+          "whether the node serves ~/get_type_description");
+    field("service_configure_introspection", service_introspection, states,
+          "what it publishes of the requests to its services and of its responses");
+    field("client_configure_introspection", client_introspection, states,
+          "what it publishes of its requests to services and of their responses");
+    field("action_server_configure_introspection", action_server_introspection, states,
+          "what it publishes of the requests to its actions and of its responses");
+    field("action_client_configure_introspection", action_client_introspection, states,
+          "what it publishes of its requests to actions and of their responses");
+  }
+};
 
 }  // namespace tandem::runtime::every_node

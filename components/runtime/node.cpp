@@ -6,6 +6,8 @@
 
 namespace tandem::runtime {
 
+using Side = ServiceIntrospection::Side;
+
 Node::Node(NodeOptions options) : core_{NodeCore::create(std::move(options))} {}
 Node::~Node() = default;
 
@@ -71,16 +73,21 @@ std::shared_ptr<void> Node::watch_publishers(const char* topic, TypeRef type,
 }
 
 Service Node::make_service(const char* service, Responder responder) {
-  return {core_, core_->open_service(core_->resolve(service), std::move(responder), kRequestQueue)};
+  const std::string name = core_->resolve(service);
+  auto events = core_->introspection.open(name, responder.request.type.name, Side::kServer);
+  return {core_, core_->open_service(name, std::move(responder), kRequestQueue, std::move(events))};
 }
 
 AnyClient Node::make_client(const char* service, TypeRef request, TypeRef response) {
-  return {core_, core_->open_client(core_->resolve(service), request, response)};
+  const std::string name = core_->resolve(service);
+  auto events = core_->introspection.open(name, request.name, Side::kClient);
+  return {core_, core_->open_client(name, request, response, std::move(events))};
 }
 
 GenericClient Node::create_generic_client(const std::string& service, const std::string& type) {
-  return GenericClient{
-      AnyClient{core_, core_->open_generic_client(core_->resolve(service.c_str()), type)}};
+  const std::string name = core_->resolve(service.c_str());
+  auto events = core_->introspection.open(name, type + "_Request", Side::kClient);
+  return GenericClient{AnyClient{core_, core_->open_generic_client(name, type, std::move(events))}};
 }
 
 std::vector<ServiceInfo> Node::services() const { return core_->services(); }
@@ -98,7 +105,7 @@ double Node::steady_now() const { return core_->steady_now(); }
 std::int64_t Node::system_nanoseconds() const { return core_->system_nanoseconds(); }
 bool Node::clock_is_silent() const { return core_->clock_is_silent(); }
 bool Node::use_sim_time() const { return core_->use_sim_time; }
-void Node::fix_time_source() { core_->parameters.make_read_only(kUseSimTime); }
+void Node::fix_time_source() { core_->parameters.make_read_only(every_node::Params::kUseSimTime); }
 std::shared_ptr<void> Node::on_time_jump(std::function<void()> fn) {
   return core_->on_time_jump(std::move(fn));
 }

@@ -32,6 +32,8 @@ const std::pair<const char*, const char*> kKnown[]{
      "RIHS01_1dafcf389e224692783e9c4f6066ba0db3fa75fdbd8f081ffbe7ed03144d73d4"},
     {"srv::dds_::BasicTypes_Response_",
      "RIHS01_8479b3defe554d969e81c6cf8cdaf0b97b4fcd76928b2d644c6813b032673c0d"},
+    {"srv::dds_::BasicTypes_Event_",
+     "RIHS01_5b9988a4805a06ae22dff12903a774ccda710e9514926b826ffc884e3a9a982e"},
     {"action::dds_::Fibonacci_Goal_",
      "RIHS01_e58ef5a8f4f039ab522a740823547c460b1d5aed8031c8b7825d33d345d90df8"},
     {"action::dds_::Fibonacci_Result_",
@@ -76,6 +78,12 @@ TEST(Interfaces, HaveADefinitionWithConstants) {
 TEST(Interfaces, HaveTheConstantsOfTheirFile) {
   EXPECT_EQ(test_msgs::msg::BasicTypes_Constants::MOST, 255);
   EXPECT_EQ(test_msgs::msg::BasicTypes_Constants::URL, "https://design.ros2.org; a text");
+}
+
+TEST(Interfaces, HaveTheDefaultValuesOfTheirFile) {
+  EXPECT_EQ(test_msgs::msg::BasicTypes{}.char_value(), 100);
+  const std::string definition = rt::ros2msg("test_msgs/msg/BasicTypes").value_or("");
+  EXPECT_NE(definition.find("uint8 char_value 100\n"), std::string::npos) << definition;
 }
 
 TEST(Interfaces, OfAnActionNameItsParts) {

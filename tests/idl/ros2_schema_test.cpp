@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <msgs.hpp>
 #include <regex>
 #include <ros2_schema.hpp>
 #include <string>
@@ -32,6 +33,22 @@ TEST(Ros2Msg, WritesArraysAndBounds) {
   EXPECT_NE(descriptor.find("rcl_interfaces/FloatingPointRange[<=1] floating_point_range"),
             std::string::npos);
   EXPECT_EQ(ros2msg("no_such/msg/Type"), std::nullopt);
+}
+
+TEST(Ros2Msg, WritesDefaultValues) {
+  EXPECT_EQ(ros2msg("geometry_msgs/msg/Quaternion"),
+            "float64 x 0.0\nfloat64 y 0.0\nfloat64 z 0.0\nfloat64 w 1.0\n");
+  EXPECT_EQ(geometry_msgs::msg::Quaternion{}.w(), 1.0);
+  const std::string request =
+      ros2msg("type_description_interfaces/srv/GetTypeDescription_Request").value_or("");
+  EXPECT_NE(request.find("bool include_type_sources true\n"), std::string::npos) << request;
+}
+
+TEST(Ros2Msg, WritesTheEventsOfAService) {
+  const std::string event = ros2msg("std_srvs/srv/Trigger_Event").value_or("");
+  EXPECT_EQ(event.substr(0, event.find("====")),
+            "service_msgs/ServiceEventInfo info\nstd_srvs/Trigger_Request[<=1] request\n"
+            "std_srvs/Trigger_Response[<=1] response\n");
 }
 
 TEST(Ros2Msg, WritesConstants) {

@@ -109,9 +109,11 @@ TEST_F(ParameterServices, ListDescribeAndNameTypes) {
   const auto list = ask<srv::ListParameters>("/robot/drive/list_parameters", {}).result();
   const std::string events = "qos_overrides./parameter_events.publisher.";
   EXPECT_EQ(list.names(),
-            (std::vector<std::string>{"use_sim_time", "start_type_description_service",
-                                      events + "reliability", events + "durability",
-                                      events + "depth", events + "history", "gain", "enabled"}));
+            (std::vector<std::string>{
+                "use_sim_time", "start_type_description_service", "service_configure_introspection",
+                "client_configure_introspection", "action_server_configure_introspection",
+                "action_client_configure_introspection", events + "reliability",
+                events + "durability", events + "depth", events + "history", "gain", "enabled"}));
 
   srv::DescribeParameters::Request describe;
   describe.names({"gain", "start_type_description_service"});

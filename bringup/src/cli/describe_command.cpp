@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tandem/runtime/component.hpp"
+#include "tandem/runtime/every_node.hpp"
 
 namespace tandem {
 namespace {
@@ -99,6 +100,9 @@ void print(const std::string& name) {
   if (!all.other_input.empty()) std::printf("\n  reads %s\n", all.other_input.c_str());
   if (!all.other_output.empty()) std::printf("\n  writes %s\n", all.other_output.c_str());
   print_table({"parameter", "default", "bounds", "meaning"}, rows_of(component.parameters));
+  rt::every_node::Params common;
+  print_table({"parameter of every node", "default", "bounds", "meaning"},
+              rows_of(rt::fields_of(common)));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/cdr_structure.hpp"
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 #include <string>
@@ -46,10 +47,12 @@ CdrField field_of(const DescribedField& described) {
 
 }  // namespace
 
-// Steps through the serialized fields of one message.
+// Steps through the serialized fields of one message, and copies them to the end of another if it
+// is given one.
 class CdrWalk {
  public:
-  CdrWalk(std::span<const std::uint8_t> bytes, bool little) : bytes_{bytes}, little_{little} {}
+  explicit CdrWalk(std::span<const std::uint8_t> message, std::vector<std::uint8_t>* copy = nullptr)
+      : bytes_{message.subspan(kEncapsulation)}, little_{message[1] == 1}, copy_{copy} {}
 
   bool skip(const CdrStructure& structure) {
     for (const CdrField& field : structure.fields_)
@@ -77,6 +80,7 @@ class CdrWalk {
     if (count == 0) return true;
     align(size > 8 ? 8 : size);
     if (count > left() / size) return false;
+    copy(size, count);
     at_ += size * count;
     return true;
   }
@@ -84,6 +88,7 @@ class CdrWalk {
   bool skip_text() {
     std::size_t size = 0;
     if (!read_count(size) || size > left()) return false;
+    copy(1, size);
     at_ += size;
     return true;
   }
@@ -92,8 +97,23 @@ class CdrWalk {
     align(4);
     if (left() < 4) return false;
     count = rtps_message::u32(bytes_.data() + at_, little_);
+    copy(4, 1);
     at_ += 4;
     return true;
+  }
+
+  // Copies the elements that follow, of the given size each.
+  void copy(std::size_t size, std::size_t count) {
+    if (copy_ == nullptr || count == 0) return;
+    const std::size_t alignment = std::min<std::size_t>(size, 8);
+    while ((copy_->size() - kEncapsulation) % alignment != 0) copy_->push_back(0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto element = bytes_.subspan(at_ + i * size, size);
+      if (little_)
+        copy_->insert(copy_->end(), element.begin(), element.end());
+      else
+        copy_->insert(copy_->end(), element.rbegin(), element.rend());
+    }
   }
 
   void align(std::size_t size) { at_ = (at_ + size - 1) & ~(size - 1); }
@@ -101,6 +121,7 @@ class CdrWalk {
 
   std::span<const std::uint8_t> bytes_;
   bool little_;
+  std::vector<std::uint8_t>* copy_;
   std::size_t at_ = 0;
 };
 
@@ -136,8 +157,12 @@ const CdrStructure* CdrStructure::of(std::string_view type) {
 }
 
 bool CdrStructure::fits(std::span<const std::uint8_t> bytes) const {
-  if (bytes.size() < kEncapsulation) return false;
-  return CdrWalk{bytes.subspan(kEncapsulation), bytes[1] == 1}.skip(*this);
+  return bytes.size() >= kEncapsulation && CdrWalk{bytes}.skip(*this);
+}
+
+bool CdrStructure::append(std::span<const std::uint8_t> message,
+                          std::vector<std::uint8_t>& out) const {
+  return message.size() >= kEncapsulation && CdrWalk{message, &out}.skip(*this);
 }
 
 }  // namespace tandem::runtime

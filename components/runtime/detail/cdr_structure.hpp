@@ -26,6 +26,12 @@ class TANDEM_EXPORT_FOR_TESTS CdrStructure {
   /// that decoding cannot over-allocate. `bytes` begin with the encapsulation header.
   [[nodiscard]] bool fits(std::span<const std::uint8_t> bytes) const;
 
+  /// Appends a message to `out`, aligned for that place and in little-endian order, as a nested
+  /// structure or an element of a sequence is. Both begin with the encapsulation header; that of
+  /// `message` is left out. Returns false for bytes that do not fit; `out` is then of no use.
+  [[nodiscard]] bool append(std::span<const std::uint8_t> message,
+                            std::vector<std::uint8_t>& out) const;
+
   /// Maximum serialized size including encapsulation [bytes]; nullopt if unbounded.
   [[nodiscard]] std::optional<std::size_t> largest() const;
 

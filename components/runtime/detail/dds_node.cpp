@@ -158,19 +158,22 @@ std::shared_ptr<SubscriptionPort> DdsNode::open_generic_subscription(
 }
 
 std::shared_ptr<ServicePort> DdsNode::open_service(const std::string& service, Responder responder,
-                                                   const QoS& qos) {
-  return std::make_shared<Server>(*this, service, std::move(responder), qos);
+                                                   const QoS& qos,
+                                                   std::shared_ptr<ServiceEvents> events) {
+  return std::make_shared<Server>(*this, service, std::move(responder), qos, std::move(events));
 }
 
 std::shared_ptr<ClientPort> DdsNode::open_client(const std::string& service, TypeRef request,
-                                                 TypeRef response) {
-  return std::make_shared<Caller>(*this, service, request, response);
+                                                 TypeRef response,
+                                                 std::shared_ptr<ServiceEvents> events) {
+  return std::make_shared<Caller>(*this, service, request, response, std::move(events));
 }
 
 std::shared_ptr<ClientPort> DdsNode::open_generic_client(const std::string& service,
-                                                         const std::string& type) {
+                                                         const std::string& type,
+                                                         std::shared_ptr<ServiceEvents> events) {
   return std::make_shared<Caller>(*this, service, dds_type(type + kRequest),
-                                  dds_type(type + kResponse));
+                                  dds_type(type + kResponse), std::move(events));
 }
 
 std::shared_ptr<WorkerPort> DdsNode::open_worker(Worker::Work work) {

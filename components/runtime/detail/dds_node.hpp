@@ -41,13 +41,15 @@ class DdsNode final : public NodeCore {
   [[nodiscard]] std::shared_ptr<SubscriptionPort> open_generic_subscription(
       const std::string& topic, const std::string& type, const QoS& qos,
       std::function<void(const std::vector<std::uint8_t>&)> fn) override;
-  [[nodiscard]] std::shared_ptr<ServicePort> open_service(const std::string& service,
-                                                          Responder responder,
-                                                          const QoS& qos) override;
-  [[nodiscard]] std::shared_ptr<ClientPort> open_client(const std::string& service, TypeRef request,
-                                                        TypeRef response) override;
-  [[nodiscard]] std::shared_ptr<ClientPort> open_generic_client(const std::string& service,
-                                                                const std::string& type) override;
+  [[nodiscard]] std::shared_ptr<ServicePort> open_service(
+      const std::string& service, Responder responder, const QoS& qos,
+      std::shared_ptr<ServiceEvents> events) override;
+  [[nodiscard]] std::shared_ptr<ClientPort> open_client(
+      const std::string& service, TypeRef request, TypeRef response,
+      std::shared_ptr<ServiceEvents> events) override;
+  [[nodiscard]] std::shared_ptr<ClientPort> open_generic_client(
+      const std::string& service, const std::string& type,
+      std::shared_ptr<ServiceEvents> events) override;
   [[nodiscard]] std::shared_ptr<WorkerPort> open_worker(Worker::Work work) override;
   [[nodiscard]] std::shared_ptr<void> watch_publishers(const std::string& topic, TypeRef type,
                                                        PublishersChanged fn) override;

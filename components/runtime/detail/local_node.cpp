@@ -124,20 +124,23 @@ std::shared_ptr<SubscriptionPort> LocalNode::open_generic_subscription(
 }
 
 std::shared_ptr<ServicePort> LocalNode::open_service(const std::string& service,
-                                                     Responder responder, const QoS&) {
-  auto server = std::make_shared<LocalServer>(*this, service, std::move(responder));
+                                                     Responder responder, const QoS&,
+                                                     std::shared_ptr<ServiceEvents> events) {
+  auto server =
+      std::make_shared<LocalServer>(*this, service, std::move(responder), std::move(events));
   exchange_.open(server);
   return server;
 }
 
 std::shared_ptr<ClientPort> LocalNode::open_client(const std::string& service, TypeRef request,
-                                                   TypeRef) {
-  return std::make_shared<LocalClient>(*this, service, request);
+                                                   TypeRef, std::shared_ptr<ServiceEvents> events) {
+  return std::make_shared<LocalClient>(*this, service, request, std::move(events));
 }
 
 std::shared_ptr<ClientPort> LocalNode::open_generic_client(const std::string& service,
-                                                           const std::string& type) {
-  return std::make_shared<LocalClient>(*this, service, type + "_Request");
+                                                           const std::string& type,
+                                                           std::shared_ptr<ServiceEvents> events) {
+  return std::make_shared<LocalClient>(*this, service, type + "_Request", std::move(events));
 }
 
 std::shared_ptr<WorkerPort> LocalNode::open_worker(Worker::Work work) {

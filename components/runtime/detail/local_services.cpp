@@ -6,17 +6,35 @@
 #include "tandem/runtime/detail/local_node.hpp"
 
 namespace tandem::runtime {
+namespace {
 
-LocalServer::LocalServer(LocalNode& node, std::string service, Responder responder)
-    : node_{node}, service_{std::move(service)}, responder_{std::move(responder)} {}
+// Publishes an event of a service or client. `message` is of that type; null: bytes are given.
+void tell(const std::shared_ptr<ServiceEvents>& events, ServiceEvent event,
+          const PublisherId& client, std::int64_t number, TypeRef type, const void* message,
+          const std::vector<std::uint8_t>& bytes = {}) {
+  if (!events || !events->is_enabled()) return;
+  const bool encodes = message != nullptr && events->has_contents();
+  events->publish(event, client, number, encodes ? encode(type, message) : bytes);
+}
+
+}  // namespace
+
+LocalServer::LocalServer(LocalNode& node, std::string service, Responder responder,
+                         std::shared_ptr<ServiceEvents> events)
+    : node_{node},
+      service_{std::move(service)},
+      responder_{std::move(responder)},
+      events_{std::move(events)} {}
 
 void LocalServer::close() {
   closed_ = true;
+  if (events_) events_->close();
+  events_.reset();
   node_.exchange().close(*this);
 }
 
-bool LocalServer::serve(const LocalPayload& request, const PublisherId& client,
-                        const Respond& respond) {
+bool LocalServer::serve(const LocalPayload& request, const PublisherId& client, std::int64_t number,
+                        Respond respond) {
   if (closed_ || node_.stopped()) return true;
   const Receiver& receiver = responder_.request;
   const void* message = request.message.get();
@@ -29,31 +47,40 @@ bool LocalServer::serve(const LocalPayload& request, const PublisherId& client,
   }
   const LocalNode::Running running{node_};
   const auto self = shared_from_this();  // a callback may close its own service
-  if (responder_.reply)
-    responder_.reply({[weak = weak_from_this(), respond](const void* response) {
-                        const auto server = weak.lock();
-                        if (server && !server->closed_) respond(response);
-                      },
-                      client});
+  tell(events_, ServiceEvent::kRequestReceived, client, number, receiver.type, message);
+  const auto answer = [weak = weak_from_this(), client, number,
+                       respond = std::move(respond)](const void* response) {
+    const auto server = weak.lock();
+    if (!server || server->closed_) return;
+    tell(server->events_, ServiceEvent::kResponseSent, client, number, server->response_type(),
+         response);
+    respond(response);
+  };
+  if (responder_.reply) responder_.reply({answer, client});
   receiver.deliver(message);
-  if (!responder_.reply && !closed_) respond(responder_.response());
+  if (!responder_.reply && !closed_) answer(responder_.response());
   return true;
 }
 
-LocalClient::LocalClient(LocalNode& node, std::string service, TypeRef request)
-    : LocalClient{node, std::move(service), std::string{request.name}} {
+LocalClient::LocalClient(LocalNode& node, std::string service, TypeRef request,
+                         std::shared_ptr<ServiceEvents> events)
+    : LocalClient{node, std::move(service), std::string{request.name}, std::move(events)} {
   request_ = request;
 }
 
-LocalClient::LocalClient(LocalNode& node, std::string service, std::string request_type)
+LocalClient::LocalClient(LocalNode& node, std::string service, std::string request_type,
+                         std::shared_ptr<ServiceEvents> events)
     : node_{node},
       exchange_{node.exchange()},
       service_{std::move(service)},
       request_type_{std::move(request_type)},
+      events_{std::move(events)},
       id_{exchange_.new_id()} {}
 
 void LocalClient::close() {
   closed_ = true;
+  if (events_) events_->close();
+  events_.reset();
   waiting_.clear();
   exchange_.forget(id_);
 }
@@ -95,13 +122,16 @@ void LocalClient::send_waiting() {
 
 void LocalClient::send(const std::shared_ptr<Call>& call) {
   const auto server = exchange_.server(service_, request_type_);
+  call->number = ++sent_;
+  tell(events_, ServiceEvent::kRequestSent, id_, call->number, request_,
+       call->request.message.get(), call->request.bytes);
   exchange_.events().post([this, self = shared_from_this(), server, call] {
     const auto respond = [this, self, call, type = server->response_type()](const void* response) {
       exchange_.events().post(
           [this, self, call, copy = type.copy(response), type] { answer(call, copy.get(), type); });
     };
     if (closed_ || call->is_over) return;
-    if (!server->serve(call->request, id_, respond) && !closed_)
+    if (!server->serve(call->request, id_, call->number, respond) && !closed_)
       node_.log.warn_every(1.0, "{}: the request is not a valid {}", service_, request_type_);
   });
 }
@@ -109,6 +139,7 @@ void LocalClient::send(const std::shared_ptr<Call>& call) {
 void LocalClient::answer(const std::shared_ptr<Call>& call, const void* response, TypeRef type) {
   if (closed_ || node_.stopped() || std::exchange(call->is_over, true)) return;
   const LocalNode::Running running{node_};
+  tell(events_, ServiceEvent::kResponseReceived, id_, call->number, type, response);
   call->on_response(response, type);
 }
 

@@ -13,19 +13,6 @@
 namespace tandem::runtime {
 namespace {
 
-// The parameters of every node of rclcpp, besides those of its QoS.
-struct CommonParams {
-  bool use_sim_time;
-  bool start_type_description_service = true;
-
-  template <class Visitor>
-  void visit(Visitor&& field) {
-    field(kUseSimTime, use_sim_time, "true: the time is taken from /clock");
-    field(kTypeDescriptionService, start_type_description_service,
-          "whether the node serves ~/get_type_description");
-  }
-};
-
 // ROS 2's name for a node's logger: "ns.name".
 std::string logger_name(std::string full_name) {
   std::replace(full_name.begin(), full_name.end(), '/', '.');
@@ -52,7 +39,7 @@ NodeCore::NodeCore(NodeOptions node_options)
       store{full_name, options.parameters},
       use_sim_time{options.use_sim_time} {
   log.set_level(options.log_level);
-  declare_common();
+  declare_params();
   for (const auto& [from, to] : options.remappings) (void)resolve(from.c_str());
 }
 
@@ -72,14 +59,19 @@ void NodeCore::close() {
   clock_subscription_.reset();
 }
 
-void NodeCore::declare_common() {
-  const auto params = std::make_shared<CommonParams>(CommonParams{use_sim_time});
+void NodeCore::declare_params() {
+  const auto params = std::make_shared<every_node::Params>(every_node::Params{use_sim_time});
   params->visit(store);
   use_sim_time = params->use_sim_time;
   serves_type_descriptions = params->start_type_description_service;
-  parameters.declare(make_group<CommonParams>(
-      params, {kUseSimTime},
-      [this](const CommonParams& wanted) { set_use_sim_time(wanted.use_sim_time); }));
+  introspection.configure(*params);
+  auto live = names_of(*params);
+  live.erase(every_node::Params::kTypeDescriptionService);
+  parameters.declare(
+      make_group<every_node::Params>(params, live, [this](const every_node::Params& wanted) {
+        introspection.configure(wanted);
+        set_use_sim_time(wanted.use_sim_time);
+      }));
 }
 
 // Times kept so far are of another clock, so this counts as a jump.

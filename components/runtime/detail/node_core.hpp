@@ -12,15 +12,12 @@
 
 #include "tandem/runtime/detail/ports.hpp"
 #include "tandem/runtime/detail/qos_overrides.hpp"
+#include "tandem/runtime/detail/service_events.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/node.hpp"
 #include "tandem/runtime/worker.hpp"
 
 namespace tandem::runtime {
-
-/// Parameters that every node has, as in rclcpp.
-inline constexpr const char* kUseSimTime = "use_sim_time";
-inline constexpr const char* kTypeDescriptionService = "start_type_description_service";
 
 /// QoS of the requests of a service: ROS 2's profile with a deeper queue, because an evicted
 /// request is lost for good.
@@ -58,14 +55,16 @@ class NodeCore {
   [[nodiscard]] virtual std::shared_ptr<SubscriptionPort> open_generic_subscription(
       const std::string& topic, const std::string& type, const QoS& qos,
       std::function<void(const std::vector<std::uint8_t>&)> fn) = 0;
-  [[nodiscard]] virtual std::shared_ptr<ServicePort> open_service(const std::string& service,
-                                                                  Responder responder,
-                                                                  const QoS& qos) = 0;
-  [[nodiscard]] virtual std::shared_ptr<ClientPort> open_client(const std::string& service,
-                                                                TypeRef request,
-                                                                TypeRef response) = 0;
+  /// `events`: of this service alone; null: none are published.
+  [[nodiscard]] virtual std::shared_ptr<ServicePort> open_service(
+      const std::string& service, Responder responder, const QoS& qos,
+      std::shared_ptr<ServiceEvents> events) = 0;
+  [[nodiscard]] virtual std::shared_ptr<ClientPort> open_client(
+      const std::string& service, TypeRef request, TypeRef response,
+      std::shared_ptr<ServiceEvents> events) = 0;
   [[nodiscard]] virtual std::shared_ptr<ClientPort> open_generic_client(
-      const std::string& service, const std::string& type) = 0;
+      const std::string& service, const std::string& type,
+      std::shared_ptr<ServiceEvents> events) = 0;
   [[nodiscard]] virtual std::shared_ptr<WorkerPort> open_worker(Worker::Work work) = 0;
   [[nodiscard]] virtual std::shared_ptr<void> watch_publishers(const std::string& topic,
                                                                TypeRef type,
@@ -99,6 +98,7 @@ class NodeCore {
   ParameterStore store;
   ParameterTable parameters;
   QosOverrides qos_overrides{store, parameters};
+  ServiceIntrospection introspection{*this};
   bool use_sim_time;
   bool serves_type_descriptions = true;
 
@@ -112,7 +112,7 @@ class NodeCore {
   virtual void on_clock() {}
 
  private:
-  void declare_common();
+  void declare_params();
   void set_use_sim_time(bool wanted);
   void report_time_jump();
   void follow_clock();

@@ -64,8 +64,8 @@ NodeServices::~NodeServices() {
 
 template <class S, class Fn>
 void NodeServices::serve(const ServiceName<S>& service, const QoS& qos, Fn fn) {
-  servers_.push_back(
-      node_.open_service(node_.resolve(service.name), make_responder<S>(std::move(fn)), qos));
+  servers_.push_back(node_.open_service(node_.resolve(service.name),
+                                        make_responder<S>(std::move(fn)), qos, nullptr));
 }
 
 void NodeServices::serve_parameters() {

@@ -23,10 +23,12 @@ bool known(const rtps::GUID_t& guid) { return guid != rtps::GUID_t::unknown(); }
 
 }  // namespace
 
-Server::Server(DdsNode& node, const std::string& service, Responder responder, const QoS& qos)
+Server::Server(DdsNode& node, const std::string& service, Responder responder, const QoS& qos,
+               std::shared_ptr<ServiceEvents> events)
     : node_{node},
       service_{service},
       responder_{std::move(responder)},
+      events_{std::move(events)},
       request_codec_{responder_.request.type},
       response_codec_{responder_.response_type},
       writer_{node.open_writer({dds_reply_name(service), response_codec_.dds_name(), qos})},
@@ -40,6 +42,8 @@ Server::Server(DdsNode& node, const std::string& service, Responder responder, c
 
 void Server::close() {
   self_.reset();
+  if (events_) events_->close();
+  events_.reset();
   node_.remove(*poller_);
   node_.close_reader(*reader_);
   node_.close_writer(*writer_);
@@ -53,6 +57,7 @@ bool Server::on_request(const Bytes& bytes, const fdds::SampleInfo& info) {
   rtps::SampleIdentity to = info.sample_identity;
   const auto& client = info.related_sample_identity.writer_guid();
   if (known(client)) to.writer_guid(client);
+  tell(ServiceEvent::kRequestReceived, to, bytes);
   if (responder_.reply) responder_.reply(reply_to(to, info.sample_identity.writer_guid()));
   responder_.request.deliver(responder_.request.message());
   if (!responder_.reply) respond(to, responder_.response());
@@ -68,11 +73,17 @@ AnyReply Server::reply_to(const rtps::SampleIdentity& to, const rtps::GUID_t& cl
 
 void Server::respond(const rtps::SampleIdentity& to, const void* response) {
   QueuedReply reply{{}, to, steady_seconds() + kMatchWait};
-  if (!response_codec_.encode(response, reply.bytes))
+  if (!response_codec_.encode(response, reply.bytes)) {
     node_.log.error("{}: the response could not be sent", service_);
-  else if (replies_.size() < kMaxQueue)
+  } else if (replies_.size() < kMaxQueue) {
+    tell(ServiceEvent::kResponseSent, to, reply.bytes);
     replies_.push_back(std::move(reply));
+  }
   poller_->next = 0.0;
+}
+
+void Server::tell(ServiceEvent event, const rtps::SampleIdentity& request, const Bytes& contents) {
+  if (events_) events_->publish(event, to_id(request.writer_guid()), number_of(request), contents);
 }
 
 double Server::send_replies(double now) {
@@ -95,9 +106,10 @@ void Server::send(QueuedReply& reply) {
 }
 
 Caller::Caller(DdsNode& node, const std::string& service, const std::string& request_type,
-               const std::string& response_type)
+               const std::string& response_type, std::shared_ptr<ServiceEvents> events)
     : node_{node},
       service_{service},
+      events_{std::move(events)},
       writer_{node.open_writer({dds_request_name(service), request_type, kRequestQueue})},
       reader_{node.open_reader(
           {dds_reply_name(service), response_type, kRequestQueue},
@@ -108,6 +120,8 @@ Caller::Caller(DdsNode& node, const std::string& service, const std::string& req
 }
 
 void Caller::close() {
+  events_->close();
+  events_.reset();
   node_.remove(*poller_);
   node_.close_reader(*reader_);
   node_.close_writer(*writer_);
@@ -115,8 +129,10 @@ void Caller::close() {
 
 bool Caller::ready() const { return writer_->matched() > 0 && reader_->matched() > 0; }
 
-Caller::Caller(DdsNode& node, const std::string& service, TypeRef request, TypeRef response)
-    : Caller{node, service, Codec{request}.dds_name(), Codec{response}.dds_name()} {
+Caller::Caller(DdsNode& node, const std::string& service, TypeRef request, TypeRef response,
+               std::shared_ptr<ServiceEvents> events)
+    : Caller{node, service, Codec{request}.dds_name(), Codec{response}.dds_name(),
+             std::move(events)} {
   request_codec_.emplace(request);
   response_codec_ = std::make_shared<Codec>(response);
 }
@@ -166,6 +182,8 @@ void Caller::send_waiting() {
     rtps::WriteParams params;
     params.related_sample_identity().writer_guid(reader_->guid());
     if (!writer_->write(waiting_.front().request, params)) return;
+    events_->publish(ServiceEvent::kRequestSent, to_id(writer_->guid()),
+                     number_of(params.sample_identity()), waiting_.front().request);
     asked_.emplace(number_of(params.sample_identity()), std::move(waiting_.front()));
   }
 }
@@ -197,6 +215,7 @@ bool Caller::on_response(const Bytes& bytes, const fdds::SampleInfo& info) {
   if (to.writer_guid() != reader_->guid() && to.writer_guid() != writer_->guid()) return true;
   auto call = asked_.extract(number_of(to));
   if (call.empty()) return true;  // after the timeout
+  events_->publish(ServiceEvent::kResponseReceived, to_id(writer_->guid()), number_of(to), bytes);
   if (call.mapped().on_response(bytes)) return true;
   asked_.insert(std::move(call));  // a valid response may still follow
   return false;

@@ -17,7 +17,8 @@ namespace tandem::runtime {
 /// the waiting time, because the readers matched so far may belong to other clients.
 class Server final : public ServicePort {
  public:
-  Server(DdsNode& node, const std::string& service, Responder responder, const QoS& qos);
+  Server(DdsNode& node, const std::string& service, Responder responder, const QoS& qos,
+         std::shared_ptr<ServiceEvents> events);
   void close() override;
 
  private:
@@ -31,12 +32,14 @@ class Server final : public ServicePort {
   bool on_request(const Bytes& bytes, const fdds::SampleInfo& info);
   [[nodiscard]] AnyReply reply_to(const rtps::SampleIdentity& to, const rtps::GUID_t& client);
   void respond(const rtps::SampleIdentity& to, const void* response);
+  void tell(ServiceEvent event, const rtps::SampleIdentity& request, const Bytes& contents);
   double send_replies(double now);
   void send(QueuedReply& reply);
 
   DdsNode& node_;
   std::string service_;
   Responder responder_;
+  std::shared_ptr<ServiceEvents> events_;  // null: none are published, or closed
   Codec request_codec_, response_codec_;
   std::deque<QueuedReply> replies_;
   std::shared_ptr<Writer> writer_;
@@ -49,10 +52,11 @@ class Server final : public ServicePort {
 /// server is matched.
 class Caller final : public ClientPort {
  public:
-  Caller(DdsNode& node, const std::string& service, TypeRef request, TypeRef response);
+  Caller(DdsNode& node, const std::string& service, TypeRef request, TypeRef response,
+         std::shared_ptr<ServiceEvents> events);
   /// For requests and responses in bytes only. Types are given by their DDS names.
   Caller(DdsNode& node, const std::string& service, const std::string& request_type,
-         const std::string& response_type);
+         const std::string& response_type, std::shared_ptr<ServiceEvents> events);
 
   void call(const void* request, Receiver response, double timeout,
             std::function<void()> on_timeout) override;
@@ -82,6 +86,7 @@ class Caller final : public ClientPort {
 
   DdsNode& node_;
   std::string service_;
+  std::shared_ptr<ServiceEvents> events_;
   std::deque<Call> waiting_;            // not sent yet
   std::map<std::int64_t, Call> asked_;  // sent; key: sequence number
   std::optional<Codec> request_codec_;

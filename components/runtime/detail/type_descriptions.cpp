@@ -16,6 +16,12 @@ using type_description_interfaces::msg::IndividualTypeDescription;
 using type_description_interfaces::msg::TypeSource;
 using type_description_interfaces::srv::GetTypeDescription;
 
+// As rosidl writes it: truth values are Python's.
+std::string default_of(const DescribedField& field) {
+  if (field.default_value == "true") return "True";
+  return field.default_value == "false" ? "False" : std::string{field.default_value};
+}
+
 IndividualTypeDescription describe(const DescribedType& type) {
   IndividualTypeDescription description;
   description.type_name() = std::string{type.name};
@@ -26,13 +32,15 @@ IndividualTypeDescription describe(const DescribedType& type) {
     out.type().capacity(field.capacity);
     out.type().string_capacity(field.string_capacity);
     out.type().nested_type_name() = std::string{field.nested};
+    out.default_value() = default_of(field);
   }
   return description;
 }
 
 // As rcl gives it: a request or response has no file of its own.
 TypeSource source_of(std::string_view type) {
-  const bool of_service = type.ends_with("_Request") || type.ends_with("_Response");
+  const bool of_service =
+      type.ends_with("_Request") || type.ends_with("_Response") || type.ends_with("_Event");
   TypeSource source;
   source.type_name(std::string{type});
   source.encoding(of_service ? "implicit" : "msg");

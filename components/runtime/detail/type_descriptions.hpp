@@ -6,8 +6,8 @@
 
 namespace tandem::runtime {
 
-/// Answers ~/get_type_description for the structures of idl/*.idl: the description as REP-2016
-/// hashes it, without default values and sources. For other types and for a different hash, returns
+/// Answers ~/get_type_description for the structures of idl/*.idl: the description of
+/// REP-2016, and sources if they are asked for. For other types and for a different hash, returns
 /// `successful` false and the reason; an empty hash matches any.
 [[nodiscard]] type_description_interfaces::srv::GetTypeDescription::Response describe_type(
     const type_description_interfaces::srv::GetTypeDescription::Request& request);

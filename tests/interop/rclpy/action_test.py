@@ -14,8 +14,11 @@ from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy.action import (ActionClient, ActionServer, CancelResponse, GoalResponse, get_action_names_and_types,
                           get_action_server_names_and_types_by_node)
-from rclpy.qos import qos_profile_action_status_default
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import QoSPresetProfiles, qos_profile_action_status_default
 from rclpy.task import Future
+from service_msgs.msg import ServiceEventInfo
 from test_msgs.action import Fibonacci
 
 FIRST = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34]
@@ -96,6 +99,29 @@ class OurServer(unittest.TestCase):
         self.client = None
         key = bytes(goal.goal_id.uuid)
         spin_until(lambda: states.get(key) == GoalStatus.STATUS_SUCCEEDED, 'the goal succeeds without its client')
+
+    def test_tells_of_its_goals_as_rclcpp_tells(self):
+        """What `ros2 action echo` shows."""
+        parameters = AsyncParameterClient(node, 'fibonacci_server')
+        self.assertTrue(parameters.wait_for_services(robot.PATIENCE))
+        change = [Parameter('action_server_configure_introspection', Parameter.Type.STRING, 'contents')]
+        self.assertTrue(result_of(parameters.set_parameters(change), 'introspection').results[0].successful)
+        events = []
+        topic = 'fibonacci/_action/send_goal/_service_event'
+        self.addCleanup(node.destroy_subscription, node.create_subscription(
+            Fibonacci.Impl.SendGoalService.Event, topic, events.append, QoSPresetProfiles.SERVICES_DEFAULT.value))
+        spin_until(lambda: node.count_publishers(topic) == 1, 'the topic of events')
+        [ours] = node.get_publishers_info_by_topic('/' + topic)
+        [theirs] = node.get_subscriptions_info_by_topic('/' + topic)
+        self.assertEqual(str(ours.topic_type_hash), str(theirs.topic_type_hash))
+        goal = self.send(5)
+        spin_until(lambda: len(events) >= 2, 'both events')
+        received, sent = events
+        self.assertEqual((received.info.event_type, sent.info.event_type),
+                         (ServiceEventInfo.REQUEST_RECEIVED, ServiceEventInfo.RESPONSE_SENT))
+        self.assertEqual(received.request[0].goal, Fibonacci.Goal(order=5))
+        self.assertEqual(received.request[0].goal_id, goal.goal_id)
+        self.assertTrue(sent.response[0].accepted)
 
     def test_is_missed_once_it_is_gone(self):
         goal = self.send(ENDLESS)

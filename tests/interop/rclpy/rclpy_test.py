@@ -21,9 +21,10 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSPresetProfiles, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from std_msgs.msg import Bool, String
+from service_msgs.msg import ServiceEventInfo
 from std_srvs.srv import Trigger
 from type_description_interfaces.srv import GetTypeDescription
 
@@ -293,17 +294,43 @@ class Services(unittest.TestCase):
         self.assertTrue(answer.successful, answer.failure_reason)
         self.assertEqual(answer.type_description.type_description.type_name, 'tandem_msgs/msg/ObstacleArray')
 
+    def test_are_told_of_as_rclcpp_tells(self):
+        simulator = AsyncParameterClient(node, '/diff_drive_sim')
+        self.assertTrue(simulator.wait_for_services(robot.PATIENCE))
 
-    def test_of_types_give_sources_as_rclpys_do(self):
-        publisher = node.create_publisher(Twist, '/described', 1)
+        def introspect(state):
+            change = [Parameter('service_configure_introspection', Parameter.Type.STRING, state)]
+            self.assertTrue(result_of(simulator.set_parameters(change), state).results[0].successful)
+        topic = '/diff_drive_sim/reset/_service_event'
+        introspect('contents')
+        with Received(Trigger.Event, topic, QoSPresetProfiles.SERVICES_DEFAULT.value) as events:
+            spin_until(lambda: node.count_publishers(topic) == 1, 'the topic of events')
+            [ours] = node.get_publishers_info_by_topic(topic)
+            [theirs] = node.get_subscriptions_info_by_topic(topic)
+            self.assertEqual(str(ours.topic_type_hash), str(theirs.topic_type_hash))
+            answer = call(node.create_client(Trigger, '/diff_drive_sim/reset'), Trigger.Request())
+            spin_until(lambda: len(events.messages) >= 2, 'both events')
+        introspect('disabled')
+        received, sent = events.messages
+        self.assertEqual((received.info.event_type, sent.info.event_type),
+                         (ServiceEventInfo.REQUEST_RECEIVED, ServiceEventInfo.RESPONSE_SENT))
+        self.assertEqual((received.request, received.response), ([Trigger.Request()], []))
+        self.assertEqual((sent.request, sent.response), ([], [answer]))
+        self.assertEqual(received.info.sequence_number, sent.info.sequence_number)
+
+    def test_of_types_describe_as_rclpys_do(self):
+        publisher = node.create_publisher(PoseStamped, '/described', 1)
         [end] = node.get_publishers_info_by_topic('/described')
         request = GetTypeDescription.Request(type_name=end.topic_type, type_hash=str(end.topic_type_hash))
 
-        def sources_of(owner):
+        def description_by(owner):
             answer = call(node.create_client(GetTypeDescription, f'/{owner}/get_type_description'), request)
             self.assertTrue(answer.successful, answer.failure_reason)
-            return [(source.type_name, source.encoding) for source in answer.type_sources]
-        self.assertEqual(sources_of('local_planner'), sources_of('beside'))
+            return (answer.type_description,
+                    [(source.type_name, source.encoding) for source in answer.type_sources])
+        ours = description_by('local_planner')
+        self.assertEqual(ours, description_by('beside'))
+        self.assertIn("default_value='1.0'", str(ours), "a quaternion's w")
         node.destroy_publisher(publisher)
 
     def test_of_the_recorder_are_those_of_rosbag2s(self):
