@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "tandem/model/dead_zone.hpp"
+
 namespace tandem {
 
 Joystick::Joystick(const JoystickParams& params) : params_{params} { check(params_); }
@@ -46,10 +48,7 @@ JoySample Joystick::sample(const RawJoystick& device) {
 
 // Zero within the dead zone, then linear to ±1.
 float Joystick::scaled(std::int16_t axis) const {
-  const double way = std::max(-1.0, axis / 32767.0);
-  const double beyond = std::abs(way) - params_.deadzone;
-  return beyond <= 0.0 ? 0.0F
-                       : static_cast<float>(-std::copysign(beyond / (1.0 - params_.deadzone), way));
+  return static_cast<float>(0.0 - beyond_dead_zone(axis / 32767.0, params_.deadzone));
 }
 
 }  // namespace tandem

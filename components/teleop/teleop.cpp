@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tandem/model/dead_zone.hpp"
 #include "tandem/model/diff_drive.hpp"
 
 namespace tandem {
@@ -29,11 +30,8 @@ std::optional<double> axis_value(std::span<const float> axes, int index,
 
 double axis(std::span<const float> axes, int index, const TeleopParams& params) {
   const double value = axis_value(axes, index, params).value_or(0.0);
-  const double deadzone = params.gains.deadzone;
-  if (!std::isfinite(value) || std::abs(value) <= deadzone || std::abs(value) > kOvershoot)
-    return 0.0;
-  const double travel = (std::min(std::abs(value), 1.0) - deadzone) / (1.0 - deadzone);
-  return std::copysign(travel, value);
+  if (!std::isfinite(value) || std::abs(value) > kOvershoot) return 0.0;
+  return beyond_dead_zone(value, params.gains.deadzone);
 }
 
 bool pressed(std::span<const int> buttons, int index) {
