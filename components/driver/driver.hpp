@@ -39,9 +39,9 @@ struct DriverParams {
     robot.visit(field);
     field("replay_t", replay_t, Range{-1e12, 1e12}, "[s] times of the samples that replay plays");
     field("replay_linear", replay_linear, Range{-1.0, 1.0},
-          "[1] forward stick deflection at replay_t");
+          "[1] forward deflection beyond the dead zone at replay_t");
     field("replay_angular", replay_angular, Range{-1.0, 1.0},
-          "[1] stick deflection to the left at replay_t");
+          "[1] deflection to the left beyond the dead zone at replay_t");
   }
 };
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tandem/model/dead_zone.hpp"
+
 namespace tandem {
 namespace {
 
@@ -45,6 +47,7 @@ Hand HandModel::apply(Hand meant, double t) {
   Hand hand = meant;
   if (!meant.holds) return {0.0, 0.0, false};
   if (has("one_sided")) neglect(hand);
+  if (!is_switch()) pass_dead_zone(hand);
   if (has("over_correction")) over_correct(hand);
   if (has("tremor")) tremble(hand, t);
   if (has("quantised")) hand = switched(hand);
@@ -57,6 +60,12 @@ void HandModel::tremble(Hand& hand, double t) const {
   const double phase = 2.0 * std::numbers::pi * tremor_frequency_ * t + tremor_phase_;
   hand.linear += params_.tremor_amplitude * std::sin(phase);
   hand.angular += params_.tremor_amplitude * std::cos(phase);
+}
+
+// A person learns where the stick begins to act.
+void HandModel::pass_dead_zone(Hand& hand) const {
+  hand.linear = through_dead_zone(hand.linear, params_.deadzone);
+  hand.angular = through_dead_zone(hand.angular, params_.deadzone);
 }
 
 // x″ = ω² (u − x) − 2 ζ ω x′, whose step response overshoots by (1).

@@ -12,7 +12,8 @@
 
 namespace tandem {
 
-/// State of a joystick: forward and left in [−1, 1], and whether the dead-man is held.
+/// State of a joystick: forward and left in [−1, 1], and whether the dead-man is held. A person
+/// means deflections beyond the dead zone; what HandModel returns are positions of the stick.
 struct Hand {
   double linear = 0.0, angular = 0.0;  ///< [1]
   bool holds = true;                   ///< the dead-man is held
@@ -40,6 +41,7 @@ struct HandParams {
   double neglect = 0.6;
   double pulse_period = 0.8;
   double pulse_duration = 0.5;
+  double deadzone = 0.05;
 
   template <class Visitor>
   void visit(Visitor&& field) {
@@ -55,13 +57,17 @@ struct HandParams {
     field("pulse_period", pulse_period, Range{0.1, 10.0},
           "[s] interval between the starts of two pulses");
     field("pulse_duration", pulse_duration, Range{0.05, 10.0}, "[s] duration of a pulse");
+    field("deadzone", deadzone, Range{0.0, 0.9},
+          "[1] dead zone of the stick, which the person knows: teleop's `deadzone`");
   }
 };
 
 /// Names of all modifiers, in the order in which they are applied.
 [[nodiscard]] const std::vector<std::string>& all_modifiers();
 
-/// Applies modifiers to the intended stick motion. Deterministic for a seed.
+/// Applies modifiers to the intended stick motion, given beyond the dead zone; returns positions of
+/// the stick. Intention and neglect come before the dead zone, the hand's own motion after it.
+/// Deterministic for a seed.
 class HandModel {
  public:
   /// `rate`: samples per second [Hz]. Throws std::invalid_argument on parameters out of range and
@@ -74,6 +80,9 @@ class HandModel {
 
  private:
   [[nodiscard]] bool has(const char* modifier) const { return modifiers_.contains(modifier); }
+  // A switch is on or off, and has no dead zone.
+  [[nodiscard]] bool is_switch() const { return has("quantised") || has("pulses"); }
+  void pass_dead_zone(Hand& hand) const;
   void tremble(Hand& hand, double t) const;
   void over_correct(Hand& hand);
   void neglect(Hand& hand) const;

@@ -15,6 +15,7 @@ constexpr double kPeriod = 0.05;
 DriverParams named(const std::string& name) {
   DriverParams params;
   params.driver = name;
+  params.hand.deadzone = 0.0;
   params.navigator.route = {0.0, 0.0, 3.0, 0.0, 3.0, 3.0};
   params.script = "path forward 0.8 via 0 0 2 0 3 1; turn 0; hold 1; path back 0.5 via 3 1 1 1";
   return params;

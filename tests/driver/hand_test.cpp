@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tandem/model/dead_zone.hpp"
+
 namespace tandem {
 namespace {
 
@@ -19,17 +21,54 @@ std::vector<Hand> played(HandModel& model, const Hand& meant, double duration) {
   return hands;
 }
 
-HandModel model(const char* modifier, const HandParams& params = {}, unsigned seed = 1) {
+// A hand at a stick without a dead zone.
+HandModel model(const char* modifier, HandParams params = {}, unsigned seed = 1) {
+  params.deadzone = 0.0;
   return HandModel{params, {modifier}, kRate, seed};
 }
 
 TEST(HandModel, ChangesNothingWithoutAModifier) {
-  HandModel plain{{}, {}, kRate, 1};
+  HandModel plain{{.deadzone = 0.0}, {}, kRate, 1};
   for (const Hand& hand : played(plain, {0.7, -0.3}, 1.0)) {
     EXPECT_EQ(hand.linear, 0.7);
     EXPECT_EQ(hand.angular, -0.3);
     EXPECT_TRUE(hand.holds);
   }
+}
+
+// Deflection that counts of a stick that is meant to be at (0.5, turn).
+Hand counts(const std::set<std::string>& modifiers, double turn) {
+  const HandParams params{.neglected_side = "left", .deadzone = 0.2};
+  HandModel hand{params, modifiers, kRate, 1};
+  const Hand at = hand.apply({0.5, turn}, 0.0);
+  return {beyond_dead_zone(at.linear, 0.2), beyond_dead_zone(at.angular, 0.2), at.holds};
+}
+
+TEST(HandModel, PushesThroughTheDeadZoneOfTheStick) {
+  for (const double turn : {-1.0, -0.3, -0.01, 0.0, 0.01, 0.3, 1.0}) {
+    const Hand hand = counts({}, turn);
+    EXPECT_NEAR(hand.linear, 0.5, 1e-12);
+    EXPECT_NEAR(hand.angular, turn, 1e-12);
+  }
+  HandModel rests{{.deadzone = 0.2}, {}, kRate, 1};
+  EXPECT_EQ(rests.apply({0.0, 0.0}, 0.0).angular, 0.0);
+}
+
+TEST(HandModel, NeglectsAShareOfTheTurnNotOfTheSticksTravel) {
+  EXPECT_NEAR(counts({"one_sided"}, 1.0).angular, 1.0 * 0.4 - 0.1, 1e-12);
+  EXPECT_NEAR(counts({"one_sided"}, 0.0).angular, -0.1, 1e-12);
+}
+
+TEST(HandModel, TremblesWithinTheDeadZoneOfAStickAtRest) {
+  HandModel hand{{.tremor_amplitude = 0.15, .deadzone = 0.2}, {"tremor"}, kRate, 1};
+  for (const Hand& at : played(hand, {0.0, 0.0}, 1.0))
+    EXPECT_EQ(beyond_dead_zone(at.linear, 0.2), 0.0);
+}
+
+TEST(HandModel, PressesASwitchAsWithoutADeadZone) {
+  EXPECT_EQ(counts({"quantised"}, 0.2).linear, 1.0);
+  HandModel hand{{.deadzone = 0.2}, {"quantised"}, kRate, 1};
+  EXPECT_EQ(hand.apply({0.2, 0.0}, 0.0).linear, 0.0);
 }
 
 TEST(HandModel, LetsGoWhenItsOwnerDoes) {

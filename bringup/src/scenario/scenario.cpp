@@ -138,16 +138,21 @@ void choose_recording(Scenario& scenario, const DriveOptions& options) {
   if (!options.recording_topic.empty()) scenario.recording_topic = options.recording_topic;
 }
 
-// Writes the recorded joystick input into the driver's parameters.
-void hand_over_recording(const Scenario& scenario, System& system) {
-  const auto teleop = parameters_of<TeleopNodeParams>(system, "teleop").teleop;
+void hand_over_recording(const Scenario& scenario, const TeleopParams& teleop, Values& driver) {
+  const Recording stick = recorded_stick(scenario.recording, teleop, scenario.recording_topic);
+  driver["replay_t"] = {list(stick.t), scenario.recording};
+  driver["replay_linear"] = {list(stick.linear), scenario.recording};
+  driver["replay_angular"] = {list(stick.angular), scenario.recording};
+}
+
+// Gives the driver its recording and, unless the scenario sets it, the dead zone of its stick.
+void hand_over_stick(const Scenario& scenario, System& system) {
   for (SystemNode& node : system.nodes) {
     if (node.component != "driver") continue;
-    const Recording stick = recorded_stick(scenario.recording, teleop, scenario.recording_topic);
-    auto& values = node.options.parameters.values;
-    values["replay_t"] = {list(stick.t), scenario.recording};
-    values["replay_linear"] = {list(stick.linear), scenario.recording};
-    values["replay_angular"] = {list(stick.angular), scenario.recording};
+    const auto teleop = parameters_of<TeleopNodeParams>(system, "teleop").teleop;
+    Values& driver = node.options.parameters.values;
+    driver.emplace("deadzone", rt::ParameterValue{text(teleop.gains.deadzone), scenario.path});
+    if (!scenario.recording.empty()) hand_over_recording(scenario, teleop, driver);
   }
 }
 
@@ -238,7 +243,7 @@ System system_of(const Scenario& scenario, const DriveOptions& options) {
       node.remappings = of->second;
     system.nodes.push_back({component, std::move(node)});
   }
-  if (!scenario.recording.empty()) hand_over_recording(scenario, system);
+  hand_over_stick(scenario, system);
   return system;
 }
 

@@ -160,5 +160,25 @@ TEST_F(Replay, DrivesWhatWasRecorded) {
   EXPECT_EQ(drive.track.back().twist.v, 0.0);
 }
 
+// Whatever the dead zone, the person's commands are the recorded ones.
+TEST_F(Replay, RepeatsTheRecordedCommands) {
+  write({"/cmd_vel_user", "geometry_msgs/msg/Twist"},
+        {{0, twist(0.2, -0.04)}, {2'000'000'000, twist(0.2, -0.04)}});
+  DriveOptions options;
+  options.method = "manual";
+  options.driver = "replay";
+  options.recording = folder_;
+  options.lockstep = true;
+  for (const char* deadzone : {"0.05", "0.3"}) {
+    Scenario scenario = load_scenario(test::source_path("bringup/scenarios/forest_task2.yaml"));
+    scenario.duration = 1.0;
+    scenario.parameters["teleop"]["deadzone"] = {deadzone, "this test"};
+    const DriveLog drive = drive_in_lockstep(scenario, options);
+    ASSERT_FALSE(drive.track.empty());
+    EXPECT_NEAR(drive.track.back().user.v, 0.2, 1e-6) << deadzone;
+    EXPECT_NEAR(drive.track.back().user.w, -0.04, 1e-6) << deadzone;
+  }
+}
+
 }  // namespace
 }  // namespace tandem
