@@ -18,6 +18,7 @@ constexpr double kBackOutDistance = 0.4;  // [m] first attempt; farther after ea
 constexpr double kBackOutFarthest = 1.2;  // [m]
 constexpr double kGotPast = 0.5;          // [m] beyond the trouble at which the attempts are reset
 constexpr double kDetourTime = 3.0;       // [s]
+constexpr double kDetour = 0.5;           // [m] to the side, `preview` ahead
 constexpr double kMovedDistance = 0.1;    // [m]
 constexpr double kMovedAngle = 0.35;      // [rad]
 constexpr double kSearchAhead = 2.0;      // [m] maximum progress per sample
@@ -70,7 +71,7 @@ Hand Navigator::steer(const Pose2& X_MB, const Pose2& X_MS, double t) {
   sideways_ = wandered(sideways_, params_.aim_noise, kAimTime);
   if (backs_out(X_MB, t)) return with_noise(reverse(seen_.front().value));
   const bool leads = !(X_MS == X_MB);
-  const Eigen::Vector2d p_MT = aim();
+  const Eigen::Vector2d p_MT = aim(X_MB.position());
   const bool waits = leads && waits_for(X_MB, seen_.front().value, p_MT);
   const Hand hand =
       waits ? look_along_route(seen_.front().value) : with_noise(pursue(seen_.front().value, p_MT));
@@ -111,13 +112,22 @@ Eigen::Vector2d Navigator::point_at(double s) const {
   return route_[i - 1] + share * (route_[i] - route_[i - 1]);
 }
 
-Eigen::Vector2d Navigator::aim() {
+Eigen::Vector2d Navigator::aim(const Eigen::Vector2d& p_MB) const {
+  if (!has_route()) return aim_at_goal(p_MB);
   // After a failure the person cuts corners less.
   const Eigen::Vector2d target = point_at(progress_ + params_.preview / (1.0 + 0.5 * tries_));
   const Eigen::Vector2d along = target - point_at(progress_);
   if (along.norm() < 1e-6) return target;
   const Eigen::Vector2d left = Eigen::Vector2d{-along.y(), along.x()}.normalized();
   return target + (sideways_ / (1.0 + tries_) + detour_) * left;
+}
+
+// Straight at the goal or, after a failure, beside the straight line.
+Eigen::Vector2d Navigator::aim_at_goal(const Eigen::Vector2d& p_MB) const {
+  const Eigen::Vector2d sight = route_.back() - p_MB;
+  if (detour_ == 0.0 || sight.norm() < params_.preview) return route_.back();
+  const Eigen::Vector2d ahead = sight.normalized();
+  return p_MB + params_.preview * ahead + detour_ * Eigen::Vector2d{-ahead.y(), ahead.x()};
 }
 
 Hand Navigator::pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const {
@@ -153,7 +163,7 @@ Hand Navigator::with_noise(Hand hand) {
 }
 
 // After pushing without moving for `patience`, people pull back, turn a little and try another
-// side.
+// side. Those who know a route keep to it after two failures.
 void Navigator::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
   const bool moved = (X_MB.position() - moved_.value.position()).norm() > kMovedDistance ||
                      std::abs(wrap_angle(X_MB.theta - moved_.value.theta)) > kMovedAngle;
@@ -164,7 +174,7 @@ void Navigator::lose_patience(const Pose2& X_MB, bool wants_to_move, double t) {
   if (moved_.age(t) < params_.patience) return;
   const double side = normal_(random_) > 0.0 ? 1.0 : -1.0;
   back_out_turn_ = -0.4 * side;
-  detour_ = tries_ < 2 ? 0.5 * side : 0.0;
+  detour_ = tries_ < 2 || !has_route() ? kDetour * side : 0.0;
   back_out_from_ = X_MB;
   back_out_start_ = t;
   backing_out_ = true;

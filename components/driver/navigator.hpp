@@ -82,7 +82,9 @@ class Navigator {
  private:
   void advance_along_route(const Eigen::Vector2d& p_MB);
   [[nodiscard]] Eigen::Vector2d point_at(double s) const;
-  [[nodiscard]] Eigen::Vector2d aim();
+  [[nodiscard]] bool has_route() const { return length_.back() > 0.0; }
+  [[nodiscard]] Eigen::Vector2d aim(const Eigen::Vector2d& p_MB) const;
+  [[nodiscard]] Eigen::Vector2d aim_at_goal(const Eigen::Vector2d& p_MB) const;
   [[nodiscard]] Hand look_along_route(const Pose2& X_MS) const;
   [[nodiscard]] Hand pursue(const Pose2& X_MS, const Eigen::Vector2d& p_MT) const;
   [[nodiscard]] Hand with_noise(Hand hand);

@@ -13,7 +13,8 @@
 namespace tandem {
 
 /// Aims straight at the goal and sees no obstacles: a Navigator whose route is only the end point
-/// or, if it loops, one leg per point.
+/// or, if it loops, one leg per point. After each failure aims beside the straight line for a
+/// while.
 class Pointer {
  public:
   /// Equal seeds give equal noise of hand and eye.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace tandem {
 namespace {
@@ -87,6 +88,18 @@ TEST(Driver, PointerGoesStraightAndNavigatorByTheRoute) {
     EXPECT_GT(nearest(straight, {3.0, 0.0}), 1.2) << seed;  // the corner of the route
     EXPECT_LT(nearest(drive(navigator, {}, 60.0), {3.0, 0.0}), 1.0) << seed;
   }
+}
+
+TEST(Driver, PointerThatIsHeldTriesBesideTheStraightLineOnBothSides) {
+  Driver pointer{named("pointer"), 1};
+  int left = 0, right = 0;
+  for (double t = 0.0; t < 120.0; t += kPeriod) {
+    const Hand hand =
+        pointer.steer({3.0, 0.0, std::numbers::pi / 2.0}, {3.0, 0.0, std::numbers::pi / 2.0}, t);
+    if (hand.linear > 0.0) (hand.angular > 0.0 ? left : right) += std::abs(hand.angular) > 0.5;
+  }
+  EXPECT_GT(left, 100);
+  EXPECT_GT(right, 100);
 }
 
 TEST(Driver, PointerVisitsThePointsOfALoopInTurn) {
