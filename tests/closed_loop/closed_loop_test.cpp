@@ -179,7 +179,7 @@ TEST_P(Forbidden, RegionsAreNeverEntered) {
   const Grid empty{0.02, {-5.0, -5.0}, 500, 500, std::vector<Cell>(250000, Cell::kFree)};
   const StaticMap region{with_forbidden(empty, fixtures)};
   const Footprint mir = rectangle(0.89, 0.58, 0.038);
-  const DriveOptions options{.method = GetParam(), .seed = 1, .lockstep = true};
+  const DriveOptions options{.method = GetParam(), .seed = 2, .lockstep = true};
   const DriveLog log = drive_in_lockstep(load_scenario(folder + "forest_forbidden.yaml"), options);
   EXPECT_TRUE(log.result.reached);
   double nearest = 1.0;
