@@ -18,7 +18,7 @@ constexpr double kWhole = 1.0;  // [m] clusters up to this size are never split 
 // crowded tiles, in passages that coarser shapes would close.
 constexpr double kNarrow = 0.05, kKept = 0.10;
 
-constexpr double kFar = 1.0;  // [m] from the robot, at which a tile is refitted half as often
+constexpr double kHalfRate = 1.0;  // [m] from the robot, at which a tile is refitted half as often
 constexpr std::size_t kPatches = 6;  // with more new cells the tile is refitted at once
 constexpr double kOffRaster = 1e-3;  // [cells] maximum offset of two grids that share a raster
 
@@ -77,7 +77,8 @@ bool Extractor::refresh_near(const Eigen::Vector2d& p_MB, double range, long set
   for (auto it = tiles_.begin(); it != tiles_.end(); ++it) {
     const auto& [place, tile] = *it;
     if (!tile.is_stale || !rect.contains(place[0], place[1])) continue;
-    const double wait = static_cast<double>(settle) * (1.0 + distance_to_tile(place, p_MB) / kFar);
+    const double wait =
+        static_cast<double>(settle) * (1.0 + distance_to_tile(place, p_MB) / kHalfRate);
     if (static_cast<double>(updates_ - tile.fitted) < wait) continue;
     if (oldest == tiles_.end() || tile.fitted < oldest->second.fitted) oldest = it;
   }
