@@ -308,6 +308,7 @@ void run(benchmark::State& state, const Recording& recording) {
     state.counters["closed_loop_cost"] = recording.closed_loop_cost;
   state.counters["p50_us"] = percentile(times, 0.5);
   state.counters["cpu_p50_us"] = percentile(cpu_times, 0.5);
+  state.counters["cpu_p99_us"] = percentile(cpu_times, 0.99);
   state.counters["p99_us"] = percentile(times, 0.99);
   state.counters["iterations_p50"] = percentile(iterations, 0.5);
   state.counters["iterations_max"] = percentile(iterations, 1.0);
