@@ -63,6 +63,12 @@ void IpIterate<n>::set_problem(const Ocp& ocp) {
 }
 
 template <int n>
+void IpIterate<n>::set_problem_of(const IpIterate& other) {
+  targets_ = other.targets_;
+  lanes_ = other.lanes_;
+}
+
+template <int n>
 void IpIterate<n>::evaluate(const Ocp& ocp, const Box& box) {
   cost = infeasibility = violation = 0.0;
   LogOfProduct distances;
@@ -110,8 +116,8 @@ template <int n>
 void IpIterate<n>::evaluate_pairs() {
   std::size_t row = 0;
   for (const PairBatch& lanes : lanes_) {
-    lanes.terms(ends_, std::span(pairs).subspan(row, lanes.count()));
-    row += lanes.count();
+    lanes.terms(ends_, row, pairs);
+    row += PairBatch::kLanes;
   }
 }
 
@@ -122,19 +128,20 @@ std::size_t IpIterate<n>::sum_up_pairs(const Ocp& ocp, std::size_t k, std::size_
   const double offset = at[kSlack] - speed_margin(ocp, command_of(at));
   double sum = 0.0, largest = violation;
   LogOfProduct product = distances;
-  std::size_t row = first;
-  for (std::size_t i = 0; i < ocp.stages[k].pairs.size(); ++i) {
-    const double residual = pairs[row].value + offset - t[row];
+  const std::size_t end = first + ocp.stages[k].pairs.size();
+  for (std::size_t row = first; row < end; ++row) {
+    const double residual = pairs.value[row] + offset - t[row];
     residuals[row] = residual;
-    product *= t[row];
     sum += std::abs(residual);
     largest = std::max(largest, std::abs(residual));
-    ++row;
   }
+  std::size_t row = first;
+  for (; row + 1 < end; row += 2) product *= t[row] * t[row + 1];
+  if (row < end) product *= t[row];
   infeasibility += sum;
   violation = largest;
   distances = product;
-  return row;
+  return end;
 }
 
 template <int n>
@@ -146,7 +153,7 @@ void IpIterate<n>::set_slacks(const Ocp& ocp, double least) {
     const double* at = &z[kBlock * k];
     const double offset = at[kSlack] - speed_margin(ocp, command_of(at));
     for (std::size_t i = 0; i < ocp.stages[k].pairs.size(); ++i, ++row)
-      t[row] = std::max(least, pairs[row].value + offset);
+      t[row] = std::max(least, pairs.value[row] + offset);
   }
 }
 

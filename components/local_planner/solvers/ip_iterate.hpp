@@ -53,7 +53,7 @@ struct IpIterate {
   static constexpr std::size_t kBlock = block_of(n);
   std::vector<double> z, t;
   std::vector<StageTerms<n>> stages;
-  std::vector<PairTerms> pairs;   ///< in the order of rows (4)
+  PairTable pairs;                ///< of rows (4)
   std::vector<double> residuals;  ///< of rows (4)
   double cost = 0.0;
   double infeasibility = 0.0;  ///< Σ |residuals|
@@ -62,8 +62,9 @@ struct IpIterate {
 
   [[nodiscard]] Merit merit(double mu) const { return {infeasibility, cost - mu * logs}; }
   void resize(std::size_t stage_count, std::size_t pair_count);
-  /// Must be called after resize() and whenever the problem has changed.
+  /// Must be called after resize() and whenever the problem has changed; or another point's.
   void set_problem(const Ocp& ocp);
+  void set_problem_of(const IpIterate& other);
   /// Computes all other members from z and t.
   void evaluate(const Ocp& ocp, const Box& box);
   /// t = φ − gap − speed_margin + s, but at least `least`.

@@ -32,6 +32,49 @@ Eigen::Map<const Two> two(const std::vector<double>& values, std::size_t i) {
   return Eigen::Map<const Two>{&values[i]};
 }
 
+// Rows i and i + other. Where a stage ends with row i, other is 0, and both lanes have that row.
+Two two_rows(const std::vector<double>& values, std::size_t i, std::size_t other) {
+  return {values[i], values[i + other]};
+}
+void set_two_rows(std::vector<double>& values, std::size_t i, std::size_t other, const Two& both) {
+  values[i + other] = both[1];
+  values[i] = both[0];
+}
+
+// Σ weight v, a lane for every second row.
+struct VectorSum {
+  Two x = Two::Zero(), y = Two::Zero(), t = Two::Zero();
+
+  void add(const Two& weight, const Two& v_x, const Two& v_y, const Two& v_t) {
+    x += weight * v_x;
+    y += weight * v_y;
+    t += weight * v_t;
+  }
+  [[nodiscard]] Vector3d value() const { return {x.sum(), y.sum(), t.sum()}; }
+};
+
+// Σ weight v vᵀ, a lane for every second row.
+struct OuterSum {
+  Two xx = Two::Zero(), xy = Two::Zero(), yy = Two::Zero();
+  Two xt = Two::Zero(), yt = Two::Zero(), tt = Two::Zero();
+
+  void add(const Two& weight, const Two& v_x, const Two& v_y, const Two& v_t) {
+    const Two x = weight * v_x, y = weight * v_y;
+    xx += x * v_x;
+    xy += x * v_y;
+    yy += y * v_y;
+    xt += x * v_t;
+    yt += y * v_t;
+    tt += weight * v_t * v_t;
+  }
+  [[nodiscard]] Eigen::Matrix3d value() const {
+    const double x_y = xy.sum(), x_t = xt.sum(), y_t = yt.sum();
+    Eigen::Matrix3d all;
+    all << xx.sum(), x_y, x_t, x_y, yy.sum(), y_t, x_t, y_t, tt.sum();
+    return all;
+  }
+};
+
 Two clamp(const Two& multipliers, const Two& centred) {
   return multipliers.max(kMin * centred).min(kMax * centred);
 }
@@ -140,35 +183,41 @@ template <int n>
 typename KktSystem<n>::PairSums KktSystem<n>::condense_pairs(Rows rows, const IpIterate<n>& point,
                                                              double mu,
                                                              Multipliers<n>& multipliers) {
-  // Local sums stay in registers; members might alias the stores below.
-  double sigma_sum = 0.0, y_sum = 0.0, gradient_sum = 0.0;
-  double least = least_product_, largest = largest_product_;
-  Vector3d sigma_n = Vector3d::Zero(), y_n = Vector3d::Zero(), gradient_n = Vector3d::Zero();
+  if (rows.first == rows.end) return {};
+  const PairTable& pairs = point.pairs;
+  // Local sums, because members might alias the stores below.
+  Two sigma_sum = Two::Zero(), y_sum = Two::Zero(), gradient_sum = Two::Zero();
+  Two least = Two::Constant(least_product_), largest = Two::Constant(largest_product_);
+  VectorSum sigma_n, y_n, gradient_n;
   OuterSum H, C;
-  for (std::size_t i = rows.first; i < rows.end; ++i) {
-    const PairTerms& pair = point.pairs[i];
-    const double t = point.t[i], per = 1.0 / t, centred = mu * per;
-    const double y = std::clamp(multipliers.y[i], kMin * centred, kMax * centred);
-    multipliers.y[i] = y;
-    per_t_[i] = per;
-    least = std::min(least, y * t);
-    largest = std::max(largest, y * t);
+  for (std::size_t i = rows.first; i < rows.end; i += 2) {
+    const std::size_t other = i + 1 < rows.end ? 1 : 0;
+    const Two counted{1.0, static_cast<double>(other)};
+    const Two t = two_rows(point.t, i, other), per = t.inverse(), centred = mu * per;
+    const Two clamped = clamp(two_rows(multipliers.y, i, other), centred), product = clamped * t;
+    set_two_rows(multipliers.y, i, other, clamped);
+    set_two_rows(per_t_, i, other, per);
+    least = least.min(product);
+    largest = largest.max(product);
 
-    const double sigma = y * per, gradient = centred - sigma * point.residuals[i];
-    const Vector3d p = pair.gradient();
+    const Two y = counted * clamped, sigma = y * per;
+    const Two gradient = counted * centred - sigma * two_rows(point.residuals, i, other);
+    const Two n_x = two(pairs.n_x, i), n_y = two(pairs.n_y, i), turn = two(pairs.turn, i);
+    const Two lean = two(pairs.lean, i);
     sigma_sum += sigma;
     y_sum += y;
     gradient_sum += gradient;
-    sigma_n += sigma * p;
-    y_n += y * p;
-    gradient_n += gradient * p;
-    H.add(sigma, p);
-    C.add(-y * pair.curvature, pair.along());
-    C.tt += y * pair.lean;
+    sigma_n.add(sigma, n_x, n_y, turn);
+    y_n.add(y, n_x, n_y, turn);
+    gradient_n.add(gradient, n_x, n_y, turn);
+    H.add(sigma, n_x, n_y, turn);
+    C.add(-y * two(pairs.curvature, i), -n_y, n_x, lean);  // along() of PairTerms
+    C.tt += y * lean;
   }
-  least_product_ = least;
-  largest_product_ = largest;
-  return {sigma_sum, y_sum, gradient_sum, sigma_n, y_n, gradient_n, H, C};
+  least_product_ = least.minCoeff();
+  largest_product_ = largest.maxCoeff();
+  return {sigma_sum.sum(), y_sum.sum(),        gradient_sum.sum(), sigma_n.value(),
+          y_n.value(),     gradient_n.value(), H.value(),          C.value()};
 }
 
 template <int n>
@@ -181,7 +230,7 @@ void KktSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerm
   slacks_[k] = {per, gradient, pairs.sigma, pairs.sigma_n};
 
   ChainStage<n>& out = stages_[k];
-  Eigen::Matrix3d H_pose = pairs.H.matrix() - per * pairs.sigma_n * pairs.sigma_n.transpose();
+  Eigen::Matrix3d H_pose = pairs.H - per * pairs.sigma_n * pairs.sigma_n.transpose();
   H_pose.diagonal() += stage.cost.X2 + Vector3d{sigma[kX], sigma[kY], sigma[kTheta]};
   H_pose(0, 1) += stage.cost.xy;
   H_pose(1, 0) += stage.cost.xy;
@@ -203,7 +252,7 @@ void KktSystem<n>::condense_stage(const Ocp& ocp, std::size_t k, const StageTerm
   out.h_u = stage.cost.u + Vector2d{barrier[kV], barrier[kW]} +
             (pairs.gradient + per * gradient * pairs.sigma) * stage.speed_margin;
 
-  out.C_xx = pairs.C.matrix();
+  out.C_xx = pairs.C;
   out.D = stage.cost.change2 + Vector2d{sigma[kDv], sigma[kDw]};
   out.g = stage.cost.change + Vector2d{barrier[kDv], barrier[kDw]};
   out.e = stage.change;
@@ -330,21 +379,27 @@ template <int n>
 void KktSystem<n>::expand_pairs(Rows rows, const IpIterate<n>& point, double mu,
                                 const Multipliers<n>& multipliers, const PairStep& by,
                                 Step<n>& step) const {
-  double logs = 0.0, primal = step.worst_primal, dual = step.worst_dual;
-  for (std::size_t i = rows.first; i < rows.end; ++i) {
-    const double y = multipliers.y[i];
-    const double dt = point.pairs[i].gradient().dot(by.X) + by.offset + point.residuals[i];
-    const double relative = dt * per_t_[i];
-    const double dy = mu * per_t_[i] - y - y * relative;
-    step.t[i] = dt;
-    step.y[i] = dy;
-    logs += relative;
-    primal = std::max(primal, -relative);
-    if (-dy > dual * y) dual = -dy / y;
+  if (rows.first == rows.end) return;
+  const PairTable& pairs = point.pairs;
+  Two logs = Two::Zero(), primal = Two::Constant(step.worst_primal);
+  Two dual = Two::Constant(step.worst_dual);
+  for (std::size_t i = rows.first; i < rows.end; i += 2) {
+    const std::size_t other = i + 1 < rows.end ? 1 : 0;
+    const Two y = two_rows(multipliers.y, i, other), per = two_rows(per_t_, i, other);
+    const Two n_x = two_rows(pairs.n_x, i, other), n_y = two_rows(pairs.n_y, i, other);
+    const Two turn = two_rows(pairs.turn, i, other);
+    const Two dt = n_x * by.X.x() + n_y * by.X.y() + turn * by.X.z() + by.offset +
+                   two_rows(point.residuals, i, other);
+    const Two relative = dt * per, dy = mu * per - y - y * relative;
+    set_two_rows(step.t, i, other, dt);
+    set_two_rows(step.y, i, other, dy);
+    logs += Two{1.0, static_cast<double>(other)} * relative;
+    primal = primal.max(-relative);
+    dual = dual.max(-dy / y);
   }
-  step.slope -= mu * logs;
-  step.worst_primal = primal;
-  step.worst_dual = dual;
+  step.slope -= mu * logs.sum();
+  step.worst_primal = primal.maxCoeff();
+  step.worst_dual = dual.maxCoeff();
 }
 
 template <int n>

@@ -77,31 +77,12 @@ class KktSystem {
     Eigen::Vector3d X;
     double offset;
   };
-  // Σ weight v vᵀ
-  struct OuterSum {
-    double xx = 0.0, xy = 0.0, yy = 0.0, xt = 0.0, yt = 0.0, tt = 0.0;
-
-    void add(double weight, const Eigen::Vector3d& v) {
-      const double x = weight * v.x(), y = weight * v.y();
-      xx += x * v.x();
-      xy += x * v.y();
-      yy += y * v.y();
-      xt += x * v.z();
-      yt += y * v.z();
-      tt += weight * v.z() * v.z();
-    }
-    [[nodiscard]] Eigen::Matrix3d matrix() const {
-      Eigen::Matrix3d all;
-      all << xx, xy, xt, xy, yy, yt, xt, yt, tt;
-      return all;
-    }
-  };
   // Sums over the pairs of a stage.
   struct PairSums {
     double sigma = 0.0, y = 0.0, gradient = 0.0;
     Eigen::Vector3d sigma_n = Eigen::Vector3d::Zero(), y_n = Eigen::Vector3d::Zero();
     Eigen::Vector3d gradient_n = Eigen::Vector3d::Zero();
-    OuterSum H, C;
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), C = Eigen::Matrix3d::Zero();
   };
 
   void condense_bounds(const Box& box, const IpIterate<n>& point, double mu,

@@ -4,11 +4,23 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 #include "tandem/local_planner/ocp/ellipse_batch.hpp"
 #include "tandem/local_planner/ocp/stage_terms.hpp"
 
 namespace tandem {
+
+/// pair_terms() of all rows (4), one array per member, so that several are used at once. A few
+/// finite values follow those of the last row: any two neighbours can be loaded.
+struct PairTable {
+  std::vector<double> value, n_x, n_y, turn, lean, curvature;
+
+  void resize(std::size_t pair_count);
+  [[nodiscard]] PairTerms operator[](std::size_t i) const {
+    return {value[i], n_x[i], n_y[i], turn[i], lean[i], curvature[i]};
+  }
+};
 
 /// Up to eight consecutive pairs, i.e. rows (4) of an Ocp, possibly of several stages.
 class PairBatch {
@@ -19,13 +31,16 @@ class PairBatch {
   void add(const Pair& pair, std::size_t stage);
   [[nodiscard]] std::size_t count() const { return count_; }
 
-  /// pair_terms() of each pair, in the order added. X: poses at the ends of all stages.
-  void terms(std::span<const Placed> X, std::span<PairTerms> out) const;
+  /// Writes pair_terms() of each pair, in the order added, to the rows from `first` on, and finite
+  /// values to the rows of unused lanes. X: poses at the ends of all stages.
+  void terms(std::span<const Placed> X, std::size_t first, PairTable& out) const;
 
  private:
   using All = Lanes<int{kLanes}>;
 
-  [[nodiscard]] OutlineDistance<int{kLanes}> distance(const All& q_x, const All& q_y) const;
+  /// Distance from the outline of points that are at `d` from the ellipses' centres, in axes of M.
+  [[nodiscard]] OutlineDistance<int{kLanes}> distance(const All& d_x, const All& d_y) const;
+  [[nodiscard]] OutlineDistance<int{kLanes}> distance_in_axes(const All& q_x, const All& q_y) const;
 
   // Initialised so that unused lanes compute finite values.
   All a_ = All::Ones(), b_ = All::Ones(), axis_c_ = All::Ones(), axis_s_ = All::Zero();

@@ -67,10 +67,10 @@ struct Chain {
 template <int n>
 bool Chain<n>::start(const Ocp& ocp, const Iterate& guess) {
   const std::size_t stages = ocp.stages.size(), pairs = pair_count(ocp);
-  for (IpIterate<n>* point : {&now, &trial}) {
-    point->resize(stages, pairs);
-    point->set_problem(ocp);
-  }
+  now.resize(stages, pairs);
+  now.set_problem(ocp);
+  trial.resize(stages, pairs);
+  trial.set_problem_of(now);
   multipliers.resize(stages, pairs);
   system.resize(stages, pairs);
   system.reset();

@@ -11,9 +11,9 @@ namespace tandem {
 
 /// Primal-dual interior point method on the chain of stages, with a line-search filter, the exact
 /// Hessian and a Riccati recursion (riccati.hpp). It has the same optimality conditions as
-/// ipopt_solve and is about a hundred times as fast. A guess with multipliers starts at the final
-/// barrier parameter. A guess without, or one that turns out to be far from the optimum, is solved
-/// with a decreasing barrier parameter.
+/// ipopt_solve and is ten times as fast as that with MA27, a hundred times with MUMPS. A guess with
+/// multipliers starts at the final barrier parameter. A guess without, or one that turns out to be
+/// far from the optimum, is solved with a decreasing barrier parameter.
 ///
 /// Reuses its memory: no allocation once it has solved a problem of at least the same size. Equal
 /// calls give equal results unless a deadline interrupts them.

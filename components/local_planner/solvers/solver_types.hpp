@@ -50,7 +50,7 @@ struct Solution {
 /// Which solver solves the optimal control problem.
 enum class SolverKind {
   kIpopt,       ///< the reference
-  kStructured,  ///< Riccati interior point, about a hundred times as fast
+  kStructured,  ///< Riccati interior point, ten to a hundred times as fast
   kCertified,   ///< structured, verified by Ipopt started from its solution
 };
 

@@ -30,7 +30,9 @@ TEST(PairBatch, GiveTheTermsOfEachPairWhereItsStageEnds) {
     const std::vector<Placed> X{random.place(), random.place()};
     const std::size_t count = 1 + static_cast<std::size_t>(i) % PairBatch::kLanes;
     PairBatch lanes;
-    std::vector<PairTerms> expected, got(count);
+    std::vector<PairTerms> expected;
+    PairTable got;
+    got.resize(count);
     for (std::size_t k = 0; k < count; ++k) {
       ASSERT_TRUE(lanes.has_room());
       const Pair pair = random.pair(i % 3 == 0);
@@ -39,7 +41,7 @@ TEST(PairBatch, GiveTheTermsOfEachPairWhereItsStageEnds) {
       expected.push_back(pair_terms(pair, X[stage]));
     }
     EXPECT_EQ(lanes.has_room(), count < PairBatch::kLanes);
-    lanes.terms(X, got);
+    lanes.terms(X, 0, got);
     for (std::size_t k = 0; k < count; ++k) {
       EXPECT_NEAR(got[k].value, expected[k].value, 1e-12);
       EXPECT_LT((got[k].gradient() - expected[k].gradient()).norm(), 1e-7);
