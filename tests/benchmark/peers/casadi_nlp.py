@@ -13,7 +13,9 @@ import tempfile
 import casadi as ca
 import numpy as np
 
-FLAGS = ["-O3", "-march=native", "-fPIC", "-shared"]
+import script_b2
+
+FLAGS = [*script_b2.FLAGS, "-fPIC", "-shared"]
 
 
 def library(cache, generate):
@@ -65,7 +67,8 @@ class Nlp:
         options = {"print_time": False, "calc_lam_p": False, **options}
         self.solver = ca.nlpsol("solver", plugin, nlp, options)
         if cache:
-            self.solver = ca.nlpsol("solver", plugin, library(cache, self.solver.generate_dependencies), options)
+            binary = library(cache, self.solver.generate_dependencies)
+            self.solver = ca.nlpsol("solver", plugin, binary, options)
         self._buffer, self.solve = self.solver.buffer()
         self.given = {}
         for i, name in enumerate(self.solver.name_in()):

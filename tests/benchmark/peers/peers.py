@@ -20,31 +20,33 @@ class Peer:
     program: str
     options: str
     built: str  # beside what its wheel holds
-    entry: str = ""  # function of its library that is one solve; none: all of its process is counted
+
+
+COMPILED, SOLVER = "generated C", "generated solver"
 
 
 def of_casadi(name, program, options, built="", version=CASADI):
-    return Peer(name, version.replace("==", "-"), (version,), program, options, built,
-                "*_function_buffer_eval*")
+    return Peer(name, version.replace("==", "-"), (version,), program, options, built)
 
 
-COMPILED = "generated C"
+def of_package(name, package, program, options):
+    """A peer whose package needs CasADi for the derivatives."""
+    return Peer(name, package.split("==")[0], (CASADI, package), program, options, COMPILED)
+
+
 PEERS = (
     of_casadi("Ipopt (CasADi 3.6.7), the script's options", "with_ipopt.py", "script",
               version="casadi==3.6.7"),
     of_casadi("Ipopt (CasADi 3.8.2), the script's options", "with_ipopt.py", "script"),
     of_casadi("Ipopt (CasADi 3.8.2), best options", "with_ipopt.py", "best", COMPILED),
-    Peer("SSQP 0.1.2 with HPIPM, in Python", "ssqp", (CASADI, "ssqp==0.1.2"), "with_ssqp.py", "hpipm", COMPILED),
-    Peer("alpaqa 1.1.0a2, PANOC", "alpaqa", (CASADI, "alpaqa==1.1.0a2"), "with_alpaqa.py", "panoc", COMPILED),
-    Peer("alpaqa 1.1.0a2, ZeroFPR", "alpaqa", (CASADI, "alpaqa==1.1.0a2"), "with_alpaqa.py", "zerofpr",
-         COMPILED),
-    Peer("acados, SQP to 1e-4", "acados", (CASADI,), "with_acados.py", "sqp", "generated solver",
-         "*_acados_solve*"),
-    Peer("acados, RTI", "acados", (CASADI,), "with_acados.py", "rti", "generated solver", "*_acados_solve*"),
-    Peer("acados, RTI, exact Hessian", "acados", (CASADI,), "with_acados.py", "rti_exact",
-         "generated solver", "*_acados_solve*"),
-    Peer("Uno 0.4.16, interior point", "uno", (CASADI, "unopy==0.4.16"), "with_uno.py", "ipopt", COMPILED),
-    Peer("Uno 0.4.16, filter SQP", "uno", (CASADI, "unopy==0.4.16"), "with_uno.py", "filtersqp", COMPILED),
+    of_package("SSQP 0.1.2 with HPIPM, in Python", "ssqp==0.1.2", "with_ssqp.py", "hpipm"),
+    of_package("alpaqa 1.1.0a2, PANOC", "alpaqa==1.1.0a2", "with_alpaqa.py", "panoc"),
+    of_package("alpaqa 1.1.0a2, ZeroFPR", "alpaqa==1.1.0a2", "with_alpaqa.py", "zerofpr"),
+    Peer("acados, SQP to 1e-4", "acados", (CASADI,), "with_acados.py", "sqp", SOLVER),
+    Peer("acados, RTI", "acados", (CASADI,), "with_acados.py", "rti", SOLVER),
+    Peer("acados, RTI, exact Hessian", "acados", (CASADI,), "with_acados.py", "rti_exact", SOLVER),
+    of_package("Uno 0.4.16, interior point", "unopy==0.4.16", "with_uno.py", "ipopt"),
+    of_package("Uno 0.4.16, filter SQP", "unopy==0.4.16", "with_uno.py", "filtersqp"),
     of_casadi("fatrop (CasADi 3.8.2), default options", "with_fatrop.py", "default", COMPILED),
     of_casadi("fatrop (CasADi 3.8.2), best options", "with_fatrop.py", "best", COMPILED),
 )
@@ -80,19 +82,20 @@ def install(build, peer):
     return python
 
 
-def environment(build, peer):
-    """Environment variables of its process."""
+def environment(build, peer, march="native"):
+    """Environment variables of its process; `march`: processor that generated code is compiled for."""
+    out = {**os.environ, "PEERS_MARCH": march, "PYTHONDONTWRITEBYTECODE": "1"}
     if peer.environment != "acados":
-        return os.environ
+        return out
     folder = build / "peers" / "acados" / "acados"
-    return {**os.environ, "ACADOS_SOURCE_DIR": str(folder / "install"), "PYTHONPATH": str(folder),
+    return {**out, "ACADOS_SOURCE_DIR": str(folder / "install"), "PYTHONPATH": str(folder),
             "ACADOS_PYTHON_INTERFACE_PATH": str(folder / "acados_template"),
             "LD_LIBRARY_PATH": str(folder / "install" / "lib")}
 
 
-def command(build, peer, steps):
+def command(build, peer, steps, march="native"):
     return [install(build, peer), HERE / peer.program, peer.options, "--steps", str(steps), "--cache",
-            build / "peers" / "cache"]
+            build / "peers" / "cache" / march]
 
 
 def loadable(build):

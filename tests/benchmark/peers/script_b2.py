@@ -7,11 +7,15 @@ the solver reports that it has reached its tolerance.
 """
 import argparse
 import json
+import os
 import pathlib
 import time
 
 import casadi as ca
 import numpy as np
+
+# Of generated code. PEERS_MARCH: valgrind does not know all instructions of this processor.
+FLAGS = ["-O3", f"-march={os.environ.get('PEERS_MARCH', 'native')}"]
 
 N, DT = 15, 0.25
 V, W, CHANGE, WORKSPACE = (-0.4, 0.8), (-1.0, 1.0), 0.1, 4.2

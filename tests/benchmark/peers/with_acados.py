@@ -74,7 +74,7 @@ def choose(options, chosen):
     options.qp_solver_warm_start = 1
     options.integrator_type = "DISCRETE"
     options.tf = float(N)  # it weights a stage by its length
-    options.ext_fun_compile_flags = "-O3 -march=native"
+    options.ext_fun_compile_flags = " ".join(script_b2.FLAGS)
     for kind in ("stat", "eq", "ineq", "comp"):
         setattr(options, f"nlp_solver_tol_{kind}", TOLERANCE)
     for name, value in chosen.items():

@@ -52,7 +52,7 @@ def problem():
 class Peer:
     def __init__(self, name, cache):
         os.environ["ALPAQA_CACHE_DIR"] = str(cache / "alpaqa")
-        os.environ["CFLAGS"] = "-O3 -march=native"
+        os.environ["CFLAGS"] = " ".join(script_b2.FLAGS)
         self.problem = problem().compile()
         self.solver = alpaqa.ALMSolver(OUTER, OPTIONS[name]())
         self.multipliers = None
