@@ -62,15 +62,19 @@ def peer_instructions(build, peer):
     few, many, march = 10, 40, "x86-64-v3"  # newer instructions are beyond valgrind 3.19
     if shutil.which("valgrind") is None:
         return None
+    environment = peers.environment(build, peer, march)
+
+    def count(steps, *options):
+        return total(callgrind([*peers.command(build, peer, steps, march), *options], "", environment))
+
     try:
         # Once without valgrind, which compiles.
-        subprocess.run(peers.command(build, peer, 1, march), env=peers.environment(build, peer, march),
-                       check=True, capture_output=True)
-        counts = [total(callgrind(peers.command(build, peer, steps, march), "",
-                                  peers.environment(build, peer, march))) for steps in (few, many)]
+        subprocess.run(peers.command(build, peer, 1, march), env=environment, check=True,
+                       capture_output=True)
+        around = count(many, "--idle") - count(few, "--idle")
+        return (count(many) - count(few) - around) / (many - few) / 1e6
     except subprocess.CalledProcessError:
         return None
-    return (counts[1] - counts[0]) / (many - few) / 1e6
 
 
 def instructions(build, row):
