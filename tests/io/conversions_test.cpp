@@ -36,6 +36,7 @@ TEST(Convert, PoseComesBackWithItsHeading) {
 
 TEST(Convert, DistinguishesAZeroQuaternionFromANonFiniteNumber) {
   geometry_msgs::msg::Quaternion q;
+  q.w(0.0);
   EXPECT_NE(std::string{fault_of(q)}.find("zero quaternion"), std::string::npos);
   q.w(kNaN);
   EXPECT_STREQ(fault_of(q), "is not finite");
@@ -48,7 +49,9 @@ TEST(Convert, ATransformInSpaceRoundTripsAndAnInvalidOneIsRefused) {
   EXPECT_TRUE(from_msg(msg)->isApprox(X, 1e-12));
   msg.translation().z(kNaN);
   EXPECT_FALSE(from_msg(msg));
-  EXPECT_FALSE(from_msg(geometry_msgs::msg::Transform{}));  // its quaternion is zero
+  geometry_msgs::msg::Transform zero;
+  zero.rotation().w(0.0);
+  EXPECT_FALSE(from_msg(zero));
   msg = to_transform(X, header({}, "base_link"), "laser").transform();
   msg.rotation().w(std::numeric_limits<double>::infinity());
   EXPECT_FALSE(from_msg(msg));
