@@ -12,16 +12,17 @@ namespace tandem {
 namespace {
 
 constexpr int kSchemaVersion = 3;  // Humble's
+const std::string kContent = "a recording, stored as mcap or sqlite3";
 
 // ROS 2 Eloquent and older have no QoS column.
-std::string topics_query(const BagDatabase& database) {
+std::string topics_query(const SqliteDatabase& database) {
   const auto column = sql::prepare(
       database, "SELECT 1 FROM pragma_table_info('topics') WHERE name = 'offered_qos_profiles'");
   const std::string qos = sql::step(database, column) ? "offered_qos_profiles" : "''";
   return "SELECT id, name, type, serialization_format, " + qos + " FROM topics ORDER BY id";
 }
 
-void check_format(const BagDatabase& database, const std::string& topic,
+void check_format(const SqliteDatabase& database, const std::string& topic,
                   const std::string& format) {
   if (format == "cdr") return;
   throw std::runtime_error(database.name + ": serialization_format of " + topic + " is '" + format +
@@ -31,7 +32,7 @@ void check_format(const BagDatabase& database, const std::string& topic,
 }  // namespace
 
 // A write-ahead log lets others read the file while it is written.
-SqliteWriter::SqliteWriter(const std::string& file) : database_{create_database(file)} {
+SqliteWriter::SqliteWriter(const std::string& file) : database_{create_database(file, kContent)} {
   sql::execute(database_,
                "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
                "CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);"
@@ -78,7 +79,7 @@ void SqliteWriter::close(const std::string& /*metadata*/) {
 }
 
 SqliteReader::SqliteReader(const std::string& file, const std::string& name, bool is_temporary)
-    : database_{open_database(file, name, is_temporary)} {
+    : database_{open_database({file, name, is_temporary}, kContent)} {
   const auto rows = sql::prepare(database_, topics_query(database_));
   while (sql::step(database_, rows)) {
     const std::string topic = sql::text(rows, 1);

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "bringup/bag/bag_database.hpp"
 #include "bringup/bag/bag_storage.hpp"
+#include "bringup/sqlite/sqlite_database.hpp"
 
 namespace tandem {
 
@@ -21,13 +21,13 @@ class SqliteWriter : public BagFileWriter {
   void close(const std::string& metadata) override;
 
  private:
-  BagDatabase database_;
-  BagStatement insert_;
+  SqliteDatabase database_;
+  SqliteStatement insert_;
 };
 
 class SqliteReader : public BagFileReader {
  public:
-  /// `name` and `is_temporary`: as open_database() takes them.
+  /// `name` and `is_temporary`: as in SqliteFile.
   SqliteReader(const std::string& file, const std::string& name, bool is_temporary);
 
   [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
@@ -35,8 +35,8 @@ class SqliteReader : public BagFileReader {
   [[nodiscard]] bool next(BagMessage& message) override;
 
  private:
-  BagDatabase database_;
-  BagStatement select_;
+  SqliteDatabase database_;
+  SqliteStatement select_;
   std::vector<BagTopic> topics_;
   std::map<std::int64_t, std::size_t> index_;  // into topics_, by the file's ids
   std::int64_t first_ = 0;

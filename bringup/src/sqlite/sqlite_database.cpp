@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bringup/bag/bag_database.hpp"
+#include "bringup/sqlite/sqlite_database.hpp"
 
 #include <sqlite3.h>
 
@@ -13,13 +13,14 @@ namespace fs = std::filesystem;
 
 constexpr int kBusy = 1000;  // [ms] to wait for another process's lock on the file
 
-std::string mend(int result, const std::string& file) {
+std::string mend(int result, const SqliteDatabase& database) {
   switch (result) {
     case SQLITE_CORRUPT:  // truncated, or a sector is lost
-      return "; recover what is left of it: sqlite3 " + file + " .recover | sqlite3 saved.db3";
+      return "; recover what is left of it: sqlite3 " + database.name +
+             " .recover | sqlite3 saved.db3";
     case SQLITE_NOTADB:
     case SQLITE_ERROR:  // no such table
-      return "; is it a recording, stored as mcap or sqlite3?";
+      return "; is it " + database.content + "?";
     case SQLITE_FULL:
       return "; free some disk space";
     default:
@@ -27,11 +28,12 @@ std::string mend(int result, const std::string& file) {
   }
 }
 
-// `file` may be an SQLite URI; error messages use `name`.
-BagDatabase open(const std::string& file, int flags, const std::string& name) {
+// `path` may be an SQLite URI; error messages use `name`.
+SqliteDatabase open(const std::string& path, int flags, const std::string& name,
+                    const std::string& content) {
   sqlite3* raw = nullptr;
-  const int result = sqlite3_open_v2(file.c_str(), &raw, flags, nullptr);
-  BagDatabase database{{raw, sqlite3_close}, name};
+  const int result = sqlite3_open_v2(path.c_str(), &raw, flags, nullptr);
+  SqliteDatabase database{{raw, sqlite3_close}, name, content};
   if (result != SQLITE_OK) sql::fail(database);
   sqlite3_busy_timeout(raw, kBusy);
   return database;
@@ -46,25 +48,25 @@ std::string uri_of(const fs::path& file) {
 
 }  // namespace
 
-BagDatabase create_database(const std::string& file) {
-  return open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, file);
+SqliteDatabase create_database(const std::string& file, const std::string& content) {
+  return open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, file, content);
 }
 
-BagDatabase open_database(const std::string& file, const std::string& name, bool is_temporary) {
+SqliteDatabase open_database(const SqliteFile& file, const std::string& content) {
   // Nothing writes to a temporary file, so SQLite needs neither locks nor a write-ahead log.
-  return is_temporary
-             ? open(uri_of(file) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, name)
-             : open(file, SQLITE_OPEN_READONLY, name);
+  return file.is_temporary ? open(uri_of(file.path) + "?immutable=1",
+                                  SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, file.name, content)
+                           : open(file.path, SQLITE_OPEN_READONLY, file.name, content);
 }
 
 namespace sql {
 
-void fail(const BagDatabase& database) {
+void fail(const SqliteDatabase& database) {
   throw std::runtime_error(database.name + ": " + sqlite3_errmsg(database.handle.get()) +
-                           mend(sqlite3_errcode(database.handle.get()), database.name));
+                           mend(sqlite3_errcode(database.handle.get()), database));
 }
 
-BagStatement prepare(const BagDatabase& database, const std::string& sql) {
+SqliteStatement prepare(const SqliteDatabase& database, const std::string& sql) {
   sqlite3_stmt* raw = nullptr;
   if (sqlite3_prepare_v2(database.handle.get(), sql.c_str(), -1, &raw, nullptr) != SQLITE_OK)
     fail(database);
@@ -72,23 +74,23 @@ BagStatement prepare(const BagDatabase& database, const std::string& sql) {
   return {raw, [database](sqlite3_stmt* statement) { sqlite3_finalize(statement); }};
 }
 
-void execute(const BagDatabase& database, const std::string& sql) {
+void execute(const SqliteDatabase& database, const std::string& sql) {
   if (sqlite3_exec(database.handle.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
     fail(database);
 }
 
-bool step(const BagDatabase& database, const BagStatement& statement) {
+bool step(const SqliteDatabase& database, const SqliteStatement& statement) {
   const int result = sqlite3_step(statement.get());
   if (result != SQLITE_ROW && result != SQLITE_DONE) fail(database);
   return result == SQLITE_ROW;
 }
 
-std::string text(const BagStatement& row, int column) {
+std::string text(const SqliteStatement& row, int column) {
   const auto* chars = reinterpret_cast<const char*>(sqlite3_column_text(row.get(), column));
   return chars == nullptr ? "" : chars;
 }
 
-void bind_text(const BagStatement& statement, int index, const std::string& value) {
+void bind_text(const SqliteStatement& statement, int index, const std::string& value) {
   sqlite3_bind_text(statement.get(), index, value.data(), static_cast<int>(value.size()),
                     SQLITE_TRANSIENT);
 }
