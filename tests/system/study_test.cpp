@@ -9,9 +9,11 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "bringup/sqlite/sqlite_database.hpp"
 #include "support/captured_log.hpp"
 #include "support/child_process.hpp"
 #include "support/paths.hpp"
@@ -41,6 +43,14 @@ class StudyProgram : public ::testing::Test {
   static std::string out(const std::string& name) { return (folder() / name).string(); }
 
   static std::string study() { return test::source_path("bringup/studies/quick.yaml"); }
+  // A study of 8 short drives.
+  static fs::path write_short_study() {
+    const fs::path file = folder() / "short.yaml";
+    std::ofstream{file} << "study: short\nscenarios: [{file: "
+                        << test::source_path("bringup/scenarios/forest_task2.yaml")
+                        << ", duration: 3}]\nmethods: [manual, leader]\nseeds: 4\n";
+    return file;
+  }
   // Runs `tandem study` with two processes and returns its exit status.
   static int run(std::vector<std::string> words, double timeout = kLong) {
     words.insert(words.begin(), "study");
@@ -49,18 +59,30 @@ class StudyProgram : public ::testing::Test {
     test::ChildProcess program{"../tandem", words};
     return program.wait(timeout).value_or(-1);
   }
-  static std::size_t lines(const std::string& name) {
-    std::ifstream in{out(name) + "/drives.jsonl", std::ios::binary};
-    const std::string text{std::istreambuf_iterator<char>{in}, {}};
-    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  // Number of finished drives; 0 as long as there is no file of them.
+  static std::size_t finished(const std::string& name) {
+    try {
+      return static_cast<std::size_t>(std::stoul(first_value(name, "SELECT count(*) FROM drives")));
+    } catch (const std::runtime_error&) {
+      return 0;
+    }
+  }
+  // The first value of a query, or statement, on the drives of a folder.
+  static std::string first_value(const std::string& name, const std::string& query) {
+    if (!fs::exists(out(name) + "/drives.sqlite")) throw std::runtime_error("no drives");
+    const auto database = create_database(out(name) + "/drives.sqlite", "the results of a study");
+    const auto row = sql::prepare(database, query);
+    return sql::step(database, row) ? sql::text(row, 0) : "";
   }
   // The drives without the values measured by a clock.
   static json drives(const std::string& name) {
     std::ifstream in{out(name) + "/drives.json"};
     json drives = json::parse(in);
-    for (json& drive : drives)
+    for (json& drive : drives) {
       for (const char* key : {"wall_s", "cpu_s", "part_s", "plan_ms", "missed_deadlines"})
         drive.erase(key);
+      drive["map"] = fs::path{drive["map"].get<std::string>()}.filename();  // relative to where
+    }
     return drives;
   }
 };
@@ -87,16 +109,16 @@ TEST_F(StudyProgram, ResumesAfterAKillWithoutLosingADriveAndEndsWithTheSameResul
   {
     test::ChildProcess program{
         "../tandem", {"study", study(), "--out", out("killed"), "--jobs", "2", "--no-report"}};
-    while (lines("killed") < kDrives / 6) ASSERT_FALSE(program.wait(0.01).has_value());
+    while (finished("killed") < kDrives / 6) ASSERT_FALSE(program.wait(0.01).has_value());
     program.send(SIGKILL);
     EXPECT_EQ(program.wait(20.0), 128 + SIGKILL);
   }
-  const std::size_t kept = lines("killed");
+  const std::size_t kept = finished("killed");
   EXPECT_LT(kept, kDrives);
   const test::CapturedLog log;
   ASSERT_EQ(run({study(), "--out", out("killed")}), 0);
   EXPECT_EQ(log.lines(std::to_string(kept) + " already finished"), 1) << log.text();
-  EXPECT_EQ(lines("killed"), kDrives);
+  EXPECT_EQ(finished("killed"), kDrives);
   EXPECT_EQ(drives("killed"), drives("whole"));
 }
 
@@ -106,6 +128,67 @@ TEST_F(StudyProgram, MergedShardsEqualTheWhole) {
   EXPECT_EQ(drives("shard2").size(), kDrives / 3);
   ASSERT_EQ(run({"merge", out("merged"), out("shard1"), out("shard2"), out("shard3")}), 0);
   EXPECT_EQ(drives("merged"), drives("whole"));
+}
+
+TEST_F(StudyProgram, SaysWhatItWillCostAndHowManyDrivesACpuHourMade) {
+  const fs::path file = write_short_study();
+  const test::CapturedLog log;
+  ASSERT_EQ(run({file, "--out", out("short")}), 0);
+  EXPECT_EQ(log.lines("short: 8 drives cost about "), 1) << log.text();
+  EXPECT_EQ(log.lines(" drives per CPU hour"), 1) << log.text();
+  EXPECT_GT(std::stod(first_value("short", "SELECT min(cost_s) FROM drives")), 0.0);
+}
+
+// Two workers take the first shard at the same time, one is killed, and the second shard is driven
+// twice: nothing is lost.
+TEST_F(StudyProgram, PlansShardsThatAreDrivenInAnyWay) {
+  const fs::path file = write_short_study();
+  ASSERT_EQ(run({file, "--out", out("unplanned")}), 0);
+  test::ChildProcess planner{"../tandem",
+                             {"study", "plan", file, "--jobs", "2", "--out", out("planned")}};
+  ASSERT_EQ(planner.wait(kLong), 0);
+  const auto shard = [&](const std::string& number) {
+    return std::vector<std::string>{
+        "study",   file,          "--plan",     out("planned") + "/plan.json",
+        "--shard", number + "/2", "--out",      out("planned") + "/shards/" + number,
+        "--jobs",  "1",           "--no-report"};
+  };
+  {
+    test::ChildProcess one{"../tandem", shard("1")}, same{"../tandem", shard("1")},
+        killed{"../tandem", shard("1")};
+    while (finished("planned/shards/1") == 0) ASSERT_FALSE(killed.wait(0.01).has_value());
+    killed.send(SIGKILL);
+    EXPECT_EQ(one.wait(kLong), 0);
+    EXPECT_EQ(same.wait(kLong), 0);
+  }
+  for (const int times : {1, 2}) {
+    test::ChildProcess other{"../tandem", shard("2")};
+    EXPECT_EQ(other.wait(kLong), 0) << times;
+  }
+  EXPECT_EQ(finished("planned/shards/1") + finished("planned/shards/2") + finished("planned"), 8u);
+  ASSERT_EQ(run({"merge", out("planned"), out("planned/shards/1"), out("planned/shards/2")}), 0);
+  EXPECT_EQ(drives("planned"), drives("unplanned"));
+}
+
+// As on another machine: the same build in another folder, run from a third one, in another
+// environment, language and time zone, and with another number of processes.
+TEST_F(StudyProgram, DrivesTheSameInAnotherCheckoutAndEnvironment) {
+  const std::string copy = out("another checkout");
+  fs::create_directories(copy + "/share");
+  fs::create_directories(copy + "/somewhere");
+  ASSERT_EQ(std::system(("cp ../tandem ../libtandem_* '" + copy + "' && cp -rL ../share/tandem '" +
+                         copy + "/share'")
+                            .c_str()),
+            0);
+  ASSERT_EQ(std::system(("cd '" + copy +
+                         "/somewhere' && env -i HOME=/nowhere LC_ALL=de_DE.UTF-8 TZ=Asia/Kolkata "
+                         "MALLOC_PERTURB_=170 ../tandem study quick --out '" +
+                         out("elsewhere") + "' --jobs 3 --no-report >/dev/null 2>&1")
+                            .c_str()),
+            0);
+  EXPECT_EQ(drives("elsewhere"), drives("whole"));
+  const std::string origin = "SELECT DISTINCT build || machine FROM drives";
+  EXPECT_EQ(first_value("elsewhere", origin), first_value("whole", origin));
 }
 
 TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
@@ -141,17 +224,16 @@ TEST_F(StudyProgram, RefusesAFolderOfAnotherStudyAndInvalidShards) {
 
 TEST_F(StudyProgram, SaysThatADriveIsOfAnotherBuild) {
   fs::copy(out("whole"), out("mixed"));
-  std::ifstream in{out("whole") + "/drives.jsonl", std::ios::binary};
-  std::string text{std::istreambuf_iterator<char>{in}, {}};
-  const std::string key = "\"build\":\"";
-  text.replace(text.find(key) + key.size(), 16, "0123456789abcdef");
-  std::ofstream{out("mixed") + "/drives.jsonl", std::ios::binary} << text;
+  (void)first_value("mixed",
+                    "UPDATE drives SET build = '0123456789abcdef'"
+                    " WHERE scenario = 'corridor' AND method = 'leader' AND seed = 2");
   const test::CapturedLog log;
   ASSERT_EQ(run({study(), "--out", out("mixed")}), 0);
   EXPECT_EQ(log.lines("1 of them by another build of tandem"), 1) << log.text();
-  const json builds = json::parse(std::ifstream{out("mixed") + "/builds.json"});
-  EXPECT_EQ(builds.size(), 2u);
-  EXPECT_EQ(builds.at("0123456789abcdef"), 1);
+  const json origins = json::parse(std::ifstream{out("mixed") + "/origins.json"});
+  ASSERT_EQ(origins.size(), 2u);
+  EXPECT_EQ(origins[0].at("drives"), kDrives - 1);
+  EXPECT_EQ(origins[1].at("build"), "0123456789abcdef");
 }
 
 // The command fails with one line of explanation before any drive.

@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws the report of a study: DIR/report.html with all pictures embedded, and DIR/*.png.
 
-Usage: report.py DIR    (reads the files that `tandem study` wrote there: drives.jsonl, drives.json,
-                         summary.json, builds.json, study.json, worlds.json)
+Usage: report.py DIR    (reads the files that `tandem study` wrote there: drives.sqlite, summary.json,
+                         origins.json, study.json, worlds.json)
+
+The drives are queried, one measure of one group of drives at a time: there may be millions.
 """
+import array
 import base64
 import html
 import json
 import math
 import pathlib
+import sqlite3
 import statistics
 import sys
 
@@ -19,36 +23,70 @@ from report_pictures import (STYLES, THESIS_COLLISIONS, THESIS_TIMES,  # noqa: E
                              world_pictures)
 
 
+# Whether the map of a drive has the file name :map.
+IN_MAP = "(drives.map = :map OR substr(drives.map, -length(:map) - 1) = '/' || :map)"
+
+
 class Study:
     """The results in a study's folder."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
         self.name = self.read("study.json")["study"]
-        self.planned = len(self.read("study.json")["drives"])
-        self.drives = self.read("drives.json")
+        self.planned = sum(count_of(group["seeds"]) for group in self.read("study.json")["groups"])
         self.summary = self.read("summary.json")
         self.worlds = self.read("worlds.json")
-        self.builds = self.read("builds.json")
-        self.methods = list(dict.fromkeys(d["method"] for d in self.drives))
-        self.drivers = list(dict.fromkeys(d["driver"] for d in self.drives))
-        self.scenarios = list(dict.fromkeys(d["scenario"] for d in self.drives))
+        self.origins = self.read("origins.json")
+        self.methods, self.drivers, self.scenarios = (
+            list(dict.fromkeys(g[key] for g in self.summary)) for key in ("method", "driver", "scenario"))
+        file = (self.folder / "drives.sqlite").resolve()
+        self.database = sqlite3.connect(f"{file.as_uri()}?mode=ro", uri=True)
 
     def read(self, name):
         return json.loads((self.folder / name).read_text())
 
-    def tracks(self):
-        """Yields drive, track and contacts of each line, in the order of finishing."""
-        with open(self.folder / "drives.jsonl", encoding="utf-8") as lines:
-            for line in lines:
-                entry = json.loads(line)
-                yield entry["drive"], entry["track"], entry["contacts"]
+    def values(self, expression, only="1", **wanted):
+        """The defined values of an expression, as a compact array, of the drives for which `only`
+        holds and whose columns have the wanted values."""
+        conditions = " AND ".join([only, *(f"{column} = :{column}" for column in wanted)])
+        rows = self.database.execute(
+            f"SELECT {expression} FROM drives WHERE {conditions} ORDER BY scenario, method, driver, seed",
+            wanted)
+        return array.array("d", (value for value, in rows if value is not None))
 
-    def of(self, **wanted):
-        return [d for d in self.drives if all(d[k] == v for k, v in wanted.items())]
+    def count(self, **wanted):
+        return sum(g["n"] for g in self.summary if all(g[k] == v for k, v in wanted.items()))
+
+    def total(self, key):
+        return sum(g[key] for g in self.summary)
+
+    def tracks(self, scenario, method, map_name, most):
+        """Whether the goal was reached, track and contacts of a method's drives in the map of that
+        file name: of those with the smallest seeds, `most` at most."""
+        rows = self.database.execute(
+            "SELECT reached, track, contacts FROM (SELECT scenario, method, driver, seed, reached"
+            f" FROM drives WHERE scenario = :scenario AND method = :method AND {IN_MAP}"
+            " ORDER BY seed, driver LIMIT :most)"
+            " JOIN tracks USING (scenario, method, driver, seed)",
+            {"scenario": scenario, "method": method, "map": map_name, "most": most})
+        return [(reached, json.loads(track), json.loads(contacts))
+                for reached, track, contacts in rows]
+
+    def drives_in(self, scenario, method, map_name):
+        """Number of a method's drives in that map, and of their collisions."""
+        return self.database.execute(
+            "SELECT count(*), sum(collisions) FROM drives"
+            f" WHERE scenario = :scenario AND method = :method AND {IN_MAP}",
+            {"scenario": scenario, "method": method, "map": map_name}).fetchone()
 
     def style(self, method):
         return STYLES[self.methods.index(method) % len(STYLES)]
+
+
+def count_of(seeds):
+    """The number of seeds in ranges such as 1-20,25."""
+    return sum(int(last or first) - int(first) + 1
+               for first, _, last in (part.partition("-") for part in seeds.split(",")))
 
 
 def number(value, digits=2, unit=""):
@@ -80,10 +118,9 @@ def thesis_table(study, driver):
             ("Devalla 2020: shared, trained", None, THESIS_TIMES["shared, trained"])):
         rows.append((name, *collision_cells(collisions), *time_cells(times)))
     for method in study.methods:
-        task1 = [d["collisions"] for d in study.of(scenario="forest_task1", method=method,
-                                                   driver=driver)]
-        task2 = [d["time_to_goal_s"] for d in study.of(scenario="forest_task2", method=method,
-                                                       driver=driver) if d["reached"]]
+        task1 = study.values("collisions", scenario="forest_task1", method=method, driver=driver)
+        task2 = study.values("time_to_goal_s", "reached", scenario="forest_task2", method=method,
+                             driver=driver)
         if task1 or task2:
             rows.append((html.escape(method), *collision_cells(task1), *time_cells(task2)))
     if len(rows) == 3:
@@ -95,13 +132,13 @@ def thesis_table(study, driver):
 def collision_cells(values):
     if not values:
         return ("–", "–", "–")
-    return (len(values), sum(values), f"{statistics.mean(values):.2f}")
+    return (len(values), f"{sum(values):.0f}", f"{statistics.fmean(values):.2f}")
 
 
 def time_cells(values):
     if not values:
         return ("–", "–", "–")
-    return (len(values), f"{statistics.mean(values):.2f} s", f"{median(values):.2f} s")
+    return (len(values), f"{statistics.fmean(values):.2f} s", f"{median(values):.2f} s")
 
 
 def scenario_table(study, scenario):
@@ -179,18 +216,21 @@ def image(file, text):
 
 def page(study):
     driver = "navigator" if "navigator" in study.drivers else study.drivers[0]
-    collisions = sum(d["collisions"] for d in study.drives)
-    simulated = sum(d["simulated_s"] for d in study.drives)
-    missing = study.planned - len(study.drives)
+    drives, collisions = study.total("n"), study.total("collisions")
+    missing = study.planned - drives
+    builds = {}
+    for origin in study.origins:
+        builds[origin["build"]] = builds.get(origin["build"], 0) + origin["drives"]
     parts = [
         f"<h1>Study {html.escape(study.name)}</h1>",
-        f"<p>{len(study.drives)} simulated drives, {simulated / 3600:.1f} hours, "
+        f"<p>{drives} simulated drives, {study.total('simulated_s') / 3600:.1f} hours, "
         f"{collisions} collisions; {len(study.scenarios)} scenarios, {len(study.methods)} methods, "
         f"{len(study.drivers)} drivers."
         + (f" <b>{missing} drives are missing.</b>" if missing else "")
-        + (f" <b>Made by {len(study.builds)} builds of tandem: "
-           f"{', '.join(map(str, study.builds.values()))} drives.</b>"
-           if len(study.builds) > 1 else "") + "</p>",
+        + (f" <b>Made by {len(builds)} builds of tandem: {', '.join(map(str, builds.values()))} drives.</b>"
+           if len(builds) > 1 else "") + "</p>",
+        table(["build", "machine", "drives"],
+              [(o["build"], html.escape(o["machine"]), o["drives"]) for o in study.origins]),
         "<p>Medians over seeds with bootstrap 95 % confidence intervals in brackets; shares with "
         "Wilson's. Times count drives that arrived. A collision is a contact episode: it ends when "
         "the outline has been clear by 0.05 m for 0.5 s.</p>",
@@ -210,7 +250,8 @@ def page(study):
         parts += [f"<h2>{html.escape(scenario)}</h2>", scenario_table(study, scenario),
                   image(distributions_picture(study, scenario), f"distributions in {scenario}")]
         shown = [key for key in paths if key[0] == scenario]
-        worlds = len({d["map"] for d in study.of(scenario=scenario)})
+        worlds, = study.database.execute("SELECT count(DISTINCT map) FROM drives WHERE scenario = ?",
+                                         (scenario,)).fetchone()
         if worlds > len(shown):
             parts.append(f"<p>Pictures of {len(shown)} of its {worlds} worlds.</p>")
         parts += [image(paths[key], f"paths in {key[1]}") for key in shown]
@@ -227,7 +268,7 @@ def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__.strip())
     study = Study(sys.argv[1])
-    if not study.drives:
+    if not study.summary:
         sys.exit(f"{study.folder}: no drive is finished yet")
     file = study.folder / "report.html"
     file.write_text(page(study))

@@ -34,6 +34,7 @@ STYLES = [
     ("#3B528B", "*", "**", (0, (4, 1, 1, 1, 1, 1))),
 ]
 PAPER = "#f2f2f2"
+MAX_MARKERS, MAX_PATHS = 300, 100  # drawn of one method
 
 plt.rcParams.update(
     {
@@ -60,11 +61,12 @@ def save(figure, study, name):
 
 
 def strip(axes, row, values, style, label):
-    """Draws one row of values as markers, stacked where they are equal, and a bar at the median."""
+    """Draws one row of values as markers, stacked where they are equal, and a bar at the median. Of
+    very many values only the first are drawn."""
     color, marker, _, _ = style
     seen = {}
     spread = max(values, default=0) - min(values, default=0) or 1.0
-    for value in sorted(values):
+    for value in sorted(values[:MAX_MARKERS]):
         bucket = round(60.0 * value / spread) if spread else 0
         count = seen[bucket] = seen.get(bucket, 0) + 1
         side = (count // 2) * (1 if count % 2 else -1)
@@ -74,6 +76,8 @@ def strip(axes, row, values, style, label):
         middle = median(values)
         axes.plot([middle, middle], [row - 0.38, row + 0.38], color="black", linewidth=2,
                   zorder=1, alpha=0.6)
+    if len(values) > MAX_MARKERS:
+        label += f" ({MAX_MARKERS} drawn)"
     axes.text(1.01, row, label, transform=axes.get_yaxis_transform(), va="center", fontsize=8)
 
 
@@ -96,7 +100,7 @@ def beside_thesis(study, file, title, xlabel, thesis, ours, summary):
 
 
 def collisions_picture(study, driver):
-    ours = {m: [d["collisions"] for d in study.of(scenario="forest_task1", method=m, driver=driver)]
+    ours = {m: study.values("collisions", scenario="forest_task1", method=m, driver=driver)
             for m in study.methods}
     ours = {m: values for m, values in ours.items() if values}
     if not ours:
@@ -104,20 +108,19 @@ def collisions_picture(study, driver):
     return beside_thesis(
         study, "thesis_collisions", "Task 1: two minutes of free driving in the forest",
         "collisions of a drive; the bar is the median", THESIS_COLLISIONS, ours,
-        lambda v: f"{sum(v)} in {len(v)} drives, mean {statistics.mean(v):.2f}")
+        lambda v: f"{sum(v):.0f} in {len(v)} drives, mean {statistics.fmean(v):.2f}")
 
 
 def times_picture(study, driver):
-    ours = {m: [d["time_to_goal_s"] for d in study.of(scenario="forest_task2", method=m,
-                                                      driver=driver) if d["reached"]]
-            for m in study.methods}
+    ours = {m: study.values("time_to_goal_s", "reached", scenario="forest_task2", method=m,
+                            driver=driver) for m in study.methods}
     ours = {m: values for m, values in ours.items() if values}
     if not ours:
         return None
     return beside_thesis(
         study, "thesis_times", "Task 2: from the start to the marked region",
         "time to the region [s]; the bar is the median", THESIS_TIMES, ours,
-        lambda v: f"mean {statistics.mean(v):.2f} s, n = {len(v)}")
+        lambda v: f"mean {statistics.fmean(v):.2f} s, n = {len(v)}")
 
 
 DISTRIBUTIONS = [
@@ -129,13 +132,12 @@ DISTRIBUTIONS = [
 
 
 def distributions_picture(study, scenario):
-    drives = study.of(scenario=scenario)
-    methods = [m for m in study.methods if any(d["method"] == m for d in drives)]
+    methods = [m for m in study.methods if study.count(scenario=scenario, method=m)]
     figure, all_axes = plt.subplots(1, len(DISTRIBUTIONS), figsize=(11, 0.34 * len(methods) + 1.1),
                                     sharey=True)
     for axes, (key, label) in zip(all_axes, DISTRIBUTIONS):
         for row, method in enumerate(methods):
-            values = [d[key] for d in drives if d["method"] == method and d[key] is not None]
+            values = study.values(key, scenario=scenario, method=method)
             if not values:
                 axes.text(0.5, row, "none", transform=axes.get_yaxis_transform(), ha="center",
                           va="center", fontsize=7, color="#666666")
@@ -151,7 +153,7 @@ def distributions_picture(study, scenario):
         axes.set_axisbelow(True)
     all_axes[0].set_yticks(range(len(methods)), methods)
     all_axes[0].set_ylim(len(methods) - 0.5, -0.5)
-    figure.suptitle(f"{scenario}: {len(drives)} drives of all drivers and seeds", x=0.01,
+    figure.suptitle(f"{scenario}: {study.count(scenario=scenario)} drives of all drivers and seeds", x=0.01,
                     ha="left", fontsize=10)
     figure.tight_layout()
     return save(figure, study, f"distributions_{scenario}")
@@ -191,7 +193,7 @@ def limits(scene, world, tracks):
 
 
 def world_picture(study, scenario, world_name, drives):
-    """Draws all paths through one world, with a panel per method."""
+    """Draws the paths through one world, with a panel per method. `drives`: by method."""
     scene = study.worlds[scenario]
     world = scene["worlds"][world_name]
     methods = [m for m in study.methods if m in drives]
@@ -208,15 +210,15 @@ def world_picture(study, scenario, world_name, drives):
     for axes, method in zip(grid.flat, methods):
         color, _, _, _ = study.style(method)
         draw_scene(axes, scene, world)
-        touches = 0
-        for drive, track, contacts in drives[method]:
+        for reached, track, contacts in drives[method]:
             axes.plot([p[0] for p in track], [p[1] for p in track], color=color, linewidth=0.7,
-                      linestyle="-" if drive["reached"] else ":", alpha=0.7)
-            touches += drive["collisions"]
+                      linestyle="-" if reached else ":", alpha=0.7)
             axes.plot([p[0] for p in contacts], [p[1] for p in contacts], "x", color="black",
                       markersize=6, markeredgewidth=1.6, zorder=5)
         axes.set(xlim=(x1, x2), ylim=(y1, y2), aspect="equal")
-        axes.set_title(f"{method}: {len(drives[method])} drives, {touches} collisions", fontsize=8)
+        count, touches = study.drives_in(scenario, method, world_name)
+        drawn = f" ({MAX_PATHS} drawn)" if count > MAX_PATHS else ""
+        axes.set_title(f"{method}: {count} drives{drawn}, {touches} collisions", fontsize=8)
     where = scenario if len(scene["worlds"]) == 1 else f"{scenario}, {world_name}"
     figure.suptitle(f"{where}    × collision    dotted: did not arrive    dashed: goal", x=0.01,
                     ha="left", fontsize=9)
@@ -226,11 +228,11 @@ def world_picture(study, scenario, world_name, drives):
 
 
 def world_pictures(study):
-    by_world = {}
-    for drive, track, contacts in study.tracks():
-        world = pathlib.Path(drive["map"]).name
-        if world in study.worlds.get(drive["scenario"], {"worlds": {}})["worlds"]:
-            methods = by_world.setdefault((drive["scenario"], world), {})
-            methods.setdefault(drive["method"], []).append((drive, track, contacts))
-    order = sorted(by_world, key=lambda k: (study.scenarios.index(k[0]), k[1]))
-    return {key: world_picture(study, *key, by_world[key]) for key in order}
+    pictures = {}
+    for scenario in study.scenarios:
+        for world in sorted(study.worlds.get(scenario, {"worlds": {}})["worlds"]):
+            drives = {m: study.tracks(scenario, m, world, MAX_PATHS) for m in study.methods}
+            drives = {m: own for m, own in drives.items() if own}
+            if drives:
+                pictures[scenario, world] = world_picture(study, scenario, world, drives)
+    return pictures

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -52,6 +53,13 @@ std::optional<double> free_time(const Scenario& scenario, DriveOptions options,
   return result.reached ? std::optional{result.time_to_goal_s} : std::nullopt;
 }
 
+// CPU time of this process [s].
+double cpu_time() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 // Score of one drive in the BARN challenge; see DriveResult.
 std::optional<double> barn_score(const Scenario& scenario, const DriveResult& result) {
   constexpr double kSpeed = 2.0;  // [m/s]
@@ -90,6 +98,7 @@ void check_study(const Study& study) {
 }
 
 nlohmann::json make_drive(const Study& study, const StudyDrive& drive, Lockstep& lockstep) {
+  const double start = cpu_time();
   const StudyCell& cell = study.cells[drive.cell];
   DriveOptions options = cell.options;
   options.seed = drive.seed;
@@ -102,7 +111,10 @@ nlohmann::json make_drive(const Study& study, const StudyDrive& drive, Lockstep&
   if (result.reached && result.free_time_s)
     result.time_ratio = result.time_to_goal_s / *result.free_time_s;
   result.barn_score = barn_score(cell.scenario, result);
-  return {{"drive", result}, {"track", thinned(log.track)}, {"contacts", contacts(log.track)}};
+  return {{"drive", result},
+          {"track", thinned(log.track)},
+          {"contacts", contacts(log.track)},
+          {"cost_s", cpu_time() - start}};
 }
 
 }  // namespace tandem

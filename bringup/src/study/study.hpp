@@ -57,9 +57,9 @@ struct Study {
 /// Constructs one drive of each cell. Throws what check_seed, check_robot and check_drive throw.
 void check_study(const Study& study);
 
-/// Runs one drive: {"drive": its measures, "track": [[x, y], …] thinned, "contacts": [[x, y], …]},
-/// in M [m]. If the goal is a place and a person drives, the same person also drives by hand
-/// without obstacles, for the time ratio.
+/// Runs one drive: {"drive": its measures, "track": [[x, y], …] thinned, "contacts": [[x, y], …],
+/// "cost_s": CPU time of this process}, in M [m]. If the goal is a place and a person drives, the
+/// same person also drives by hand without obstacles, for the time ratio.
 [[nodiscard]] nlohmann::json make_drive(const Study& study, const StudyDrive& drive,
                                         Lockstep& lockstep);
 

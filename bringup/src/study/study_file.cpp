@@ -5,6 +5,7 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -283,12 +284,12 @@ class StudyReader {
       throw std::invalid_argument(path_ + ": driver `replay` also needs a `recording`: " +
                                   "{name: me, driver: replay, recording: FOLDER}");
     const std::string driver = person.name.empty() ? driver_of(scenario) : person.name;
+    auto& listed = seeds_[fmt::format("{}/{}/{}", scenario.name, method.name, driver)];
     study_.cells.push_back({std::move(scenario), options, method.name, driver});
     for (const unsigned seed : seeds) {
       study_.drives.push_back({study_.cells.size() - 1, seed});
-      const std::string name = name_of(study_, study_.drives.back());
-      if (!names_.insert(name).second)
-        throw std::invalid_argument(path_ + ": the drive " + name +
+      if (!listed.insert(seed).second)
+        throw std::invalid_argument(path_ + ": the drive " + name_of(study_, study_.drives.back()) +
                                     " is listed twice; give one of the two another `name`");
     }
   }
@@ -330,7 +331,8 @@ class StudyReader {
   std::string path_;
   YamlReader root_;
   Study study_;
-  std::set<std::string> names_, files_;
+  std::set<std::string> files_;
+  std::map<std::string, std::set<unsigned>> seeds_;  // by scenario/method/driver
 };
 
 }  // namespace

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/study/study_summary.hpp"
 
+#include <sqlite3.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 
 #include <spdlog/fmt/fmt.h>
@@ -13,17 +17,25 @@ namespace {
 constexpr double kTail = 0.025;   // probability beyond each end of the interval
 constexpr double kNormal = 1.96;  // quantile 1 − kTail of the normal distribution
 
-// Probability that at least `least` of n draws succeed, each with probability p.
+// Probability that exactly k of n draws succeed, each with probability p.
+double exactly(std::size_t k, std::size_t n, double p) {
+  const auto real = static_cast<double>(k), all = static_cast<double>(n);
+  return std::exp(std::lgamma(all + 1.0) - std::lgamma(real + 1.0) - std::lgamma(all - real + 1.0) +
+                  real * std::log(p) + (all - real) * std::log1p(-p));
+}
+
+// Probability that at least `least` of n draws succeed, each with probability p. Adds up the tail
+// that does not contain the mean, whose terms decrease, until they no longer count.
 double at_least(std::size_t least, std::size_t n, double p) {
   if (p >= 1.0) return 1.0;
+  const bool above = static_cast<double>(least) > static_cast<double>(n) * p;
   double sum = 0.0;
-  for (std::size_t k = least; k <= n; ++k) {
-    const auto real = static_cast<double>(k), all = static_cast<double>(n);
-    sum +=
-        std::exp(std::lgamma(all + 1.0) - std::lgamma(real + 1.0) - std::lgamma(all - real + 1.0) +
-                 real * std::log(p) + (all - real) * std::log1p(-p));
+  for (std::size_t k = above ? least : least - 1; k <= n; above ? ++k : --k) {  // 0 - 1 > n
+    const double term = exactly(k, n, p);
+    sum += term;
+    if (term <= 1e-17 * sum) break;
   }
-  return sum;
+  return above ? sum : 1.0 - sum;
 }
 
 nlohmann::json json_of(const std::optional<Estimate>& estimate) {
@@ -53,89 +65,109 @@ const char* const kMeasures[] = {"time_to_goal_s",
                                  "final_heading_error_rad",
                                  "final_clearance_m"};
 
-nlohmann::json medians(const std::vector<DriveResult>& drives) {
-  const nlohmann::json all = drives;
+// The defined values of an expression over the drives of a group.
+std::vector<double> values_of(const StudyResults& results, const DriveGroup& group,
+                              const std::string& expression) {
+  std::vector<double> values;
+  results.select(group, expression, [&](const SqliteStatement& row) {
+    if (sqlite3_column_type(row.get(), 0) != SQLITE_NULL)
+      values.push_back(sqlite3_column_double(row.get(), 0));
+  });
+  return values;
+}
+
+nlohmann::json medians(const StudyResults& results, const DriveGroup& group) {
   nlohmann::json medians;
-  for (const char* name : kMeasures) {
-    std::vector<double> values;
-    for (const auto& drive : all) {
-      const bool counts = std::string{name} != "time_to_goal_s" || drive.at("reached").get<bool>();
-      if (counts && drive.at(name).is_number()) values.push_back(drive.at(name));
-    }
-    medians[name] = json_of(median_of(std::move(values)));
+  for (const std::string name : kMeasures) {
+    const bool counts_if_reached = name == "time_to_goal_s";
+    medians[name] = json_of(median_of(values_of(
+        results, group, counts_if_reached ? "CASE WHEN reached THEN " + name + " END" : name)));
   }
   return medians;
 }
 
-template <class Value>
-auto sum(const std::vector<DriveResult>& drives, Value value) {
-  decltype(value(drives.front())) total{};
-  for (const DriveResult& drive : drives) total += value(drive);
-  return total;
+// Sums over the drives of a group; "n" is their number.
+using Sums = std::map<std::string, double>;
+
+Sums sums_of(const StudyResults& results, const DriveGroup& group) {
+  static const std::vector<std::pair<std::string, std::string>> expressions{
+      {"n", "count(*)"},
+      {"reached", "sum(reached)"},
+      {"collisions", "sum(collisions)"},
+      {"collided", "sum(collisions > 0)"},
+      {"commands", "sum(filter_commands)"},
+      {"changed", "sum(filter_interventions)"},
+      {"episodes", "sum(filter_episodes)"},
+      {"driven", "sum(simulated_s)"},
+      {"stuck", "sum(stuck_s)"},
+      {"plans", "sum(plans)"},
+      {"fallbacks", "sum(plan_fallbacks)"},
+      {"missed", "sum(missed_deadlines)"},
+      {"barn", "avg(barn_score)"},
+      {"scored", "count(barn_score)"},
+      {"longest_plan", "max(CASE WHEN plans > 0 THEN \"plan_ms.max\" END)"}};
+  std::string columns;
+  for (const auto& [name, expression] : expressions)
+    columns += (columns.empty() ? "" : ", ") + expression;
+  Sums sums;
+  results.select(group, columns, [&](const SqliteStatement& row) {
+    int index = 0;
+    for (const auto& [name, expression] : expressions)
+      sums[name] = sqlite3_column_double(row.get(), index++);
+  });
+  return sums;
 }
 
-template <class Test>
-long count(const std::vector<DriveResult>& drives, Test test) {
-  return std::count_if(drives.begin(), drives.end(), test);
+// Medians over drives of each drive's quantiles, and the maximum; null without a plan.
+nlohmann::json plan_times(const StudyResults& results, const DriveGroup& group, const Sums& sums) {
+  if (sums.at("plans") <= 0.0) return nullptr;
+  const auto middle = [&](const char* quantile) {
+    return quantiles(
+               values_of(results, group,
+                         fmt::format("CASE WHEN plans > 0 THEN \"plan_ms.{}\" END", quantile)))
+        .p50;
+  };
+  return {{"p50", middle("p50")},
+          {"p95", middle("p95")},
+          {"p99", middle("p99")},
+          {"max", sums.at("longest_plan")}};
 }
 
-bool reached(const DriveResult& drive) { return drive.reached; }
-bool collided(const DriveResult& drive) { return drive.collisions > 0; }
-
-nlohmann::json plan_times(const std::vector<DriveResult>& drives) {
-  std::vector<double> p50, p95, p99;
-  double longest = 0.0;
-  for (const DriveResult& drive : drives) {
-    if (drive.counts.plans == 0) continue;
-    p50.push_back(drive.plan_ms.p50);
-    p95.push_back(drive.plan_ms.p95);
-    p99.push_back(drive.plan_ms.p99);
-    longest = std::max(longest, drive.plan_ms.max);
-  }
-  if (p50.empty()) return nullptr;
-  return {{"p50", quantiles(p50).p50},
-          {"p95", quantiles(p95).p50},
-          {"p99", quantiles(p99).p50},
-          {"max", longest}};
+std::string finished_seeds(const StudyResults& results, const DriveGroup& group) {
+  std::vector<unsigned> seeds;
+  results.select(group, "seed", [&](const SqliteStatement& row) {
+    seeds.push_back(static_cast<unsigned>(sqlite3_column_int64(row.get(), 0)));
+  });
+  return seed_ranges(seeds);
 }
 
-// Mean BARN score of the drives that have one; null if none has.
-nlohmann::json barn_score(const std::vector<DriveResult>& drives) {
-  const auto scored = count(drives, [](const auto& d) { return d.barn_score.has_value(); });
-  if (scored == 0) return nullptr;
-  return sum(drives, [](const auto& d) { return d.barn_score.value_or(0.0); }) /
-         static_cast<double>(scored);
-}
-
-nlohmann::json summary_of(const DriveGroup& group) {
-  const auto& drives = group.drives;
-  const auto n = static_cast<long>(drives.size());
-  const long commands = sum(drives, [](const auto& d) { return d.counts.filter_commands; });
-  const long changed = sum(drives, [](const auto& d) { return d.counts.filter_interventions; });
-  const double driven = sum(drives, [](const auto& d) { return d.simulated_s; });
-  const double stuck = sum(drives, [](const auto& d) { return d.stuck_s; });
+nlohmann::json summary_of(const StudyResults& results, const DriveGroup& group) {
+  const Sums sums = sums_of(results, group);
+  const auto whole = [&](const char* name) { return static_cast<long>(sums.at(name)); };
+  const double commands = sums.at("commands"), driven = sums.at("driven");
+  const auto or_null = [](bool defined, double value) {
+    return defined ? nlohmann::json(value) : nlohmann::json(nullptr);
+  };
   return {{"scenario", group.scenario},
           {"method", group.method},
           {"driver", group.driver},
-          {"n", n},
-          {"reached", count(drives, reached)},
-          {"success", json_of(share_of(count(drives, reached), n))},
-          {"collisions", sum(drives, [](const auto& d) { return d.collisions; })},
-          {"drives_with_a_collision", count(drives, collided)},
-          {"collision_share", json_of(share_of(count(drives, collided), n))},
-          {"intervention_rate", commands > 0 ? nlohmann::json(static_cast<double>(changed) /
-                                                              static_cast<double>(commands))
-                                             : nlohmann::json(nullptr)},
-          {"intervention_episodes",
-           sum(drives, [](const auto& d) { return d.counts.filter_episodes; })},
-          {"stuck_share", driven > 0.0 ? stuck / driven : 0.0},
-          {"barn_score", barn_score(drives)},
+          {"n", whole("n")},
+          {"seeds", finished_seeds(results, group)},
+          {"reached", whole("reached")},
+          {"success", json_of(share_of(whole("reached"), whole("n")))},
+          {"collisions", whole("collisions")},
+          {"drives_with_a_collision", whole("collided")},
+          {"collision_share", json_of(share_of(whole("collided"), whole("n")))},
+          {"intervention_rate", or_null(commands > 0.0, sums.at("changed") / commands)},
+          {"intervention_episodes", whole("episodes")},
+          {"stuck_share", driven > 0.0 ? sums.at("stuck") / driven : 0.0},
+          {"barn_score", or_null(sums.at("scored") > 0.0, sums.at("barn"))},
           {"simulated_s", driven},
-          {"plans", sum(drives, [](const auto& d) { return d.counts.plans; })},
-          {"plan_fallbacks", sum(drives, [](const auto& d) { return d.counts.plan_fallbacks; })},
-          {"missed_deadlines", sum(drives, [](const auto& d) { return d.missed_deadlines; })},
-          {"plan_ms", plan_times(drives)},
-          {"medians", medians(drives)}};
+          {"plans", whole("plans")},
+          {"plan_fallbacks", whole("fallbacks")},
+          {"missed_deadlines", whole("missed")},
+          {"plan_ms", plan_times(results, group, sums)},
+          {"medians", medians(results, group)}};
 }
 
 std::string text_of(const nlohmann::json& estimate, const char* format) {
@@ -165,14 +197,27 @@ std::string cell(const nlohmann::json& value) {
 }
 
 // Appends names and values of all fields; nested names are written as outer.inner.
-void flatten(const nlohmann::json& json, const std::string& prefix,
+void flatten(const nlohmann::json& object, const std::string& prefix,
              std::vector<std::pair<std::string, std::string>>& out) {
-  for (const auto& [key, value] : json.items()) {
+  for (const auto& [key, value] : object.items()) {
     if (value.is_object())
       flatten(value, prefix + key + ".", out);
     else
       out.emplace_back(prefix + key, cell(value));
   }
+}
+
+// In the order of their first groups.
+std::vector<std::string> methods_of(const StudyFolder& folder) {
+  std::vector<std::string> methods;
+  for (const PlannedGroup& planned : folder.groups())
+    if (std::find(methods.begin(), methods.end(), planned.group.method) == methods.end())
+      methods.push_back(planned.group.method);
+  return methods;
+}
+
+void for_each_drive(const StudyFolder& folder, const std::function<void(const DriveResult&)>& use) {
+  for (const PlannedGroup& planned : folder.groups()) folder.results().read(planned.group, use);
 }
 
 }  // namespace
@@ -181,12 +226,17 @@ std::optional<Estimate> median_of(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size(), half = (n + 1) / 2;
+  // The smallest k from 1 to n of at least this probability, which increases with k.
   const auto bound = [&](double probability) {
-    std::size_t k = 1;
-    while (k < n &&
-           at_least(half, n, static_cast<double>(k) / static_cast<double>(n)) < probability)
-      ++k;
-    return values[k - 1];
+    std::size_t low = 1, high = n;
+    while (low < high) {
+      const std::size_t k = low + (high - low) / 2;
+      if (at_least(half, n, static_cast<double>(k) / static_cast<double>(n)) < probability)
+        low = k + 1;
+      else
+        high = k;
+    }
+    return values[low - 1];
   };
   return Estimate{values[half - 1], bound(kTail), bound(1.0 - kTail)};
 }
@@ -200,35 +250,25 @@ std::optional<Estimate> share_of(long part, long whole) {
   return Estimate{p, std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
-std::vector<DriveGroup> groups_of(const std::vector<DriveResult>& drives) {
-  std::vector<DriveGroup> groups;
-  for (const DriveResult& d : drives) {
-    auto group = std::find_if(groups.begin(), groups.end(), [&](const DriveGroup& g) {
-      return g.scenario == d.scenario && g.method == d.method && g.driver == d.driver;
-    });
-    if (group == groups.end())
-      group = groups.insert(groups.end(), {d.scenario, d.method, d.driver, {}});
-    group->drives.push_back(d);
-  }
-  return groups;
-}
-
-nlohmann::json summary_of(const std::vector<DriveGroup>& groups) {
+nlohmann::json summary_of(const StudyFolder& folder) {
   nlohmann::json all = nlohmann::json::array();
-  for (const DriveGroup& group : groups) all.push_back(summary_of(group));
+  for (const PlannedGroup& planned : folder.groups()) {
+    nlohmann::json summary = summary_of(folder.results(), planned.group);
+    if (summary.at("n") > 0) all.push_back(std::move(summary));
+  }
   return all;
 }
 
-std::string study_table(const std::vector<DriveGroup>& groups) {
+std::string study_table(const nlohmann::json& summary) {
   std::size_t width = 16;
-  for (const DriveGroup& group : groups) width = std::max(width, group.scenario.size());
+  for (const auto& s : summary)
+    width = std::max(width, s.at("scenario").get_ref<const std::string&>().size());
   std::string out = fmt::format(
       "{:<{}} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>7} {:>7} {:>6} "
       "{:>7} {:>8} {:>6}\n",
       "scenario", width, "method", "driver", "n", "reached", "collisions", "drives", "time [95 %]",
       "ratio", "closest", "agreement", "stuck", "filter", "turned", "to rest", "off goal", "askew");
-  for (const DriveGroup& group : groups) {
-    const nlohmann::json s = summary_of(group);
+  for (const auto& s : summary) {
     const auto& m = s.at("medians");
     const auto& time = m.at("time_to_goal_s");
     const std::string interval =
@@ -239,9 +279,9 @@ std::string study_table(const std::vector<DriveGroup>& groups) {
     out += fmt::format(
         "{:<{}} {:<15} {:<22} {:>5} {:>8} {:>10} {:>7} {:>20} {:>6} {:>8} {:>9} {:>5.1f} % {:>7} "
         "{:>6} {:>7} {:>8} {:>6}\n",
-        group.scenario, width, group.method, group.driver, s.at("n").get<long>(),
-        s.at("reached").get<long>(), s.at("collisions").get<long>(),
-        s.at("drives_with_a_collision").get<long>(), interval,
+        s.at("scenario").get<std::string>(), width, s.at("method").get<std::string>(),
+        s.at("driver").get<std::string>(), s.at("n").get<long>(), s.at("reached").get<long>(),
+        s.at("collisions").get<long>(), s.at("drives_with_a_collision").get<long>(), interval,
         text_of(m.at("time_ratio"), "{:.2f}"), text_of(m.at("min_clearance_m"), "{:.3f} m"),
         text_of(m.at("agreement_direction"), "{:.3f}"), 100.0 * s.at("stuck_share").get<double>(),
         rate.is_null() ? "-" : fmt::format("{:.2f} %", 100.0 * rate.get<double>()),
@@ -249,49 +289,49 @@ std::string study_table(const std::vector<DriveGroup>& groups) {
         text_of(m.at("final_position_error_m"), "{:.3f} m"),
         degrees_of(m.at("final_heading_error_rad")));
   }
-  for (const DriveGroup& group : groups)
-    if (const auto score = barn_score(group.drives); !score.is_null())
-      out += fmt::format("{} by {}, {}: BARN's score {:.3f}\n", group.scenario, group.method,
-                         group.driver, score.get<double>());
+  for (const auto& s : summary)
+    if (const auto& score = s.at("barn_score"); !score.is_null())
+      out += fmt::format("{} by {}, {}: BARN's score {:.3f}\n", s.at("scenario").get<std::string>(),
+                         s.at("method").get<std::string>(), s.at("driver").get<std::string>(),
+                         score.get<double>());
   return out;
 }
 
-std::string cost_table(const std::vector<DriveResult>& drives) {
-  std::vector<std::string> methods;
-  for (const DriveResult& d : drives)
-    if (std::find(methods.begin(), methods.end(), d.method) == methods.end())
-      methods.push_back(d.method);
+std::string cost_table(const StudyFolder& folder) {
   std::string out =
       fmt::format("{:<15} {:>12} {:>10} {:>12} {:>8} {:>10} {:>10} {:>8} {:>8} {:>8} {:>9} {:>6}\n",
                   "method", "simulated", "CPU", "times real", "planner", "extractor", "simulator",
                   "filter", "person", "set-up", "measures", "rest");
-  for (const auto& method : methods) {
-    std::vector<DriveResult> own;
-    for (const DriveResult& d : drives)
-      if (d.method == method) own.push_back(d);
-    const double simulated = sum(own, [](const auto& d) { return d.simulated_s; });
-    const double cpu = sum(own, [](const auto& d) { return d.cpu_s; });
-    const double wall = sum(own, [](const auto& d) { return d.part_s.setup + d.wall_s; });
+  for (const std::string& method : methods_of(folder)) {
+    std::vector<double> sums;
+    folder.results().query(
+        "SELECT sum(simulated_s), sum(cpu_s), sum(\"part_s.setup\" + wall_s),"
+        " sum(\"part_s.planner\"), sum(\"part_s.extractor\"), sum(\"part_s.simulator\"),"
+        " sum(\"part_s.filter\"), sum(\"part_s.person\"), sum(\"part_s.setup\"),"
+        " sum(\"part_s.measures\") FROM drives WHERE method = ?",
+        {method}, [&](const SqliteStatement& row) {
+          for (int i = 0; i < sqlite3_column_count(row.get()); ++i)
+            sums.push_back(sqlite3_column_double(row.get(), i));
+        });
+    const double simulated = sums[0], cpu = sums[1], wall = sums[2];
     if (!(cpu > 0.0) || !(wall > 0.0)) continue;
+    out += fmt::format("{:<15} {:>10.0f} s {:>8.1f} s {:>12.0f}", method, simulated, cpu,
+                       simulated / cpu);
     double rest = 100.0;
-    const auto share = [&](double PartTimes::*part) {
-      const double percent = 100.0 * sum(own, [&](const auto& d) { return d.part_s.*part; }) / wall;
+    static constexpr int kWidths[] = {8, 10, 10, 8, 8, 8, 9};
+    for (std::size_t part = 0; part < std::size(kWidths); ++part) {
+      const double percent = 100.0 * sums[3 + part] / wall;
       rest -= percent;
-      return fmt::format("{:.1f} %", percent);
-    };
-    out += fmt::format(
-        "{:<15} {:>10.0f} s {:>8.1f} s {:>12.0f} {:>8} {:>10} {:>10} {:>8} {:>8} {:>8} {:>9}",
-        method, simulated, cpu, simulated / cpu, share(&PartTimes::planner),
-        share(&PartTimes::extractor), share(&PartTimes::simulator), share(&PartTimes::filter),
-        share(&PartTimes::person), share(&PartTimes::setup), share(&PartTimes::measures));
+      out += fmt::format(" {:>{}}", fmt::format("{:.1f} %", percent), kWidths[part]);
+    }
     out += fmt::format(" {:>4.1f} %\n", rest);
   }
   return out;
 }
 
-std::string csv_of(const std::vector<DriveResult>& drives) {
+std::string csv_of(const StudyFolder& folder) {
   std::string out;
-  for (const DriveResult& drive : drives) {
+  for_each_drive(folder, [&](const DriveResult& drive) {
     std::vector<std::pair<std::string, std::string>> fields;
     flatten(nlohmann::json(drive), "", fields);
     std::string names, values;
@@ -301,8 +341,28 @@ std::string csv_of(const std::vector<DriveResult>& drives) {
     }
     if (out.empty()) out = names + "\r\n";
     out += values + "\r\n";
-  }
+  });
   return out;
+}
+
+std::string json_of(const StudyFolder& folder) {
+  std::string out = "[";
+  for_each_drive(folder, [&](const DriveResult& drive) {
+    out += (out.size() == 1 ? "\n" : ",\n") + nlohmann::json(drive).dump(1);
+  });
+  return out + "\n]\n";
+}
+
+nlohmann::json origins_of(const StudyFolder& folder) {
+  nlohmann::json all = nlohmann::json::array();
+  folder.results().query(
+      "SELECT build, machine, count(*) FROM drives GROUP BY 1, 2 ORDER BY 3 DESC, 1, 2", {},
+      [&](const SqliteStatement& row) {
+        all.push_back({{"build", sql::text(row, 0)},
+                       {"machine", sql::text(row, 1)},
+                       {"drives", sqlite3_column_int64(row.get(), 2)}});
+      });
+  return all;
 }
 
 }  // namespace tandem

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tandem/metrics/metrics.hpp"
+#include "bringup/study/study_folder.hpp"
 
 namespace tandem {
 
@@ -25,28 +25,25 @@ struct Estimate {
 /// Share `part` / `whole` with the score interval of Wilson 1927. Empty if `whole` is 0.
 [[nodiscard]] std::optional<Estimate> share_of(long part, long whole);
 
-/// Drives of one scenario with one method and one driver.
-struct DriveGroup {
-  std::string scenario, method, driver;
-  std::vector<DriveResult> drives;
-};
+/// An object per group with finished drives: scenario, method, driver, n, seeds; numbers and shares
+/// of drives that reached the goal or collided; sums of collisions and of the counters of planner
+/// and filter; and the median of each measure over the drives that define it. Holds one measure of
+/// one group in memory at a time.
+[[nodiscard]] nlohmann::json summary_of(const StudyFolder& folder);
 
-/// Groups in the order of their first drives.
-[[nodiscard]] std::vector<DriveGroup> groups_of(const std::vector<DriveResult>& drives);
-
-/// An object per group: scenario, method, driver, n; numbers and shares of drives that reached the
-/// goal or collided; sums of collisions and of the counters of planner and filter; and the median
-/// of each measure over the drives that define it.
-[[nodiscard]] nlohmann::json summary_of(const std::vector<DriveGroup>& groups);
-
-/// A row per group for a terminal.
-[[nodiscard]] std::string study_table(const std::vector<DriveGroup>& groups);
+/// A row per group of a summary, for a terminal.
+[[nodiscard]] std::string study_table(const nlohmann::json& summary);
 
 /// A row per method: simulated time, CPU time, their ratio, and each part's share of the wall time.
-[[nodiscard]] std::string cost_table(const std::vector<DriveResult>& drives);
+[[nodiscard]] std::string cost_table(const StudyFolder& folder);
 
 /// The drives as CSV (RFC 4180), one row each. Columns are the keys of the JSON, with nested keys
 /// as `outer.inner`; undefined values are empty.
-[[nodiscard]] std::string csv_of(const std::vector<DriveResult>& drives);
+[[nodiscard]] std::string csv_of(const StudyFolder& folder);
+/// The drives as a JSON array.
+[[nodiscard]] std::string json_of(const StudyFolder& folder);
+
+/// What drove the finished drives: [{"build": …, "machine": …, "drives": n}, …].
+[[nodiscard]] nlohmann::json origins_of(const StudyFolder& folder);
 
 }  // namespace tandem

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 
 #include "tandem/config/json_text.hpp"
@@ -79,27 +80,36 @@ json kept(const StudyFolder& folder) {
                            "`tandem study FILE --out " + folder.path() + "` writes it again");
 }
 
+// The maps that the finished drives of a scenario have with the smallest seeds.
+std::vector<std::string> maps_driven(const StudyFolder& folder, const std::string& scenario) {
+  std::vector<std::string> maps;
+  folder.results().query(
+      "SELECT map FROM drives WHERE scenario = ? GROUP BY map ORDER BY min(seed), map LIMIT " +
+          std::to_string(kMaxWorlds),
+      {scenario}, [&](const SqliteStatement& row) { maps.push_back(sql::text(row, 0)); });
+  return maps;
+}
+
 }  // namespace
 
 void write_worlds(const Study& study, const StudyFolder& folder) {
   json all = kept(folder);
-  for (const StudyDrive& drive : study.drives) {
-    const auto finished = folder.finished().find(name_of(study, drive));
-    if (finished == folder.finished().end()) continue;
-    const StudyCell& cell = study.cells[drive.cell];
-    const fs::path map = finished->second.at("drive").at("map").get<std::string>();
-    const bool is_new = !all.contains(cell.scenario.name);
-    if (!is_new && (all[cell.scenario.name]["worlds"].contains(map.filename().string()) ||
-                    all[cell.scenario.name]["worlds"].size() >= kMaxWorlds))
-      continue;
+  std::set<std::string> seen;
+  for (const StudyCell& cell : study.cells) {
+    if (!seen.insert(cell.scenario.name).second) continue;
+    const auto maps = maps_driven(folder, cell.scenario.name);
+    if (maps.empty()) continue;
     Scenario scenario = cell.scenario;
-    scenario.map = map.string();
+    scenario.map = maps.front();
     const auto sim =
         parameters_of<DiffDriveSimNodeParams>(system_of(scenario, cell.options), "diff_drive_sim");
-    if (is_new) all[cell.scenario.name] = scene_of(scenario, sim);
-    if (fs::exists(map))
-      all[cell.scenario.name]["worlds"][map.filename().string()] =
-          cells_of(slice(*load_map(map.string()), sim.slice));
+    if (!all.contains(scenario.name)) all[scenario.name] = scene_of(scenario, sim);
+    json& worlds = all[scenario.name]["worlds"];
+    for (const std::string& map : maps) {
+      const std::string name = fs::path(map).filename();
+      if (!worlds.contains(name) && worlds.size() < kMaxWorlds && fs::exists(map))
+        worlds[name] = cells_of(slice(*load_map(map), sim.slice));
+    }
   }
   write_file(file_of(folder), all.dump() + "\n");
 }
