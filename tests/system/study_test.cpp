@@ -187,6 +187,10 @@ TEST_F(StudyProgram, DrivesTheSameInAnotherCheckoutAndEnvironment) {
                             .c_str()),
             0);
   EXPECT_EQ(drives("elsewhere"), drives("whole"));
+  const std::string tracks =
+      "SELECT group_concat(track || contacts) FROM (SELECT * FROM tracks ORDER BY scenario, method,"
+      " driver, seed)";
+  EXPECT_EQ(first_value("elsewhere", tracks), first_value("whole", tracks));
   const std::string origin = "SELECT DISTINCT build || machine FROM drives";
   EXPECT_EQ(first_value("elsewhere", origin), first_value("whole", origin));
 }

@@ -12,14 +12,17 @@ namespace tandem {
 [[nodiscard]] std::vector<std::size_t> unfinished(const Study& study, const StudyFolder& folder,
                                                   const std::vector<std::size_t>& own);
 
-/// Drives `todo` in that order and stores each drive as soon as it is finished. `before`: number of
-/// drives that were finished earlier. As soon as the first `sample` are driven, prints what all
-/// will cost; at the end, how many it drove per CPU hour. Throws as work_side_by_side does.
+/// What to drive, and how.
 struct DrivePlan {
-  std::vector<std::size_t> todo;
-  std::size_t sample = 0, before = 0;
-  unsigned jobs = 1;
+  std::vector<std::size_t> todo;  ///< in this order
+  std::size_t sample = 0;         ///< the cost of the first so many is printed as all drives' cost
+  std::size_t before = 0;         ///< number of drives that were finished earlier
+  unsigned jobs = 1;              ///< processes
 };
+
+/// Drives and stores each drive as soon as it is finished. Prints the cost of all as soon as the
+/// sample is driven, and at the end how many drives a CPU hour made. Throws as work_side_by_side
+/// does.
 void make_drives(const Study& study, StudyFolder& folder, const DrivePlan& plan);
 
 /// `todo` in the order in which it is driven: a sample that is spread evenly over it, to measure

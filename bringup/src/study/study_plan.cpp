@@ -265,7 +265,8 @@ std::vector<std::size_t> drives_of_shard(const Study& study, const std::string& 
     refuse(file, fmt::format("is the plan of another study ({} differs); write it again",
                              first_difference(plan["description"], study.description)));
   if (plan["shards"].size() != n)
-    refuse(file, fmt::format("has {} shards, not {}", plan["shards"].size(), n));
+    refuse(file, fmt::format("has {0} shards, not {1}; name one of them: --shard 1/{0}",
+                             plan["shards"].size(), n));
   const auto seeds = seeds_of(plan["shards"][i - 1], file);
   std::vector<std::size_t> drives;
   for (std::size_t k = 0; k < study.drives.size(); ++k) {

@@ -105,7 +105,8 @@ TEST_F(StudyPlan, SharesOutEachDriveOnceWithEqualCosts) {
 TEST_F(StudyPlan, IsRefusedIfItIsOfAnotherStudyOrDamaged) {
   write();
   EXPECT_EQ(complaint(out_ + "/plan.json", 4), "");
-  EXPECT_EQ(complaint(out_ + "/plan.json", 5), out_ + "/plan.json: has 4 shards, not 5");
+  EXPECT_EQ(complaint(out_ + "/plan.json", 5),
+            out_ + "/plan.json: has 4 shards, not 5; name one of them: --shard 1/4");
   EXPECT_NE(
       complaint(out_ + "/none.json", 4).find("no such file; write it with `tandem study plan`"),
       std::string::npos);
