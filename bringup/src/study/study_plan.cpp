@@ -16,6 +16,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "bringup/study/shell_quoted.hpp"
 #include "tandem/config/json_text.hpp"
 
 namespace tandem {
@@ -82,12 +83,6 @@ std::map<std::string, std::set<unsigned>> seeds_of(const json& shard, const std:
   return seeds;
 }
 
-std::string quoted_for_shell(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 // What the files for Slurm and Snakemake are filled in with.
 struct Cluster {
   std::string name, tandem, study, folder;
@@ -105,7 +100,8 @@ std::string plain(std::string name) {
 // Node failures make Slurm requeue a shard. After an error the script does, twice, because Slurm
 // does not.
 std::string slurm_shards(const Cluster& c) {
-  return fmt::format(R"(#!/bin/bash
+  return fmt::format(
+      R"(#!/bin/bash
 # Drives the {shards} shards of {name}. Written by `tandem study plan`. A shard that is started
 # again continues where it stopped, so that this file may be submitted again at any time.
 #SBATCH --job-name=tandem_{name}
@@ -125,11 +121,9 @@ shard=$SLURM_ARRAY_TASK_ID
 [ "${{SLURM_RESTART_COUNT:-0}}" -lt 2 ] || exit 1
 scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_$shard" && sleep 60 # until the requeue ends it
 )",
-                     fmt::arg("name", plain(c.name)), fmt::arg("shards", c.shards),
-                     fmt::arg("minutes", c.minutes), fmt::arg("folder", c.folder),
-                     fmt::arg("tandem", quoted_for_shell(c.tandem)),
-                     fmt::arg("study", quoted_for_shell(c.study)),
-                     fmt::arg("folder_quoted", quoted_for_shell(c.folder)));
+      fmt::arg("name", plain(c.name)), fmt::arg("shards", c.shards), fmt::arg("minutes", c.minutes),
+      fmt::arg("folder", c.folder), fmt::arg("tandem", shell_quoted(c.tandem)),
+      fmt::arg("study", shell_quoted(c.study)), fmt::arg("folder_quoted", shell_quoted(c.folder)));
 }
 
 std::string slurm_merge(const Cluster& c) {
@@ -146,8 +140,8 @@ folder={folder_quoted}
 {tandem} study merge "$folder" "$folder"/shards/*
 )",
                      fmt::arg("name", plain(c.name)), fmt::arg("minutes", c.minutes),
-                     fmt::arg("folder", c.folder), fmt::arg("tandem", quoted_for_shell(c.tandem)),
-                     fmt::arg("folder_quoted", quoted_for_shell(c.folder)));
+                     fmt::arg("folder", c.folder), fmt::arg("tandem", shell_quoted(c.tandem)),
+                     fmt::arg("folder_quoted", shell_quoted(c.folder)));
 }
 
 // Snakemake removes the declared outputs of a rule that fails. Those of a shard are therefore not

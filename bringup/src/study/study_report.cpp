@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "bringup/study/shell_quoted.hpp"
 #include "bringup/system/shared_files.hpp"
 
 namespace tandem {
@@ -21,12 +22,6 @@ std::optional<std::string> python() {
     if (std::system((program + " -c 'import matplotlib' >/dev/null 2>&1").c_str()) == 0)
       return program;
   return std::nullopt;
-}
-
-std::string shell_quoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 }  // namespace
