@@ -59,16 +59,20 @@ inline constexpr ServiceName<type_description_interfaces::srv::GetTypeDescriptio
 /// Parameters that every node has: those of rclcpp, and those that enable introspection under the
 /// names that ROS 2's demos give them.
 struct Params {
+  /// Name of the parameter that selects the clock.
   static constexpr const char* kUseSimTime = "use_sim_time";
+  /// Name of the parameter that only counts at the start.
   static constexpr const char* kTypeDescriptionService = "start_type_description_service";
 
-  bool use_sim_time = false;
-  bool start_type_description_service = true;
-  std::string service_introspection = "disabled";
-  std::string client_introspection = "disabled";
-  std::string action_server_introspection = "disabled";
-  std::string action_client_introspection = "disabled";
+  bool use_sim_time = false;                   ///< time from /clock
+  bool start_type_description_service = true;  ///< serves ~/get_type_description
+  // What is published of requests and responses: "disabled", "metadata" or "contents".
+  std::string service_introspection = "disabled";        ///< of services it serves
+  std::string client_introspection = "disabled";         ///< of services it calls
+  std::string action_server_introspection = "disabled";  ///< of actions it serves
+  std::string action_client_introspection = "disabled";  ///< of actions it calls
 
+  /// Calls `field` with the name, value, limits and meaning of each.
   template <class Visitor>
   void visit(Visitor&& field) {
     const OneOf states{{"disabled", "metadata", "contents"}};
