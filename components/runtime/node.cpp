@@ -105,7 +105,10 @@ double Node::steady_now() const { return core_->steady_now(); }
 std::int64_t Node::system_nanoseconds() const { return core_->system_nanoseconds(); }
 bool Node::clock_is_silent() const { return core_->clock_is_silent(); }
 bool Node::use_sim_time() const { return core_->use_sim_time; }
-void Node::fix_time_source() { core_->parameters.make_read_only(every_node::Params::kUseSimTime); }
+void Node::fix_common_parameters() {
+  every_node::Params params;
+  for (const auto& name : names_of(params)) core_->parameters.make_read_only(name);
+}
 std::shared_ptr<void> Node::on_time_jump(std::function<void()> fn) {
   return core_->on_time_jump(std::move(fn));
 }

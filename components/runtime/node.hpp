@@ -201,11 +201,11 @@ class TANDEM_EXPORT Node {
   /// without use_sim_time.
   [[nodiscard]] bool clock_is_silent() const;
   /// Whether the node's clock is /clock. The parameter `use_sim_time` may change while the node
-  /// runs, unless fix_time_source() was called.
+  /// runs, unless fix_common_parameters() was called.
   [[nodiscard]] bool use_sim_time() const;
-  /// Makes the parameter `use_sim_time` read-only, for a node that must not take its time from
-  /// another clock because somebody sets a parameter.
-  void fix_time_source();
+  /// Makes the parameters of every node read-only, for a node that must not take its time from
+  /// another clock, or open topics, because somebody sets a parameter.
+  void fix_common_parameters();
   /// Calls `fn` whenever /clock jumps back, or `use_sim_time` is changed, before a later message is
   /// delivered: times taken from now() earlier may then lie in the future, and their age is
   /// unknown. Destroying the result cancels the calls.

@@ -44,7 +44,8 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
                  filter_.on_command(twist, node_.now());
                  update();
                }} {
-  node.fix_time_source();  // a publisher of /clock would decide how old messages are
+  // A publisher of /clock would decide how old messages are, and to open a topic takes time.
+  node.fix_common_parameters();
   if (!params_->filter.enforce && !node.use_sim_time())
     throw std::invalid_argument(
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");

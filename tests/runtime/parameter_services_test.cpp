@@ -159,7 +159,7 @@ TEST_F(ParameterServices, ChangeTheTimeSourceOfARunningNode) {
   EXPECT_EQ(jumps, 2);
   EXPECT_NEAR(node_.now(), node_.steady_now(), 1.0);
   EXPECT_TRUE(spin_until([&] { return clock.matched() == 0; }, kTimeout, node_));
-  node_.fix_time_source();
+  node_.fix_common_parameters();
   EXPECT_EQ(set_use_sim_time(true).reason(),
             "parameter 'use_sim_time' cannot be set because it is read-only");
   EXPECT_FALSE(node_.use_sim_time());
