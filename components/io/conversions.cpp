@@ -79,7 +79,7 @@ Eigen::Vector3d finite_vector(const Vector& v) {
 
 bool is_valid(const Obstacle& o) {
   return o.p_MO.allFinite() && o.v_MO.allFinite() && std::isfinite(o.angle) && std::isfinite(o.a) &&
-         o.b > 0.0 && o.a >= o.b;
+         o.b > 0.0 && o.a >= o.b && o.shape <= ObstacleShape::kRectangle;
 }
 
 }  // namespace
@@ -214,9 +214,9 @@ geometry_msgs::msg::TransformStamped to_transform(const Eigen::Isometry3d& X,
 Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg) {
   Obstacles obstacles;
   for (const auto& m : msg.obstacles()) {
-    const Obstacle o{m.id(),          {m.center().x(), m.center().y()},
-                     m.semi_axis_a(), m.semi_axis_b(),
-                     m.angle(),       {m.velocity().x(), m.velocity().y()}};
+    const Obstacle o{
+        m.id(),    {m.center().x(), m.center().y()},     m.semi_axis_a(),         m.semi_axis_b(),
+        m.angle(), {m.velocity().x(), m.velocity().y()}, ObstacleShape{m.shape()}};
     if (is_valid(o))
       obstacles.all.push_back(o);
     else
@@ -237,6 +237,7 @@ tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
     m.semi_axis_b(o.b);
     m.angle(o.angle);
     m.velocity(vector(o.v_MO.x(), o.v_MO.y(), 0.0));
+    m.shape(static_cast<std::uint8_t>(o.shape));
     msg.obstacles().push_back(std::move(m));
   }
   return msg;
@@ -294,6 +295,7 @@ nav_msgs::msg::OccupancyGrid to_msg(const Grid& grid, const std_msgs::msg::Heade
 
 visualization_msgs::msg::MarkerArray to_markers(std::span<const Obstacle> obstacles,
                                                 const std_msgs::msg::Header& header) {
+  using visualization_msgs::msg::Marker_Constants::CUBE;
   using visualization_msgs::msg::Marker_Constants::CYLINDER;
   using visualization_msgs::msg::Marker_Constants::DELETEALL;
   visualization_msgs::msg::MarkerArray msg;
@@ -301,7 +303,7 @@ visualization_msgs::msg::MarkerArray to_markers(std::span<const Obstacle> obstac
   msg.markers().back().action(DELETEALL);
   std::int32_t id = 0;
   for (const Obstacle& o : obstacles) {
-    auto m = marker(header, "obstacles", ++id, CYLINDER);
+    auto m = marker(header, "obstacles", ++id, is_rectangle(o) ? CUBE : CYLINDER);
     m.pose(to_msg(Pose2{o.p_MO.x(), o.p_MO.y(), o.angle}));
     m.scale(vector(2.0 * o.a, 2.0 * o.b, 0.1));
     m.color(color(0.90f, 0.45f, 0.0f, 0.5f));

@@ -99,7 +99,7 @@ struct Obstacles {
   std::vector<Obstacle> all;  ///< the valid ones
   int refused = 0;            ///< number of those left out
 };
-/// The ellipses of the message, in its frame; those that are not valid are counted and left out.
+/// The obstacles of the message, in its frame; those that are not valid are counted and left out.
 [[nodiscard]] Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg);
 /// The obstacles, in the header's frame.
 [[nodiscard]] tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,

@@ -64,7 +64,7 @@ inline constexpr Topic<nav_msgs::msg::OccupancyGrid> map{"map", kLatched, Accept
 /// People with their velocities. Each message must contain everybody nearby.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> people{
     "people", {.depth = 1}, Accepts::kEvery};
-/// The ellipses that the planner avoids.
+/// The shapes that the planner avoids.
 inline constexpr Topic<tandem_msgs::msg::ObstacleArray> obstacles{"obstacles"};
 /// The same, to be looked at.
 inline constexpr Topic<visualization_msgs::msg::MarkerArray> obstacle_markers{"obstacles/markers"};

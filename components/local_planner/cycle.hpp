@@ -17,7 +17,7 @@ namespace tandem {
 /// The robot of the parameters: discs for the optimal control problem, outline for the check.
 [[nodiscard]] Body body_of(const NmpcParams& params, const RobotParams& robot);
 
-/// Whether all numbers that the request's method reads are finite and all ellipses have an extent.
+/// Whether all numbers that the request's method reads are finite and all obstacles have an extent.
 [[nodiscard]] bool is_valid(const PlanRequest& request);
 
 /// One planning cycle: the request and everything derived from it before the first solve. Refers to

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 #include "tandem/model/diff_drive.hpp"
 
 namespace tandem {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 
 namespace tandem {
 namespace {
@@ -54,7 +54,7 @@ std::vector<Approach> approaches(std::span<const Obstacle> obstacles) {
 double least_distance(const Body& body, double radius, const Pose2& X_MB, const Obstacle& obstacle,
                       const Eigen::Vector2d& axis) {
   constexpr double kSlop = 1e-9;  // [m] rounding
-  const double apart = (obstacle.p_MO - X_MB.position()).norm() - obstacle.a - radius;
+  const double apart = (obstacle.p_MO - X_MB.position()).norm() - circumradius(obstacle) - radius;
   if (apart > 0.0 || body.discs.empty()) return apart - kSlop;
   const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
   double least = kFar;
@@ -109,7 +109,7 @@ std::vector<Obstacle> passable(const Body& body, const Motion& motion,
   std::vector<Obstacle> out(obstacles.begin(), obstacles.end());
   for (Obstacle& obstacle : out) {
     const Obstacle now = predicted(obstacle, motion.start);
-    if ((now.p_MO - motion.X_MB.position()).norm() > now.a + radius) continue;
+    if ((now.p_MO - motion.X_MB.position()).norm() > circumradius(now) + radius) continue;
     if (!touches(body, motion.X_MB, now)) continue;
     const double factor = std::max(1e-6, untouched_scale(body, motion.X_MB, now));
     obstacle = scaled(obstacle, factor);

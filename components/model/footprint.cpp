@@ -75,6 +75,21 @@ ConvexPolygon clip(const ConvexPolygon& polygon, const Eigen::Vector2d& a,
   return left;
 }
 
+// Whether the polygon, counter-clockwise, overlaps the square |x|, |y| ≤ 1.
+bool overlaps_unit_square(const ConvexPolygon& polygon) {
+  const Box box(polygon);
+  if (!((box.low.array() < 1.0).all() && (box.high.array() > -1.0).all())) return false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& p = polygon[i];
+    const Eigen::Vector2d edge = polygon[(i + 1) % polygon.size()] - p;
+    // Times the edge's length, the square's centre lies −edge × p to the left of the edge, and the
+    // corner farthest to the left |edge|₁ more.
+    const double reach = edge.lpNorm<1>();
+    if (reach > 0.0 && reach <= cross(edge, p)) return false;
+  }
+  return true;
+}
+
 double squared_distance_to_square(const Eigen::Vector2d& p, double half) {
   const double dx = std::max(0.0, std::abs(p.x()) - half);
   const double dy = std::max(0.0, std::abs(p.y()) - half);
@@ -287,13 +302,14 @@ bool overlaps(const Footprint& footprint, const Pose2& X_MB, const Obstacle& obs
   const Eigen::Vector2d p = in_axes(obstacle, X_MB.position());
   const double c = std::cos(X_MB.theta - obstacle.angle);
   const double s = std::sin(X_MB.theta - obstacle.angle);
-  ConvexPolygon image;
+  ConvexPolygon image;  // the obstacle becomes the unit disc or the square |x|, |y| ≤ 1
   const auto touches = [&](const ConvexPolygon& part) {
     image.clear();
     image.reserve(part.size());
     for (const auto& p_BV : part)
       image.emplace_back((p.x() + c * p_BV.x() - s * p_BV.y()) / obstacle.a,
                          (p.y() + s * p_BV.x() + c * p_BV.y()) / obstacle.b);
+    if (is_rectangle(obstacle)) return overlaps_unit_square(image);
     return squared_distance_to_point(image, Eigen::Vector2d::Zero()) < 1.0;
   };
   return std::any_of(footprint.parts.begin(), footprint.parts.end(), touches);

@@ -64,8 +64,9 @@ struct Extent {
 /// are dropped, and B's origin may end up outside the result.
 [[nodiscard]] Footprint inset(const Footprint& footprint, double depth);
 
-/// Whether the footprint at X_MB overlaps the obstacle's ellipse. Exact: the affine map that turns
-/// the ellipse into a unit disc keeps each part a convex polygon.
+/// Whether the footprint at X_MB overlaps the obstacle. Exact: for an ellipse, the affine map that
+/// turns it into a unit disc keeps each part a convex polygon; for a rectangle, two convex polygons
+/// are apart if and only if a line along a side of one of them separates them.
 [[nodiscard]] bool overlaps(const Footprint& footprint, const Pose2& X_MB,
                             const Obstacle& obstacle);
 

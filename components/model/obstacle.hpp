@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The obstacle that planners and the safety filter use: an ellipse, moving or not.
+// The obstacle that planners and the safety filter use: an ellipse or a rectangle, moving or not.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,15 +10,34 @@
 
 namespace tandem {
 
-/// Ellipse in the map frame M, moving with constant velocity; a circle if a == b.
+/// What an obstacle's `a` and `b` measure.
+enum class ObstacleShape : std::uint8_t {
+  kEllipse,    ///< the semi-axes; a circle if they are equal
+  kRectangle,  ///< half the length and half the width
+};
+
+/// Ellipse or rectangle in the map frame M, moving with constant velocity.
 struct Obstacle {
   std::uint32_t id = 0;                            ///< as its source numbers it
   Eigen::Vector2d p_MO = Eigen::Vector2d::Zero();  ///< centre [m]
-  double a = 0.0;                                  ///< semi-axis along `angle` [m], a ≥ b > 0
-  double b = 0.0;                                  ///< semi-axis across [m]
+  double a = 0.0;                                  ///< half extent along `angle` [m], a ≥ b > 0
+  double b = 0.0;                                  ///< half extent across [m]
   double angle = 0.0;                              ///< heading of the axis a in M [rad]
   Eigen::Vector2d v_MO = Eigen::Vector2d::Zero();  ///< velocity [m/s]
+  ObstacleShape shape = ObstacleShape::kEllipse;
 };
+
+[[nodiscard]] inline bool is_rectangle(const Obstacle& obstacle) {
+  return obstacle.shape == ObstacleShape::kRectangle;
+}
+[[nodiscard]] inline bool is_circle(const Obstacle& obstacle) {
+  return !is_rectangle(obstacle) && obstacle.a == obstacle.b;
+}
+
+/// Radius of the smallest circle about the centre that contains the obstacle [m].
+[[nodiscard]] inline double circumradius(const Obstacle& obstacle) {
+  return is_rectangle(obstacle) ? std::hypot(obstacle.a, obstacle.b) : obstacle.a;
+}
 
 /// An obstacle given in the fixed frame F, expressed in M.
 [[nodiscard]] inline Obstacle transform(const Pose2& X_MF, Obstacle obstacle) {
@@ -36,10 +55,11 @@ struct Obstacle {
   return {c * d.x() + s * d.y(), -s * d.x() + c * d.y()};
 }
 
-/// (x/a)² + (y/b)² of the point in the obstacle's axes: below 1 inside, above 1 outside.
-[[nodiscard]] inline double level(const Obstacle& obstacle, const Eigen::Vector2d& p_MQ) {
+/// Whether the point is inside or on the outline.
+[[nodiscard]] inline bool contains(const Obstacle& obstacle, const Eigen::Vector2d& p_MQ) {
   const Eigen::Vector2d q = in_axes(obstacle, p_MQ);
-  return (q.x() / obstacle.a) * (q.x() / obstacle.a) + (q.y() / obstacle.b) * (q.y() / obstacle.b);
+  const double x = q.x() / obstacle.a, y = q.y() / obstacle.b;
+  return is_rectangle(obstacle) ? std::abs(x) <= 1.0 && std::abs(y) <= 1.0 : x * x + y * y <= 1.0;
 }
 
 }  // namespace tandem

@@ -151,7 +151,7 @@ const Extractor::Tile& Extractor::tile_at(int tx, int ty) {
   return tile;
 }
 
-// Keeps the shapes that still have cells and adds a circle for each of up to kPatches new cells.
+// Keeps the shapes that still have cells and adds a square for each of up to kPatches new cells.
 // Returns false if that does not cover all cells.
 bool Extractor::patch(Tile& tile) const {
   const Grid& grid = map_->grid();
@@ -160,8 +160,12 @@ bool Extractor::patch(Tile& tile) const {
   for (const auto& cluster : tile.clusters)
     for (const CellIndex& cell : cluster) {
       const Eigen::Vector2d p_MC = grid.center(cell.ix - shift_.x(), cell.iy - shift_.y());
-      const double radius = side * std::sqrt(0.5) * (1.0 + 1e-9);
-      alone.push_back({Obstacle{.id = id_of(cell, p_MC), .p_MO = p_MC, .a = radius, .b = radius},
+      const double half = 0.5 * side * (1.0 + 1e-9);
+      alone.push_back({Obstacle{.id = id_of(cell, p_MC),
+                                .p_MO = p_MC,
+                                .a = half,
+                                .b = half,
+                                .shape = ObstacleShape::kRectangle},
                        p_MC.array() - 0.5 * side, p_MC.array() + 0.5 * side});
     }
   std::erase_if(tile.shapes, [&](const CoverShape& shape) {
@@ -170,9 +174,9 @@ bool Extractor::patch(Tile& tile) const {
     });
   });
   const auto covers = [](const CoverShape& shape, const CoverShape& cell) {
-    return level(shape.obstacle, cell.low) <= 1.0 && level(shape.obstacle, cell.high) <= 1.0 &&
-           level(shape.obstacle, {cell.low.x(), cell.high.y()}) <= 1.0 &&
-           level(shape.obstacle, {cell.high.x(), cell.low.y()}) <= 1.0;
+    return contains(shape.obstacle, cell.low) && contains(shape.obstacle, cell.high) &&
+           contains(shape.obstacle, {cell.low.x(), cell.high.y()}) &&
+           contains(shape.obstacle, {cell.high.x(), cell.low.y()});
   };
   std::erase_if(alone, [&](const CoverShape& cell) {
     return std::any_of(tile.shapes.begin(), tile.shapes.end(), [&](const CoverShape& shape) {

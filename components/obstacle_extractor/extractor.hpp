@@ -24,7 +24,7 @@ struct ExtractorParams {
   double max_excess = 0.25;
   double smallest_gap = 0.42;
   double width = 0.58;  ///< [m] of the robot, from its outline; passages this wide stay open
-  double space_per_shape = 0.06;
+  double space_per_shape = 0.03;
   double tile = 4.0;
   int shapes_per_tile = 12;
 

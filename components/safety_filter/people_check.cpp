@@ -64,7 +64,7 @@ bool PeopleCheck::creeps(const Look& look, const Twist2& measured) const {
 
 PeopleCheck::Discs PeopleCheck::discs(const Obstacle& person, double tau) const {
   const double v = person.v_MO.norm(), age = tau + params_.people_delay;
-  const double radius = person.a + params_.person_error;
+  const double radius = circumradius(person) + params_.person_error;
   const double strays = 0.5 * v * params_.people_delay + params_.person_speed_error * age +
                         0.5 * params_.person_acceleration * age * age;
   const double fastest = std::max(params_.person_speed, v + params_.person_speed_error);
@@ -164,7 +164,7 @@ bool PeopleCheck::keeps_away(const Look& look, const Obstacle& person) const {
 
 bool PeopleCheck::does_not_near(const Look& look, const Obstacle& person) const {
   const Eigen::Vector2d p_MP = person.p_MO + std::max(0.0, look.tau) * person.v_MO;
-  const double radius = person.a + params_.person_error;
+  const double radius = circumradius(person) + params_.person_error;
   const auto gap_at = [&](const Pose2& X) {
     return distance(body_.footprint, transform(inverse(X), p_MP)) - radius;
   };

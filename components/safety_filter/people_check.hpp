@@ -46,7 +46,7 @@ struct PeopleParams {
   }
 };
 
-/// The last list of people, with its arrival. An ellipse counts as a disc of its larger semi-axis.
+/// The last list of people, with its arrival. Each counts as the smallest circle around it.
 using PeopleSeen = Stamped<std::vector<Obstacle>>;
 
 /// Keeps motions away from where people may be: passive safety, no contact while the robot moves.

@@ -78,15 +78,33 @@ TEST(Convert, PoseRefusesNaNAndAZeroQuaternion) {
   EXPECT_FALSE(from_msg(msg));
 }
 
-TEST(Convert, ObstaclesThatAreNoEllipsesAreCountedAndLeftOut) {
+TEST(Convert, ObstaclesThatAreNotValidAreCountedAndLeftOut) {
   const std::vector<Obstacle> all{{1, {0, 0}, 1.0, 0.5, 0.0},
+                                  {5, {0, 0}, 1.0, 0.5, 0.0, {0, 0}, ObstacleShape{2}},
                                   {2, {kNaN, 0}, 1.0, 0.5, 0.0},
                                   {3, {0, 0}, 0.2, 0.5, 0.0},
                                   {4, {0, 0}, 1.0, 0.0, 0.0}};
   const Obstacles back = from_msg(to_msg(all, header({}, "map")));
   ASSERT_EQ(back.all.size(), 1u);
   EXPECT_EQ(back.all[0].id, 1u);
-  EXPECT_EQ(back.refused, 3);
+  EXPECT_EQ(back.refused, 4);
+}
+
+TEST(Convert, ARectangleStaysOneAndIsABoxInRviz) {
+  const std::vector<Obstacle> all{{7, {1, 2}, 1.0, 0.5, 0.3, {0.1, 0.2}, ObstacleShape::kRectangle},
+                                  {8, {1, 2}, 1.0, 0.5}};
+  const auto msg = to_msg(all, header({}, "map"));
+  EXPECT_EQ(msg.obstacles()[0].shape(), tandem_msgs::msg::Obstacle_Constants::RECTANGLE);
+  const Obstacles back = from_msg(msg);
+  ASSERT_EQ(back.all.size(), 2u);
+  EXPECT_EQ(back.all[0].shape, ObstacleShape::kRectangle);
+  EXPECT_EQ(back.all[0].v_MO, all[0].v_MO);
+  EXPECT_EQ(back.all[1].shape, ObstacleShape::kEllipse);
+  const auto markers = to_markers(all, header({}, "map"));
+  ASSERT_EQ(markers.markers().size(), 3u);  // the first deletes
+  EXPECT_EQ(markers.markers()[1].type(), visualization_msgs::msg::Marker_Constants::CUBE);
+  EXPECT_EQ(markers.markers()[1].scale().x(), 2.0);
+  EXPECT_EQ(markers.markers()[2].type(), visualization_msgs::msg::Marker_Constants::CYLINDER);
 }
 
 nav_msgs::msg::Odometry odometry_of(const Pose2& X, double v, double lateral, double w) {

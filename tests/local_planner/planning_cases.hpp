@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tandem/local_planner/cycle.hpp"
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 #include "tandem/local_planner/trail.hpp"
 #include "tandem/local_planner/warm_start.hpp"
 
@@ -46,7 +46,8 @@ inline std::vector<Eigen::Vector2d> leaders_way(const PlanRequest& request, doub
 }
 
 /// Varies everything: method, model, horizon, discs, lag (in one case of four), state, reference,
-/// and circles and ellipses at rest and moving. One case in four may start inside obstacles.
+/// and circles, ellipses and rectangles at rest and moving. One case in four may start inside
+/// obstacles.
 inline PlanningCase random_case(unsigned seed) {
   Random random{std::mt19937(seed)};
   PlanningCase c;
@@ -82,6 +83,7 @@ inline PlanningCase random_case(unsigned seed) {
     Obstacle obstacle{.id = static_cast<std::uint32_t>(i + 1), .a = random(0.1, 0.6)};
     obstacle.b = random.one_in(2) ? obstacle.a : random(0.08, obstacle.a);
     if (random.one_in(8)) obstacle.a = random(0.5, 2.5), obstacle.b = 0.1;  // a wall
+    if (i % 3 == 2) obstacle.shape = ObstacleShape::kRectangle;
     obstacle.angle = random(-3, 3);
     obstacle.p_MO = {request.X_MB.x + random(-3.5, 3.5), request.X_MB.y + random(-3.5, 3.5)};
     if (random.one_in(6)) obstacle.v_MO = {random(-0.6, 0.6), random(-0.6, 0.6)};

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "model/random.hpp"
+#include "support/level.hpp"
 #include "tandem/model/footprint.hpp"
 
 namespace tandem {
@@ -121,7 +122,7 @@ TEST_P(PartsAgainstSamples, DistanceToASquare) {
   EXPECT_GT(apart, 50);
 }
 
-TEST_P(PartsAgainstSamples, OverlapWithAnEllipse) {
+TEST_P(PartsAgainstSamples, OverlapWithAnObstacle) {
   int overlapping = 0, apart = 0;
   for (int i = 0; i < 300; ++i) {
     const Pose2 X_MB{uniform(random_, -1, 1), uniform(random_, -1, 1), uniform(random_, -4, 4)};
@@ -130,7 +131,8 @@ TEST_P(PartsAgainstSamples, OverlapWithAnEllipse) {
     obstacle.a = uniform(random_, 0.1, 0.5);
     obstacle.b = uniform(random_, 0.3, 1.0) * obstacle.a;
     obstacle.angle = uniform(random_, -4.0, 4.0);
-    const double nearest = least(X_MB, [&](const auto& q) { return level(obstacle, q); });
+    if (i % 2 == 1) obstacle.shape = ObstacleShape::kRectangle;
+    const double nearest = least(X_MB, [&](const auto& q) { return test::level(obstacle, q); });
     if (nearest < 1.0) {
       EXPECT_TRUE(overlaps(shape_.footprint, X_MB, obstacle));
       ++overlapping;

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 
 namespace tandem::test {
 namespace {

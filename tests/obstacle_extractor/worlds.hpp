@@ -76,7 +76,7 @@ inline bool lies_in_one_shape(const Eigen::Vector2d& p_MC, double side,
   return std::any_of(shapes.begin(), shapes.end(), [&](const Obstacle& shape) {
     for (const double x : {-0.5, 0.5})
       for (const double y : {-0.5, 0.5})
-        if (level(shape, p_MC + side * Eigen::Vector2d{x, y}) > 1.0 + 1e-12) return false;
+        if (!contains(shape, p_MC + side * Eigen::Vector2d{x, y})) return false;
     return true;
   });
 }

@@ -46,7 +46,7 @@ class ExtractorOverDds : public OneComponent {
   }
   [[nodiscard]] bool covered(const Eigen::Vector2d& p_MQ) const {
     return std::any_of(seen_.begin(), seen_.end(),
-                       [&](const Obstacle& o) { return level(o, p_MQ) <= 1.0; });
+                       [&](const Obstacle& o) { return contains(o, p_MQ); });
   }
   [[nodiscard]] bool wait_for_lists(long more) {
     const long before = lists_;

@@ -222,7 +222,7 @@ void add_map_command(CLI::App& program) {
   draw->add_option("--size", options->size, "[pixels] length of the longer side")
       ->check(CLI::Range(200, 8000))
       ->capture_default_str();
-  draw->add_flag("--shapes", options->shapes, "draw the circles and ellipses fitted to it");
+  draw->add_flag("--shapes", options->shapes, "draw the shapes fitted to it");
   draw->add_flag("--unknown-is-obstacle", options->unknown_is_obstacle,
                  "fit shapes to unknown cells too");
   options->slice.visit(OptionAdder{*draw});

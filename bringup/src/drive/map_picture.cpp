@@ -39,7 +39,10 @@ void MapPicture::draw_obstacles(std::span<const Obstacle> obstacles, const Pen& 
     cairo_rotate(cairo, -obstacle.angle);
     cairo_scale(cairo, canvas_->scale * obstacle.a, canvas_->scale * obstacle.b);
     cairo_new_sub_path(cairo);
-    cairo_arc(cairo, 0.0, 0.0, 1.0, 0.0, 2.0 * std::numbers::pi);
+    if (is_rectangle(obstacle))
+      cairo_rectangle(cairo, -1.0, -1.0, 2.0, 2.0);
+    else
+      cairo_arc(cairo, 0.0, 0.0, 1.0, 0.0, 2.0 * std::numbers::pi);
     cairo_close_path(cairo);
     cairo_restore(cairo);
     canvas_->finish(pen);

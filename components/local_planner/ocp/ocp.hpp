@@ -60,7 +60,7 @@ struct Interval {
 /// subject to
 ///   u_k − u_{k−1} − d_k = 0,       u_{−1} the command in force                              (2)
 ///   X⁺ − f(X, m) = 0,              X of stage 0 the predicted pose, m the mean twist        (3)
-///   φ(C(X⁺)) − gap − g_v v² − g_w w² + s ≥ 0   per pair, φ of ellipse_distance.hpp           (4)
+///   φ(C(X⁺)) − gap − g_v v² − g_w w² + s ≥ 0   per pair, φ of signed_distance.hpp           (4)
 ///   bounds on u, d, x⁺, y⁺, s
 ///
 /// where f moves along an arc (γ = 0 gives Euler's step, [T] 3.10), with the displacement

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 
 namespace tandem {
 namespace {
@@ -18,7 +18,7 @@ struct NearPair {
 };
 
 // Distances between body and obstacles at many poses. Most pairs are far apart, so circles around
-// both and the ellipse's bounding box are tested before the exact distance.
+// both and the obstacle's bounding box are tested before the exact distance.
 class Surroundings {
  public:
   Surroundings(const Body& body, std::span<const Obstacle> obstacles, const PairLimits& limits)
@@ -37,7 +37,7 @@ class Surroundings {
     const double c = std::cos(X_MB.theta), s = std::sin(X_MB.theta);
     for (std::size_t j = 0; j < obstacles_.size(); ++j) {
       const Eigen::Vector2d p_MO = obstacles_[j].p_MO + t * obstacles_[j].v_MO;
-      const double near = most + margins_[j] + obstacles_[j].a + radius_;
+      const double near = most + margins_[j] + circumradius(obstacles_[j]) + radius_;
       if (near <= 0.0 || (p_MO - X_MB.position()).squaredNorm() >= near * near) continue;
       Obstacle there = obstacles_[j];
       there.p_MO = p_MO;

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
 #include "tandem/local_planner/ocp/ocp.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 
 namespace tandem {
 

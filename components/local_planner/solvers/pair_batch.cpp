@@ -4,6 +4,16 @@
 #include <cmath>
 
 namespace tandem {
+namespace {
+
+template <class Choice, int n>
+OutlineDistance<n> select(const Choice& first, const OutlineDistance<n>& a,
+                          const OutlineDistance<n>& b) {
+  return {first.select(a.value, b.value), first.select(a.n_x, b.n_x), first.select(a.n_y, b.n_y),
+          first.select(a.curvature, b.curvature)};
+}
+
+}  // namespace
 
 void PairTable::resize(std::size_t pair_count) {
   const std::size_t batches = pair_count / PairBatch::kLanes + 1;  // at least one row more
@@ -13,16 +23,17 @@ void PairTable::resize(std::size_t pair_count) {
 
 void PairBatch::add(const Pair& pair, std::size_t stage) {
   const auto i = static_cast<Eigen::Index>(count_);
-  const Obstacle& ellipse = pair.obstacle;
-  a_[i] = ellipse.a;
-  b_[i] = ellipse.b;
-  if (ellipse.a != ellipse.b) {
-    axis_c_[i] = std::cos(ellipse.angle);
-    axis_s_[i] = std::sin(ellipse.angle);
-    round_ = false;
+  const Obstacle& obstacle = pair.obstacle;
+  a_[i] = obstacle.a;
+  b_[i] = obstacle.b;
+  if (!is_circle(obstacle)) {
+    axis_c_[i] = std::cos(obstacle.angle);
+    axis_s_[i] = std::sin(obstacle.angle);
+    (is_rectangle(obstacle) ? has_rectangle_ : has_ellipse_) = true;
   }
-  p_x_[i] = ellipse.p_MO.x();
-  p_y_[i] = ellipse.p_MO.y();
+  is_rectangle_[i] = is_rectangle(obstacle);
+  p_x_[i] = obstacle.p_MO.x();
+  p_y_[i] = obstacle.p_MO.y();
   arm_x_[i] = pair.p_BC.x();
   arm_y_[i] = pair.p_BC.y();
   gap_[i] = pair.gap;
@@ -32,8 +43,10 @@ void PairBatch::add(const Pair& pair, std::size_t stage) {
 OutlineDistance<int{PairBatch::kLanes}> PairBatch::distance_in_axes(const All& q_x,
                                                                     const All& q_y) const {
   const All least = kOffAxes * b_, x = q_x.abs().max(least), y = q_y.abs().max(least);
-  auto d = round_ ? distance_to_circle<int{kLanes}>(a_, x, y)
-                  : distance_to_outline<int{kLanes}>(a_, b_, x, y);
+  auto d = has_ellipse_ ? distance_to_ellipse<int{kLanes}>(a_, b_, x, y)
+                        : distance_to_circle<int{kLanes}>(a_, x, y);
+  if (has_rectangle_)
+    d = select(is_rectangle_, distance_to_rectangle<int{kLanes}>(a_, b_, x, y), d);
   for (Eigen::Index i = 0; i < int{kLanes}; ++i) {
     d.n_x[i] = std::copysign(d.n_x[i], q_x[i]);
     d.n_y[i] = std::copysign(d.n_y[i], q_y[i]);
@@ -42,7 +55,7 @@ OutlineDistance<int{PairBatch::kLanes}> PairBatch::distance_in_axes(const All& q
 }
 
 OutlineDistance<int{PairBatch::kLanes}> PairBatch::distance(const All& d_x, const All& d_y) const {
-  if (round_) return distance_in_axes(d_x, d_y);
+  if (!has_ellipse_ && !has_rectangle_) return distance_in_axes(d_x, d_y);
   auto d = distance_in_axes(axis_c_ * d_x + axis_s_ * d_y, axis_c_ * d_y - axis_s_ * d_x);
   const All n_x = axis_c_ * d.n_x - axis_s_ * d.n_y, n_y = axis_s_ * d.n_x + axis_c_ * d.n_y;
   d.n_x = n_x;

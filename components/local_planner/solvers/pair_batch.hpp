@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "tandem/local_planner/ocp/ellipse_batch.hpp"
+#include "tandem/local_planner/ocp/distance_batch.hpp"
 #include "tandem/local_planner/ocp/stage_terms.hpp"
 
 namespace tandem {
@@ -38,16 +38,17 @@ class PairBatch {
  private:
   using All = Lanes<int{kLanes}>;
 
-  /// Distance from the outline of points that are at `d` from the ellipses' centres, in axes of M.
+  /// Distance from the outline of points that are at `d` from the obstacles' centres, in axes of M.
   [[nodiscard]] OutlineDistance<int{kLanes}> distance(const All& d_x, const All& d_y) const;
   [[nodiscard]] OutlineDistance<int{kLanes}> distance_in_axes(const All& q_x, const All& q_y) const;
 
   // Initialised so that unused lanes compute finite values.
   All a_ = All::Ones(), b_ = All::Ones(), axis_c_ = All::Ones(), axis_s_ = All::Zero();
-  All p_x_ = All::Zero(), p_y_ = All::Zero();      // ellipses' centres in M [m]
+  All p_x_ = All::Zero(), p_y_ = All::Zero();      // obstacles' centres in M [m]
   All arm_x_ = All::Zero(), arm_y_ = All::Zero();  // discs' centres in B [m]
   All gap_ = All::Zero();
-  bool round_ = true;  // all ellipses are circles
+  Eigen::Array<bool, int{kLanes}, 1> is_rectangle_ = Eigen::Array<bool, int{kLanes}, 1>::Zero();
+  bool has_ellipse_ = false, has_rectangle_ = false;  // otherwise all are circles
   std::array<std::size_t, kLanes> stage_{};
   std::size_t count_ = 0;
 };

@@ -41,10 +41,10 @@ CoverPart PartFitter::fit_both(const CoverPart& p, const CoverPart& q, double mo
 
 CoverPart PartFitter::make(Cells cells, Points hull, double most) const {
   CoverPart part{std::move(cells), std::move(hull), {}, {}, {}, 0};
-  part.fit = fit_ellipse(part.hull, space_,
-                         {.excess = params_.excess,
-                          .price = (most - 1.0) * params_.space_per_shape,
-                          .circle_bonus = (1.0 - kLeastCost) * params_.space_per_shape});
+  part.fit = fit_shape(part.hull, space_,
+                       {.excess = params_.excess,
+                        .price = (most - 1.0) * params_.space_per_shape,
+                        .circle_bonus = (1.0 - kLeastCost) * params_.space_per_shape});
   part.low = part.high = part.hull[0];
   for (const auto& p : part.hull) {
     part.low = part.low.cwiseMin(p);
@@ -101,7 +101,7 @@ bool PartFitter::neighbours(const CoverPart& p, const CoverPart& q) {
 bool PartFitter::contains(const CoverPart& part, const CellIndex& cell) const {
   const Points square = corners(grid_, cell);
   return std::all_of(square.begin(), square.end(),
-                     [&](const Eigen::Vector2d& p) { return level(part.fit.shape, p) <= 1.0; });
+                     [&](const Eigen::Vector2d& p) { return tandem::contains(part.fit.shape, p); });
 }
 
 CoverShape PartFitter::shape(const CoverPart& part) const {

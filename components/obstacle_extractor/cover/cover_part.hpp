@@ -7,7 +7,7 @@
 
 #include "tandem/map/grid.hpp"
 #include "tandem/obstacle_extractor/cover/cover.hpp"
-#include "tandem/obstacle_extractor/cover/ellipse_fit.hpp"
+#include "tandem/obstacle_extractor/cover/shape_fit.hpp"
 
 namespace tandem {
 
@@ -17,7 +17,7 @@ using Cells = std::vector<CellIndex>;
 struct CoverPart {
   Cells cells;  ///< empty: joined into another part
   Points hull;
-  EllipseFit fit;
+  ShapeFit fit;
   Eigen::Vector2d low, high;  ///< of the hull [m]
   int changed = 0;            ///< the rearrangement round in which it last changed
 };
@@ -28,20 +28,20 @@ class PartFitter {
   PartFitter(const Grid& grid, const FreeSpace& space, const CoverParams& params)
       : grid_{grid}, space_{space}, params_{params} {}
 
-  /// Cost of a circle relative to an ellipse; no shape costs less.
+  /// Cost of a circle relative to another shape; no shape costs less.
   static constexpr double kLeastCost = 0.7;
 
   /// Contribution of one part to (1) of cover.hpp.
   [[nodiscard]] double cost(const CoverPart& part) const {
-    const bool is_circle = part.fit.shape.a == part.fit.shape.b;
-    return (is_circle ? kLeastCost : 1.0) + part.fit.taken / params_.space_per_shape;
+    return (is_circle(part.fit.shape) ? kLeastCost : 1.0) +
+           part.fit.taken / params_.space_per_shape;
   }
 
   /// Allows shapes to take more free space: the next coarseness level of cover.hpp.
   void coarsen();
 
   /// Fits these cells. `fit.found` is false if the shape would cost more than `most` (in units of
-  /// one ellipse).
+  /// one shape).
   [[nodiscard]] CoverPart fit(Cells cells, double most) const;
   /// The joined part of two, with an empty cell list.
   [[nodiscard]] CoverPart fit_both(const CoverPart& p, const CoverPart& q, double most) const;

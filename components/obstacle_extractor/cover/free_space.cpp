@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "tandem/map/distance_transform.hpp"
+#include "tandem/obstacle_extractor/cover/dilated_shape.hpp"
 
 namespace tandem {
 namespace {
@@ -125,37 +127,33 @@ bool FreeSpace::is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high
   return (low.array() >= low_.array()).all() && (high.array() <= high_.array()).all();
 }
 
-// Sums row by row: in the ellipse xᵀQx ≤ 1 the row at height y contains the x with
-//   Qxx x² + 2 Qxy x y + Qyy y² ≤ 1.
-// The disc at a place touches the shape if the place lies in the shape dilated by the radius. The
-// dilated shape is approximated by an ellipse with axes longer by the radius, which lies inside it
-// (its support function is smaller); that is accurate enough for a cost.
 double FreeSpace::taken_by(const Obstacle& shape, double most) const {
-  const double step = resolution_ / fine_, grown = radius_ * resolution_;
-  const double a = (shape.a + grown) / step, b = (shape.b + grown) / step;
-  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
-  const double qxx = c * c / (a * a) + s * s / (b * b), qyy = s * s / (a * a) + c * c / (b * b);
-  const double qxy = c * s * (1.0 / (a * a) - 1.0 / (b * b));
-  const Eigen::Vector2d m = (shape.p_MO - first_point_) / step;
-  const double reach = std::hypot(s * a, c * b);
+  const double step = resolution_ / fine_;
+  return std::visit(
+      [&](const auto& all) { return area_of(all, (shape.p_MO - first_point_) / step, most); },
+      dilated(shape, radius_ * resolution_, step));
+}
+
+// Sums row by row. `m`: the shape's centre, in fine points.
+template <class Dilated>
+double FreeSpace::area_of(const Dilated& shape, const Eigen::Vector2d& m, double most) const {
+  const double step = resolution_ / fine_;
   const int width = window_.width() * fine_, height = window_.height() * fine_;
-  const int low = std::max(0, static_cast<int>(std::ceil(m.y() - reach)));
-  const int high = std::min(height - 1, static_cast<int>(std::floor(m.y() + reach)));
+  const int low = std::max(0, static_cast<int>(std::ceil(m.y() - shape.reach())));
+  const int high = std::min(height - 1, static_cast<int>(std::floor(m.y() + shape.reach())));
   const double all = width;
   const auto column = [all](double x) {  // points left of x: truncation is faster than ceil
     return static_cast<std::size_t>(std::clamp(x + 1.0, 0.0, all));
   };
-  const double per = 1.0 / qxx;
   const int stride = 1 + (high - low) / kRows;
   const double per_point = step * step * stride;
   double sum = 0.0;
   for (int iy = low; iy <= high && sum * per_point <= most; iy += stride) {
-    const double y = iy - m.y();
-    const double root = qxy * qxy * y * y - qxx * (qyy * y * y - 1.0);
-    if (root <= 0.0) continue;
-    const double middle = m.x() - qxy * y * per, half = std::sqrt(root) * per;
+    const RowExtent places = shape.row(iy - m.y());
+    if (places.left > places.right) continue;
     const float* row = &sums_[static_cast<std::size_t>(iy) * static_cast<std::size_t>(width + 1)];
-    sum += static_cast<double>(row[column(middle + half)] - row[column(middle - half)]);
+    sum +=
+        static_cast<double>(row[column(m.x() + places.right)] - row[column(m.x() + places.left)]);
   }
   return sum * per_point;
 }

@@ -48,6 +48,8 @@ class FreeSpace {
   [[nodiscard]] bool is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;
 
  private:
+  template <class Dilated>
+  [[nodiscard]] double area_of(const Dilated& shape, const Eigen::Vector2d& m, double most) const;
   void find_useless();
   [[nodiscard]] bool is_useless(const Eigen::Vector2d& p_MQ) const;
   void find_passages(const std::vector<std::uint8_t>& places);

@@ -90,12 +90,12 @@ Mask Passages::covered(const std::vector<Obstacle>& shapes) const {
   Mask mask(window_.size());
   for (const Obstacle& shape : shapes) {
     const Eigen::Vector2d c = (shape.p_MO - grid_.origin) / grid_.resolution;
-    const int reach = static_cast<int>(shape.a / grid_.resolution) + 1;
+    const int reach = static_cast<int>(circumradius(shape) / grid_.resolution) + 1;
     const int mx = static_cast<int>(std::floor(c.x())), my = static_cast<int>(std::floor(c.y()));
     for (int iy = std::max(window_.y0, my - reach); iy < std::min(window_.y1, my + reach + 1); ++iy)
       for (int ix = std::max(window_.x0, mx - reach); ix < std::min(window_.x1, mx + reach + 1);
            ++ix)
-        if (level(shape, grid_.center(ix, iy)) <= 1.0) mask[window_.index(ix, iy)] = 1;
+        if (contains(shape, grid_.center(ix, iy))) mask[window_.index(ix, iy)] = 1;
   }
   return mask;
 }

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <random>
 
-#include "tandem/local_planner/ocp/ellipse_distance.hpp"
+#include "tandem/local_planner/ocp/signed_distance.hpp"
 
 namespace tandem {
 namespace {

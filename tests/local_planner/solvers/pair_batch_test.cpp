@@ -13,7 +13,9 @@ class PairsAtRandom {
   Pair pair(bool round) {
     const double b = 0.05 + 0.3 * std::abs(unit());
     const double a = round || unit() > 0.5 ? b : b * (1.0 + 30.0 * std::abs(unit()));
-    return {{unit(), unit()}, 0.3, {1, {3.0 * unit(), 3.0 * unit()}, a, b, 4.0 * unit(), {}}, 0};
+    Obstacle obstacle{1, {3.0 * unit(), 3.0 * unit()}, a, b, 4.0 * unit(), {0, 0}};
+    if (!round && unit() > 0.0) obstacle.shape = ObstacleShape::kRectangle;
+    return {{unit(), unit()}, 0.3, obstacle, 0};
   }
   Placed place() { return Placed{{unit(), unit(), 4.0 * unit()}}; }
 

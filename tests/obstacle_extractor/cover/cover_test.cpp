@@ -34,7 +34,7 @@ std::vector<CoverShape> shapes_of(const Clusters& clusters, const CoverParams& p
 bool covers_cell(const Obstacle& shape, const CellIndex& cell) {
   for (const int dx : {0, 1})
     for (const int dy : {0, 1})
-      if (level(shape, {0.05 * (cell.ix + dx), 0.05 * (cell.iy + dy)}) > 1.0 + 1e-9) return false;
+      if (!contains(shape, {0.05 * (cell.ix + dx), 0.05 * (cell.iy + dy)})) return false;
   return true;
 }
 

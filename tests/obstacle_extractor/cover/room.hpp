@@ -48,6 +48,12 @@ inline std::vector<CellIndex> block(int ix, int iy, int width, int height) {
   return cells;
 }
 
+/// The cells of both.
+inline std::vector<CellIndex> joined(std::vector<CellIndex> a, const std::vector<CellIndex>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 /// From one cell to a wall of 2 m, at any angle, 1 to 4 cells thick. A cell may be listed twice.
 inline std::vector<CellIndex> random_wall(unsigned seed) {
   std::mt19937 random{seed};

@@ -7,12 +7,14 @@ export interface Pose {
   y: number;
   heading: number;
 }
-export interface Ellipse {
+/** An ellipse of semi-axes a and b, or a rectangle of half sides a and b. */
+export interface Obstacle {
   x: number;
   y: number;
   a: number;
   b: number;
   angle: number;
+  isRectangle: boolean;
 }
 /** A place that the person may mean to go to, and how likely that is, in words. */
 export interface Place {
@@ -90,7 +92,7 @@ export class Robot {
     keep("plan", (m) => m.poses.map((p: Message) => pose(p.pose)));
     keep("leader_pose", (m) => pose(m.pose));
     keep("joy/set_feedback", (m) => m.intensity);
-    keep("obstacles", (m) => m.obstacles.map(ellipse));
+    keep("obstacles", (m) => m.obstacles.map(obstacle));
     keep("hindsight/markers", (m) => m.markers.filter((marker: Message) => marker.text !== "").map(place));
   }
 
@@ -194,8 +196,17 @@ function place(m: Message): Place {
   return { pose: pose(m.pose), belief: m.text };
 }
 
-function ellipse(m: Message): Ellipse {
-  return { x: m.center.x, y: m.center.y, a: m.semi_axis_a, b: m.semi_axis_b, angle: m.angle };
+const RECTANGLE = 1; // tandem_msgs/Obstacle
+
+function obstacle(m: Message): Obstacle {
+  return {
+    x: m.center.x,
+    y: m.center.y,
+    a: m.semi_axis_a,
+    b: m.semi_axis_b,
+    angle: m.angle,
+    isRectangle: m.shape === RECTANGLE,
+  };
 }
 
 // Occupied cells light, the rest clear; unknown a little.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture: map, robot, what it sees, what the person asks for and what it intends.
-import type { Place, Pose, Robot } from "./robot";
+import type { Obstacle, Place, Pose, Robot } from "./robot";
 
 export type ViewMode = "follow" | "map" | "leader";
 
@@ -189,9 +189,14 @@ export class View {
     context.lineWidth = this.px(1.5);
     context.strokeStyle = COLOR.obstacle;
     context.fillStyle = COLOR.obstacle + "2e";
-    for (const o of this.robot.get<any[]>("obstacles", 1000) ?? []) {
+    for (const o of this.robot.get<Obstacle[]>("obstacles", 1000) ?? []) {
+      context.save();
+      context.translate(o.x, o.y);
+      context.rotate(o.angle);
       context.beginPath();
-      context.ellipse(o.x, o.y, o.a, o.b, o.angle, 0, 2 * Math.PI);
+      if (o.isRectangle) context.rect(-o.a, -o.b, 2 * o.a, 2 * o.b);
+      else context.ellipse(0, 0, o.a, o.b, 0, 0, 2 * Math.PI);
+      context.restore();
       context.fill();
       context.stroke();
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Private to local_planner: signed distances of several points at once, each to its own ellipse.
+// Private to local_planner: signed distances of several points at once, each to its own obstacle.
 // One array lane per point, so that the costly square roots and divisions are vectorised.
 //
-// With q = (|x|, |y|) in the ellipse's axes and e = a² − b², the closest point c follows from the
-// one root s > 0 of
+// For an ellipse: with q = (|x|, |y|) in the ellipse's axes and e = a² − b², the closest point c
+// follows from the one root s > 0 of
 //
 //   F(s) = (a q₁ / (s + e))² + (b q₂ / s)² − 1 = 0,   c = (a² q₁ / (s + e), b² q₂ / s)    (3)
 //
@@ -20,11 +20,11 @@ namespace tandem {
 template <int n>
 using Lanes = Eigen::Array<double, n, 1>;
 
-/// Points are kept off the ellipse's axes by this fraction of b, because (3) degenerates there.
+/// Points are kept off the obstacle's axes by this fraction of b, because (3) degenerates there.
 inline constexpr double kOffAxes = 1e-9;
 
-/// Distance [m], outward normal in the ellipse's axes and curvature [1/m]: (1) and (2) of
-/// ellipse_distance.hpp.
+/// Distance [m], outward normal in the obstacle's axes and curvature [1/m]: (1) and (2) of
+/// signed_distance.hpp.
 template <int n>
 struct OutlineDistance {
   Lanes<n> value, n_x, n_y, curvature;
@@ -50,7 +50,7 @@ template <int n>
 
 /// Distances of points q in the first quadrant of the ellipses' axes [m], q_x, q_y > 0; a ≥ b > 0.
 template <int n>
-[[nodiscard]] OutlineDistance<n> distance_to_outline(const Lanes<n>& a, const Lanes<n>& b,
+[[nodiscard]] OutlineDistance<n> distance_to_ellipse(const Lanes<n>& a, const Lanes<n>& b,
                                                      const Lanes<n>& q_x, const Lanes<n>& q_y) {
   const Lanes<n> e = a * a - b * b, aq_x = a * q_x, bq_y = b * q_y;
   const Lanes<n> s = closest_point_root<n>(e, aq_x, bq_y);
@@ -68,6 +68,24 @@ template <int n>
                                                     const Lanes<n>& q_y) {
   const Lanes<n> d = (q_x.square() + q_y.square()).sqrt(), per = d.inverse();
   return {d - r, q_x * per, q_y * per, per.min(2.0 / r)};
+}
+
+/// The same for rectangles |x| ≤ a, |y| ≤ b. Outside, the nearest point is on a side or at a
+/// corner; inside, it is on the nearest side.
+template <int n>
+[[nodiscard]] OutlineDistance<n> distance_to_rectangle(const Lanes<n>& a, const Lanes<n>& b,
+                                                       const Lanes<n>& q_x, const Lanes<n>& q_y) {
+  constexpr double kSharpest = 20.0;        // [1/m]
+  const Lanes<n> x = q_x - a, y = q_y - b;  // beyond the sides
+  const Lanes<n> out_x = x.max(0.0), out_y = y.max(0.0);
+  const Lanes<n> d = (out_x.square() + out_y.square()).sqrt();
+  const Lanes<n> per = d.max(1e-300).inverse(), zero = Lanes<n>::Zero(), one = Lanes<n>::Ones();
+  const auto is_outside = d > 0.0;
+  const auto is_end_nearer = x > y;
+  return {is_outside.select(d, x.max(y)),
+          is_outside.select(out_x * per, is_end_nearer.select(one, zero)),
+          is_outside.select(out_y * per, is_end_nearer.select(zero, one)),
+          (out_x * out_y > 0.0).select(per.min(kSharpest), zero)};
 }
 
 }  // namespace tandem

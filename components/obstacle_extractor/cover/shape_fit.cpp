@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tandem/obstacle_extractor/cover/ellipse_fit.hpp"
+#include "tandem/obstacle_extractor/cover/shape_fit.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,6 +22,17 @@ Obstacle circle_around(const Points& hull) {
   return shape;
 }
 
+Obstacle rectangle_of(const TurnedBox& box) {
+  const bool is_long = box.half.x() >= box.half.y();
+  Obstacle shape;
+  shape.shape = ObstacleShape::kRectangle;
+  shape.p_MO = box.p_MC;
+  shape.angle = is_long ? box.angle : box.angle + 0.5 * std::numbers::pi;
+  shape.a = kRoom * box.half.maxCoeff();
+  shape.b = kRoom * box.half.minCoeff();
+  return shape;
+}
+
 // Parameters of (1): the length lies along the box.
 struct Form {
   TurnedBox box;
@@ -31,7 +42,7 @@ struct Form {
 struct Candidate {
   Obstacle shape;
   double price;
-  std::optional<Form> form;  // nullopt: the circle
+  std::optional<Form> form;  // nullopt: the circle or the rectangle
 };
 
 // The ellipse of (1), or a circle of radius b if the ellipse would be shorter than wide.
@@ -72,10 +83,30 @@ bool is_within_along(const Obstacle& shape, const Eigen::Vector2d& half, const F
   return true;
 }
 
-// Whether the shape reaches no deeper into free space than `most`. Tests its outline, smaller
-// copies of it inside, and the long axis where the copies are far apart. False if the shape leaves
-// the known window.
+// Whether all points of a lattice over the rectangle are allowed.
+bool is_rectangle_within(const Obstacle& shape, const FreeSpace& space, const Excess& most) {
+  constexpr double kSpacing = 0.04;  // [m]
+  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
+  const Eigen::Vector2d reach{std::abs(c) * shape.a + std::abs(s) * shape.b,
+                              std::abs(s) * shape.a + std::abs(c) * shape.b};
+  if (!space.is_known(shape.p_MO - reach, shape.p_MO + reach)) return false;
+  const int columns = static_cast<int>(std::ceil(2.0 * shape.a / kSpacing));
+  const int rows = static_cast<int>(std::ceil(2.0 * shape.b / kSpacing));
+  for (int i = 0; i <= columns; ++i)
+    for (int k = 0; k <= rows; ++k) {
+      const Eigen::Vector2d q{shape.a * (2.0 * i / columns - 1.0),
+                              shape.b * (2.0 * k / rows - 1.0)};
+      const Eigen::Vector2d turned_q{c * q.x() - s * q.y(), s * q.x() + c * q.y()};
+      if (!space.allows(shape.p_MO + turned_q, most)) return false;
+    }
+  return true;
+}
+
+// Whether the shape reaches no deeper into free space than `most`. Tests an ellipse's outline,
+// smaller copies of it inside, and the long axis where the copies are far apart. False if the shape
+// leaves the known window.
 bool is_within(const Obstacle& shape, const FreeSpace& space, const Excess& most) {
+  if (is_rectangle(shape)) return is_rectangle_within(shape, space, most);
   constexpr double kRing = 0.07;  // [m] between two copies along the short axis
   const double c = std::cos(shape.angle), s = std::sin(shape.angle);
   const Eigen::Vector2d reach{std::hypot(c * shape.a, s * shape.b),
@@ -99,7 +130,7 @@ class Search {
     return space_.taken_by(shape, most + bonus(shape)) - bonus(shape);
   }
   [[nodiscard]] double bonus(const Obstacle& shape) const {
-    return shape.a == shape.b ? limits_.circle_bonus : 0.0;
+    return is_circle(shape) ? limits_.circle_bonus : 0.0;
   }
   [[nodiscard]] bool is_allowed(const Obstacle& shape) const {
     return is_within(shape, space_, limits_.excess);
@@ -108,7 +139,7 @@ class Search {
     return ellipse_of_width(hull_, form.box, form.b, form.shift);
   }
 
-  // The cheapest of a coarse grid of ellipses and the circle; nullopt if none is allowed.
+  // The cheapest of circle, rectangle and a coarse grid of ellipses; nullopt if none is allowed.
   [[nodiscard]] std::optional<Candidate> coarse(const TurnedBox& box,
                                                 const Obstacle& circle) const {
     std::vector<Candidate> candidates;
@@ -117,16 +148,14 @@ class Search {
         candidates.push_back({shape, paid, form});
     };
     add(circle, std::nullopt);
+    add(rectangle_of(box), std::nullopt);
+    if (const auto good = cheapest(candidates); good && good->price <= kCheap) return good;
     for (const double shift : {0.0, 1.0, -1.0, 3.0, -3.0})
       for (const double bulge : {0.01, 0.025, 0.05, 0.1, 0.2}) {
         const Form form{box, box.half.y() + std::abs(shift * bulge) + bulge, shift * bulge};
         add(ellipse(form), form);
       }
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const auto& a, const auto& b) { return a.price < b.price; });
-    for (const Candidate& candidate : candidates)
-      if (is_allowed(candidate.shape)) return candidate;
-    return std::nullopt;
+    return cheapest(candidates);
   }
 
   // Pattern search over heading, width and shift; the steps shrink when none is better.
@@ -154,6 +183,15 @@ class Search {
   }
 
  private:
+  // The cheapest that is allowed. Sorts the candidates.
+  [[nodiscard]] std::optional<Candidate> cheapest(std::vector<Candidate>& candidates) const {
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const auto& a, const auto& b) { return a.price < b.price; });
+    for (const Candidate& candidate : candidates)
+      if (is_allowed(candidate.shape)) return candidate;
+    return std::nullopt;
+  }
+
   struct Change {
     double turn, b, shift;
   };
@@ -173,7 +211,7 @@ class Search {
 
 }  // namespace
 
-EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space, const FitLimits& limits) {
+ShapeFit fit_shape(const Points& hull, const FreeSpace& space, const FitLimits& limits) {
   const Search search(hull, space, limits);
   const TurnedBox box = smallest_box(hull);
   const Obstacle circle = circle_around(hull);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the circle or ellipse around points that takes the least free space.
+// Finds the circle, rectangle or ellipse around points that takes the least free space.
 #pragma once
 
 #include "tandem/model/obstacle.hpp"
@@ -9,7 +9,7 @@
 namespace tandem {
 
 /// A shape that contains the given points, and its cost.
-struct EllipseFit {
+struct ShapeFit {
   Obstacle shape;
   double taken = 0.0;         ///< free space taken [m²]
   bool found = false;         ///< false: no shape is within the limits, `shape` is a circle
@@ -22,10 +22,11 @@ struct FitLimits {
   double circle_bonus;  ///< credit for a circle, as free space [m²]
 };
 
-/// Circle or ellipse that contains the hull and takes the least free space within the limits, where
-/// a circle gets `circle_bonus`. Ellipses lie along the sides of the hull's smallest rectangle,
-/// which has half sides l ≥ h, with the centre at (0, s) in it. Each half width b > h + |s| gives
-/// the shortest half length
+/// Circle, rectangle or ellipse that contains the hull and takes the least free space within the
+/// limits, where a circle gets `circle_bonus`. The rectangle is the hull's smallest; if next to no
+/// free space is lost to it or to the circle, no ellipse is tried. Ellipses lie along the sides of
+/// that rectangle, which has half sides l ≥ h, with the centre at (0, s) in it. Each half width
+/// b > h + |s| gives the shortest half length
 ///
 ///   a(b, s) = max over hull points (x, y) of |x| / √(1 − ((y − s)/b)²)                      (1)
 ///
@@ -33,7 +34,7 @@ struct FitLimits {
 /// = √2 h) overshoots them by 0.41 l. Shifting s away from the usable space makes the side facing
 /// that space flatter. The best of a coarse grid over b and s is improved by a pattern search over
 /// b, s and the heading (Hooke and Jeeves 1961).
-[[nodiscard]] EllipseFit fit_ellipse(const Points& hull, const FreeSpace& space,
-                                     const FitLimits& limits);
+[[nodiscard]] ShapeFit fit_shape(const Points& hull, const FreeSpace& space,
+                                 const FitLimits& limits);
 
 }  // namespace tandem

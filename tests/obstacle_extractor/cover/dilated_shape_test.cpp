@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/obstacle_extractor/cover/dilated_shape.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tandem/local_planner/ocp/signed_distance.hpp"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kRadius = 0.3, kStep = 0.02;
+
+Obstacle random_shape(std::mt19937& random, ObstacleShape shape) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const double b = 0.02 + 0.5 * unit(random), a = b + 1.5 * unit(random);
+  return {.p_MO = {unit(random), unit(random)},
+          .a = a,
+          .b = b,
+          .angle = 6.3 * unit(random),
+          .shape = shape};
+}
+
+// How far the point is from the shape, where the row's `x` and `y` are relative to its centre.
+double distance_at(const Obstacle& shape, double x, double y) {
+  return signed_distance(shape, shape.p_MO + kStep * Eigen::Vector2d{x, y}).value;
+}
+
+class DilatedShape : public testing::TestWithParam<ObstacleShape> {};
+
+// A row may end a little inside the dilated shape, never outside it.
+TEST_P(DilatedShape, RowsEndWhereTheDiscStopsTouching) {
+  const double most_short = GetParam() == ObstacleShape::kRectangle ? 0.08 * kRadius : kRadius;
+  std::mt19937 random(1);
+  for (int i = 0; i < 300; ++i) {
+    const Obstacle shape = random_shape(random, GetParam());
+    std::visit(
+        [&](const auto& all) {
+          EXPECT_GT(all.row(1.01 * all.reach()).left, all.row(1.01 * all.reach()).right);
+          for (double y = -0.95; y < 1.0; y += 0.1) {
+            const RowExtent row = all.row(y * all.reach());
+            ASSERT_LT(row.left, row.right);
+            for (const double x : {row.left, row.right}) {
+              const double distance = distance_at(shape, x, y * all.reach());
+              EXPECT_LE(distance, kRadius + 1e-9);
+              EXPECT_GE(distance, kRadius - most_short);
+            }
+          }
+        },
+        dilated(shape, kRadius, kStep));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, DilatedShape,
+                         testing::Values(ObstacleShape::kEllipse, ObstacleShape::kRectangle));
+
+}  // namespace
+}  // namespace tandem::test
