@@ -19,6 +19,7 @@ constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 constexpr double kBlocked = 0.15;   // a plan that covers a smaller share of the way is blocked
 constexpr double kFree = 0.8;       // a plan that covers a larger share is followed again
 constexpr double kStands = 0.1;     // [m/s], [rad/s] slower than this counts as standing
+constexpr double kSlow = 0.35;      // [m/s] slower than this it stands before kPatience is over
 constexpr double kPatience = 0.3;   // [s] of blocked plans before the person's twist is used
 constexpr double kStraight = 0.5;   // [1/m] largest curvature that counts as straight
 constexpr double kGivesUp = 5.0;    // [s] of pushing while standing
@@ -53,15 +54,16 @@ double share_of_way(const Plan& plan, const Twist2& twist, double time) {
 }
 
 // A plan that follows a leader may leave the stick's direction for a while, so it counts as blocked
-// only if the robot stands. A plan that follows the stick, or turns on the spot, may postpone its
-// progress cycle after cycle, so for a standing robot the first second is checked as well.
+// only if the robot is about to stand or drives the other way. A plan that follows the stick, or
+// turns on the spot, may postpone its progress cycle after cycle, so for a standing robot the first
+// second is checked as well.
 bool is_blocked(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
-  const bool stands = std::abs(cycle.request.measured.v) < kStands;
+  const double v = cycle.request.measured.v, ahead = twist.v < 0.0 ? -v : v;
   const bool for_good =
       share_of_way(plan, twist, cycle.params.dt * cycle.params.horizon_steps) < kBlocked;
   const bool follows = cycle.request.method != Method::kIntention && !turns_on_spot(twist);
-  if (follows) return stands && for_good;
-  return for_good || (stands && share_of_way(plan, twist, kSoon) < kBlocked);
+  if (follows) return ahead < kSlow && for_good;
+  return for_good || (std::abs(v) < kStands && share_of_way(plan, twist, kSoon) < kBlocked);
 }
 
 bool is_free(const Plan& plan, const Twist2& twist, const Cycle& cycle) {

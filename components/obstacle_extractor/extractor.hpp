@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Covers the occupied cells near the robot by a few circles and ellipses, which the planner can
+// Covers the occupied cells near the robot by a few rectangles, circles and ellipses, which the planner can
 // handle as obstacles.
 #pragma once
 
@@ -49,7 +49,7 @@ struct ExtractorParams {
   }
 };
 
-/// Covers the obstacle cells of a map by circles and ellipses. The map is fitted tile by tile as
+/// Covers the obstacle cells of a map by simple shapes. The map is fitted tile by tile as
 /// the robot approaches, each tile once: shapes do not depend on the robot's position, and a call
 /// costs time only for tiles that it newly reaches. Shapes do depend on the free region that the
 /// robot can drive in, so tiles are refitted when the robot is relocalized into another region.

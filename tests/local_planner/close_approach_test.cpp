@@ -108,12 +108,20 @@ TEST_F(CloseApproachTest, DoesNotWaitForAPlanThatPromisesWhatItNeverBegins) {
   EXPECT_FALSE(twist);
 }
 
-TEST_F(CloseApproachTest, WithALeaderOnlyOnceTheRobotStands) {
+TEST_F(CloseApproachTest, WithALeaderOnlyOnceTheRobotIsAboutToStand) {
   method_ = Method::kLeader;
-  measured_ = {0.3, 0.0};
+  measured_ = {0.4, 0.0};
   EXPECT_FALSE(after_a_second(kPush, {}));
-  measured_ = {0.05, 0.0};
+  measured_ = {0.3, 0.0};
   EXPECT_TRUE(after_a_second(kPush, {}));
+}
+
+// Otherwise it would back out and turn, only to stand a little nearer to the leader.
+TEST_F(CloseApproachTest, WithALeaderWhileThePlanDrivesTheOtherWay) {
+  method_ = Method::kLeader;
+  measured_ = {-0.3, 0.0};
+  EXPECT_TRUE(after_a_second(kPush, {-0.3, 0.4}));
+  EXPECT_FALSE(after_a_second({-0.8, 0.0}, {-0.3, 0.4}));
 }
 
 // They want past what is in the way.

@@ -14,7 +14,7 @@ struct Choice {
   int shapes_per_tile;
 };
 constexpr Choice kChoices[]{{0.02, 12}, {0.03, 12}, {0.04, 12}, {0.06, 12},  {0.1, 12},
-                            {0.2, 12},  {0.06, 8},  {0.06, 16}, {0.06, 1000}};
+                            {0.2, 12},  {0.03, 8},  {0.03, 16}, {0.03, 1000}};
 
 void print(const char* world, const ExtractorParams& params, const Loss& loss) {
   std::printf("%-16s %9.2f %10d %8.1f %5d %5d %5d %9.2f %10.2f\n", world, params.space_per_shape,

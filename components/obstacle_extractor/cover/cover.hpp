@@ -35,9 +35,9 @@ struct CoverParams {
 ///   J = Σ over shapes of c + A / A₁                                                    (1)
 ///
 /// where A is the free area lost to the shape (FreeSpace::taken_by) and A₁ = `space_per_shape`. c
-/// is 1 for an ellipse and 0.7 for a circle: a circle has three parameters instead of five, its
-/// distance is cheaper for the planner, and poles stay single shapes even when ellipses have to be
-/// tight.
+/// is 0.7 for a circle and 1 for other shapes: a circle has three parameters instead of five, its
+/// distance is cheaper for the planner, and poles stay single shapes even when the others have to
+/// be tight.
 ///
 /// Clusters are split until each part's shape takes almost no free space. Then the pair of
 /// neighbours whose common shape lowers J most is joined until no pair does. Then neighbouring
