@@ -6,10 +6,6 @@ namespace {
 
 constexpr double kExpiryPeriod = 1.0;  // [s] between looks for results to forget
 
-std::int64_t to_nanoseconds(const builtin_interfaces::msg::Time& stamp) {
-  return std::int64_t{stamp.sec()} * 1'000'000'000 + stamp.nanosec();
-}
-
 action_msgs::msg::GoalInfo info_of(const TrackedGoal& goal) {
   action_msgs::msg::GoalInfo info;
   info.goal_id(to_msg(goal.id));

@@ -30,6 +30,11 @@ namespace tandem::runtime {
   return stamp;
 }
 
+/// A ROS 2 stamp in nanoseconds.
+[[nodiscard]] inline std::int64_t to_nanoseconds(const builtin_interfaces::msg::Time& stamp) {
+  return std::int64_t{stamp.sec()} * 1'000'000'000 + stamp.nanosec();
+}
+
 /// A ROS 2 stamp in seconds.
 [[nodiscard]] inline double to_seconds(const builtin_interfaces::msg::Time& stamp) {
   return static_cast<double>(stamp.sec()) + 1e-9 * static_cast<double>(stamp.nanosec());

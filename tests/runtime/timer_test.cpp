@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
+#include <chrono>
+#include <thread>
 #include <vector>
 
 #include "support/private_domain.hpp"
@@ -122,6 +126,82 @@ TEST_F(SimTime, ReportsThatTheClockJumpedBackOnceAndBeforeAnythingElse) {
   }
   EXPECT_EQ(jumps, 1);
   EXPECT_EQ(now, 3.0);
+}
+
+TEST_F(SimTime, ReportsAJumpBackThatALaterTimeHides) {
+  int jumps = 0;
+  const auto jump = node_.on_time_jump([&] { ++jumps; });
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  for (const double time : {12.5, 3.0, 13.0}) set_clock(time);
+  ASSERT_TRUE(spin_until([&] { return node_.now() == 13.0; }, kTimeout, node_));
+  EXPECT_EQ(jumps, 1);
+}
+
+TEST_F(SimTime, IsReceivedOnceForAllNodesOfAProcess) {
+  rt::Node second{rt::NodeOptions{.name = "second", .use_sim_time = true}};
+  rt::Node third{rt::NodeOptions{.name = "third", .use_sim_time = true}};
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() >= 1; }, kTimeout, node_));
+  set_clock(12.5);
+  const auto all_have_it = [&] {
+    return node_.now() == 12.5 && second.now() == 12.5 && third.now() == 12.5;
+  };
+  ASSERT_TRUE(spin_until(all_have_it, kTimeout, node_, second, third));
+  EXPECT_EQ(clock_.matched(), 1);
+}
+
+TEST_F(SimTime, IsKnownAtOnceToANodeThatIsMadeLater) {
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  set_clock(12.5);
+  ASSERT_TRUE(spin_until([&] { return node_.now() == 12.5; }, kTimeout, node_));
+  ASSERT_TRUE(spin_until([&] { return node_.clock_is_silent(); }, kTimeout, node_));
+  int jumps = 0;
+  rt::Node late{rt::NodeOptions{.name = "late", .use_sim_time = true}};
+  const auto jump = late.on_time_jump([&] { ++jumps; });
+  EXPECT_EQ(late.now(), 12.5);
+  EXPECT_FALSE(late.clock_is_silent()) << "silence counts from the node's start";
+  set_clock(13.0);
+  ASSERT_TRUE(spin_until([&] { return late.now() == 13.0; }, kTimeout, late));
+  EXPECT_EQ(jumps, 0);
+}
+
+TEST_F(SimTime, OfOneTopicDoesNotReachTheNodesOfAnother) {
+  rt::Node other{
+      rt::NodeOptions{.name = "other", .remappings = {{"/clock", "/other"}}, .use_sim_time = true}};
+  const auto other_clock =
+      source_.create_publisher(rt::Topic<rosgraph_msgs::msg::Clock>{"/other", rt::kClock});
+  const auto both_match = [&] { return clock_.matched() == 1 && other_clock.matched() == 1; };
+  ASSERT_TRUE(spin_until(both_match, kTimeout, node_, other));
+  set_clock(12.5);
+  ASSERT_TRUE(spin_until([&] { return node_.now() == 12.5; }, kTimeout, node_, other));
+  EXPECT_EQ(other.now(), 0.0);
+}
+
+// Fires at the first time at or after each beat, though the node sleeps in between.
+TEST_F(SimTime, WakesANodeOnlyForItsTimers) {
+  ASSERT_TRUE(spin_until([&] { return clock_.matched() == 1; }, kTimeout, node_));
+  std::vector<double> beats;
+  const auto timer = node_.create_timer(0.1, [&] { beats.push_back(node_.now()); });
+  const auto waits = [] {
+    rusage usage{};
+    getrusage(RUSAGE_THREAD, &usage);
+    return usage.ru_nvcsw;
+  };
+  constexpr int kTimes = 400;
+  std::thread clock{[&] {
+    for (int i = 1; i <= kTimes; ++i) {
+      set_clock(0.001 * i);
+      std::this_thread::sleep_for(std::chrono::milliseconds{2});
+    }
+    node_.stop();
+  }};
+  const long before = waits();
+  node_.spin();
+  const long waited = waits() - before;
+  clock.join();
+  EXPECT_LT(waited, kTimes / 4);
+  ASSERT_EQ(beats.size(), 4U);
+  for (std::size_t i = 0; i < beats.size(); ++i)
+    EXPECT_NEAR(beats[i], 0.1 * static_cast<double>(i + 1), 0.05) << i;
 }
 
 TEST(Node, UseSimTimeIsAParameter) {

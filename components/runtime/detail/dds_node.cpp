@@ -10,6 +10,7 @@
 #include "tandem/runtime/detail/reader_set.hpp"
 #include "tandem/runtime/detail/service_core.hpp"
 #include "tandem/runtime/detail/thread_worker.hpp"
+#include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/time.hpp"
 
@@ -236,13 +237,8 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
   };
   Reader::Refused refused{
       .malformed =
-          [warn, type = ros_type(endpoint.type)](std::size_t size) {
-            warn("malformed", fmt::format("{} bytes that are not a valid {}", size, type));
-          },
-      .late =
-          [warn, lifespan = endpoint.qos.lifespan] {
-            warn("late", fmt::format("a message that arrived more than {} s late", lifespan));
-          }};
+          [warn, endpoint](std::size_t size) { warn("malformed", endpoint.malformed_text(size)); },
+      .late = [warn, endpoint] { warn("late", endpoint.late_text()); }};
   auto reader =
       std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), std::move(refused));
   reader->participant().graph().add_reader(name, reader->guid());
@@ -254,13 +250,7 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
 
 // DDS does not report a participant's own endpoints to it.
 void DdsNode::know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
-  participant_->discovery().add({.guid = guid,
-                                 .writes = writes,
-                                 .topic = endpoint.topic,
-                                 .type = endpoint.type,
-                                 .policies = policies_of(endpoint.qos),
-                                 .user_data = endpoint.user_data(participant_->speaks_humble()),
-                                 .since = steady_seconds()});
+  participant_->discovery().add(endpoint.known(guid, writes, *participant_));
   peers_.add(guid, endpoint, writes);
 }
 
@@ -280,6 +270,39 @@ void DdsNode::close_reader(Reader& reader) {
   reader.participant().graph().remove(name, reader.guid());
   forget(reader.guid());
   erase(readers_, reader);
+}
+
+// The graph and the watch for mismatches list the process's reader as each node's own.
+void DdsNode::open_clock(const std::string& topic, const QoS& qos) {
+  const Endpoint endpoint{dds_topic_name(topic),
+                          Codec{type_ref<rosgraph_msgs::msg::Clock>()}.dds_name(),
+                          qos,
+                          {},
+                          qos_overrides.prefix_of(topic, "subscription")};
+  clock_follower_ = std::make_unique<ClockFollower>(participant_->clock(endpoint),
+                                                    [this] { wake_up_.set_trigger_value(true); });
+  const Reader& reader = clock_follower_->reader();
+  reader.participant().graph().add_reader(name, reader.guid());
+  peers_.add(reader.guid(), endpoint, false);
+  (void)read_clock();
+}
+
+void DdsNode::close_clock() {
+  if (!clock_follower_) return;
+  const Reader& reader = clock_follower_->reader();
+  reader.participant().graph().remove(name, reader.guid());
+  peers_.remove(reader.guid());
+  clock_follower_.reset();
+}
+
+bool DdsNode::read_clock() {
+  if (!clock_follower_) return false;
+  const auto [time, arrival, jumped_back, refused] = clock_follower_->read();
+  if (!refused.empty())
+    log.write_every(1.0, LogLevel::kWarn, "refused clock",
+                    fmt::format("{}: dropped {}", resolve(every_node::clock.name), refused));
+  set_clock(time, arrival, jumped_back);
+  return jumped_back;
 }
 
 void DdsNode::remove(TimerState& timer) {
@@ -320,22 +343,28 @@ bool DdsNode::dispatch(double max_wait) {
   wait_set_.wait(active_, to_duration(wait));
   if (wake_up_.get_trigger_value()) wake_up_.set_trigger_value(false);
   dispatching_ = true;
+  const bool jumped_back = read_clock();  // before messages and timers, which then see one time
   const bool received = run_readers();
   const bool fired = run_timers();
   run_pollers();
   dispatching_ = false;
   retired_.clear();
-  return received || fired;
+  return jumped_back || received || fired;
 }
 
 double DdsNode::time_to_next(double max_wait) const {
   const double now_steady = steady_seconds();
-  double wait = max_wait;
+  double wait = max_wait, due = kForever;  // `due`: on /clock
   for (const auto& reader : readers_)
     if (reader->waiting()) return 0.0;
-  for (const auto& timer : timers_)
-    if (timer->wall || !use_sim_time) wait = std::min(wait, timer->beat.next() - now_steady);
+  for (const auto& timer : timers_) {
+    if (timer->wall || !use_sim_time)
+      wait = std::min(wait, timer->beat.next() - now_steady);
+    else
+      due = std::min(due, timer->beat.next());
+  }
   for (const auto& poller : pollers_) wait = std::min(wait, poller->next - now_steady);
+  if (clock_follower_ && clock_follower_->is_due(due)) return 0.0;
   return std::max(0.0, wait);
 }
 

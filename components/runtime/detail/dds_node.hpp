@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "tandem/runtime/detail/clock_source.hpp"
 #include "tandem/runtime/detail/codec.hpp"
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/detail/node_core.hpp"
@@ -80,6 +81,9 @@ class DdsNode final : public NodeCore {
   [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
 
  private:
+  void open_clock(const std::string& topic, const QoS& qos) override;
+  void close_clock() override;
+  bool read_clock();  // true if it jumped back
   void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void forget(const rtps::GUID_t& guid);
   bool dispatch(double max_wait);  // true if a message was taken or a timer ran
@@ -96,6 +100,7 @@ class DdsNode final : public NodeCore {
   fdds::GuardCondition wake_up_;
   fdds::ConditionSeq active_;  // reused to avoid allocation
   std::vector<std::shared_ptr<Reader>> readers_;
+  std::unique_ptr<ClockFollower> clock_follower_;  // under use_sim_time
   std::vector<std::shared_ptr<TimerState>> timers_;
   std::vector<std::shared_ptr<Poller>> pollers_;
   std::vector<std::shared_ptr<void>> retired_;

@@ -114,6 +114,25 @@ std::string Endpoint::user_data(bool humble) const {
   return humble || hash.empty() ? "" : "typehash=" + hash + ";";
 }
 
+KnownEndpoint Endpoint::known(const rtps::GUID_t& guid, bool writes,
+                              const Participant& participant) const {
+  return {.guid = guid,
+          .writes = writes,
+          .topic = topic,
+          .type = type,
+          .policies = policies_of(qos),
+          .user_data = user_data(participant.speaks_humble()),
+          .since = steady_seconds()};
+}
+
+std::string Endpoint::malformed_text(std::size_t size) const {
+  return fmt::format("{} bytes that are not a valid {}", size, ros_type(type));
+}
+
+std::string Endpoint::late_text() const {
+  return fmt::format("a message that arrived more than {} s late", qos.lifespan);
+}
+
 Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver, Refused refused)
     : topic_{participant, endpoint.topic, endpoint.type},
       dds_{make_reader(topic_, participant, endpoint)},
@@ -125,8 +144,9 @@ Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliv
 
 Reader::~Reader() { topic_.participant().subscriber().delete_datareader(dds_); }
 
-int Reader::drain() {
-  if (!waiting_ && !condition().get_trigger_value()) return 0;
+int Reader::drain() { return waiting_ || condition().get_trigger_value() ? take() : 0; }
+
+int Reader::take() {
   fdds::SampleInfo info;
   for (int taken = 0; taken < kBatch; ++taken) {
     if (closed_ || !ok(dds_->take_next_sample(&bytes_, &info))) {
@@ -138,6 +158,11 @@ int Reader::drain() {
   }
   waiting_ = true;  // taking clears the status, so the wait set does not wake up for the rest
   return kBatch;
+}
+
+void Reader::on_arrival(std::function<void()> fn) {
+  arrival_.fn = std::move(fn);
+  dds_->set_listener(&arrival_, fdds::StatusMask::data_available());
 }
 
 void Reader::take_one(const fdds::SampleInfo& info) {

@@ -28,6 +28,12 @@ struct Endpoint {
 
   /// The USER_DATA that ROS 2 reads from Iron on, "typehash=RIHS01_…;". Humble has no type hashes.
   [[nodiscard]] std::string user_data(bool humble) const;
+  /// The endpoint as discovery lists it.
+  [[nodiscard]] KnownEndpoint known(const rtps::GUID_t& guid, bool writes,
+                                    const Participant& participant) const;
+  /// Why a sample was dropped, for the log.
+  [[nodiscard]] std::string malformed_text(std::size_t size) const;
+  [[nodiscard]] std::string late_text() const;
 };
 
 /// Receives the samples of a topic as bytes.
@@ -51,6 +57,11 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   int drain();
   [[nodiscard]] bool waiting() const { return waiting_; }
   void close() { closed_ = true; }  ///< stops delivery
+  /// Calls `fn` from now on when a sample arrives, on the thread that brings it: one of DDS, or
+  /// that of a publisher in this process. `fn` may call take().
+  void on_arrival(std::function<void()> fn);
+  /// As drain(), without first asking whether anything has arrived.
+  int take();
 
   [[nodiscard]] fdds::Condition& condition() { return dds_->get_statuscondition(); }
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
@@ -59,10 +70,17 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   [[nodiscard]] long malformed() const { return malformed_; }
 
  private:
+  class Arrival final : public fdds::DataReaderListener {
+   public:
+    void on_data_available(fdds::DataReader*) override { fn(); }
+    std::function<void()> fn;
+  };
+
   void take_one(const fdds::SampleInfo& info);
   [[nodiscard]] bool is_late(const fdds::SampleInfo& info);
 
   SharedTopic topic_;
+  Arrival arrival_;
   fdds::DataReader* dds_;
   Deliver deliver_;
   Refused refused_;

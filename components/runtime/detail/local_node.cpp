@@ -186,6 +186,21 @@ void LocalNode::fire(const std::shared_ptr<TimerState>& timer) {
   timer->fn();
 }
 
+void LocalNode::open_clock(const std::string& topic, const QoS& qos) {
+  using rosgraph_msgs::msg::Clock;
+  clock_subscription_ =
+      open_subscription(topic, qos, make_receiver<Clock>([this](const Clock& message) {
+                          const std::int64_t time = to_nanoseconds(message.clock());
+                          set_clock(time, steady_now(), time < clock());
+                        }),
+                        Accepts::kCompatible);
+}
+
+void LocalNode::close_clock() {
+  if (clock_subscription_) clock_subscription_->close();
+  clock_subscription_.reset();
+}
+
 // After all messages of this instant, so that the timers see those that were published with the
 // clock.
 void LocalNode::on_clock() {

@@ -76,6 +76,8 @@ class LocalNode final : public NodeCore, public std::enable_shared_from_this<Loc
  private:
   class TimerEvent;
   class ClockEvent;
+  void open_clock(const std::string& topic, const QoS& qos) override;
+  void close_clock() override;
   void on_clock() override;
   [[nodiscard]] bool is_on_clock(const TimerState& timer) const {
     return use_sim_time && !timer.wall;
@@ -86,6 +88,7 @@ class LocalNode final : public NodeCore, public std::enable_shared_from_this<Loc
 
   std::shared_ptr<LocalBus> bus_;
   LocalExchange& exchange_;
+  std::shared_ptr<SubscriptionPort> clock_subscription_;
   std::vector<std::shared_ptr<TimerState>> timers_;
   bool clock_event_posted_ = false;
   double& busy_;  // [s]

@@ -55,8 +55,7 @@ void NodeCore::open() {
 void NodeCore::close() {
   running_nodes::remove(*this);
   services_.reset();
-  if (clock_subscription_) clock_subscription_->close();
-  clock_subscription_.reset();
+  close_clock();
 }
 
 void NodeCore::declare_params() {
@@ -80,31 +79,24 @@ void NodeCore::set_use_sim_time(bool wanted) {
   use_sim_time = wanted;
   clock_ = 0;
   clock_arrival_ = steady_now();
-  if (wanted) {
+  if (wanted)
     follow_clock();
-  } else {
-    clock_subscription_->close();
-    clock_subscription_.reset();
-  }
+  else
+    close_clock();
   report_time_jump();
   on_clock();
 }
 
 void NodeCore::follow_clock() {
-  using rosgraph_msgs::msg::Clock;
   const std::string topic = resolve(every_node::clock.name);
   const QoS qos = qos_overrides.apply(every_node::clock.qos, topic, "subscription");
-  clock_subscription_ = open_subscription(
-      topic, qos, make_receiver<Clock>([this](const Clock& clock) { set_clock(clock.clock()); }),
-      Accepts::kCompatible);
+  open_clock(topic, qos);
 }
 
-void NodeCore::set_clock(const builtin_interfaces::msg::Time& time) {
-  const std::int64_t now = std::int64_t{time.sec()} * 1'000'000'000 + time.nanosec();
-  const bool jumps_back = now < clock_;
-  clock_ = now;
-  clock_arrival_ = steady_now();
-  if (jumps_back) report_time_jump();
+void NodeCore::set_clock(std::int64_t time, double arrival, bool jumped_back) {
+  clock_ = time;
+  clock_arrival_ = std::max(clock_arrival_.load(), arrival);
+  if (jumped_back) report_time_jump();
   on_clock();
 }
 

@@ -108,6 +108,12 @@ class NodeCore {
   void open();
   /// Closes them. To be called by the derived class's destructor.
   void close();
+  /// Follows the clock topic, from the time that is known already: calls set_clock().
+  virtual void open_clock(const std::string& topic, const QoS& qos) = 0;
+  virtual void close_clock() = 0;
+  /// Takes a time [ns] of /clock and its arrival [s] on the steady clock.
+  void set_clock(std::int64_t time, double arrival, bool jumped_back);
+  [[nodiscard]] std::int64_t clock() const { return clock_; }  ///< [ns]
   /// Called when /clock has been received, and when `use_sim_time` was changed.
   virtual void on_clock() {}
 
@@ -116,13 +122,11 @@ class NodeCore {
   void set_use_sim_time(bool wanted);
   void report_time_jump();
   void follow_clock();
-  void set_clock(const builtin_interfaces::msg::Time& time);
 
-  std::shared_ptr<SubscriptionPort> clock_subscription_;
   std::vector<std::weak_ptr<std::function<void()>>> time_jumps_;  // called when the time jumps
   std::unique_ptr<NodeServices> services_;
-  std::atomic<std::int64_t> clock_ = 0;      // last time received on /clock [ns]
-  std::atomic<double> clock_arrival_ = 0.0;  // its arrival [s], steady clock
+  std::atomic<std::int64_t> clock_ = 0;      // the node's time on /clock [ns]
+  std::atomic<double> clock_arrival_ = 0.0;  // its arrival, or the node's start [s], steady clock
   std::atomic<bool> stopped_ = false;
 };
 

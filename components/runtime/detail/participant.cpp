@@ -9,6 +9,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "tandem/runtime/detail/clock_source.hpp"
 #include "tandem/runtime/detail/codec.hpp"
 #include "tandem/runtime/detail/dds_log.hpp"
 #include "tandem/runtime/detail/dds_settings.hpp"
@@ -222,6 +223,16 @@ Participant& Participant::second() {
   const std::lock_guard lock{mutex_};
   if (!second_) second_.reset(new Participant{environment_, security_, false});
   return *second_;
+}
+
+std::shared_ptr<ClockSource> Participant::clock(const Endpoint& endpoint) {
+  const std::lock_guard lock{clocks_mutex_};
+  std::erase_if(clocks_, [](const auto& source) { return source.expired(); });
+  for (const auto& known : clocks_)
+    if (auto source = known.lock(); source && source->reads(endpoint)) return source;
+  auto source = std::make_shared<ClockSource>(*this, endpoint);
+  clocks_.push_back(source);
+  return source;
 }
 
 bool Participant::is_own(const rtps::GUID_t& guid) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/detail/discovery.hpp"
@@ -14,8 +15,10 @@
 
 namespace tandem::runtime {
 
+class ClockSource;
 class Graph;
 class Participant;
+struct Endpoint;
 
 /// Shared ownership of a DDS topic; the last owner deletes it. Fast DDS 2.9 allows one type per
 /// topic name and participant, so a name already used with another type is created in a second
@@ -53,6 +56,8 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
   [[nodiscard]] Graph& graph() { return *graph_; }
   [[nodiscard]] Discovery& discovery() { return discovery_; }
+  /// The process's reader of a clock topic with that QoS; exists as long as anybody follows it.
+  [[nodiscard]] std::shared_ptr<ClockSource> clock(const Endpoint& endpoint);
   /// Whether to communicate with ROS 2 Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
   [[nodiscard]] const Security& security() const { return security_; }
@@ -85,6 +90,8 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;
   std::unique_ptr<Participant> second_;
+  std::mutex clocks_mutex_;  // guards clocks_, whose readers use mutex_ when they are made
+  std::vector<std::weak_ptr<ClockSource>> clocks_;
 };
 
 }  // namespace tandem::runtime

@@ -63,6 +63,27 @@ TEST_F(GraphTest, UsesRos2sTypeName) {
   EXPECT_EQ(codec_.dds_name(), "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
 }
 
+// The process has one reader of /clock, which `ros2 node info` shows at each node that follows it.
+TEST_F(GraphTest, ListsTheReaderOfTheClockAtEachNodeThatFollowsIt) {
+  const auto readers = [&](std::size_t node) {
+    return info_->node_entities_info_seq()[node].reader_gid_seq();
+  };
+  const auto follower = [](const char* name) {
+    return rt::NodeOptions{.name = name, .use_sim_time = true, .serves_tools = false};
+  };
+  rt::Node first{follower("a_follower")};
+  std::optional<rt::Node> second{std::in_place, follower("b_follower")};
+  ASSERT_TRUE(see([&](const auto& info) {
+    return info.node_entities_info_seq().size() == 3 && readers(1).size() == 1;
+  }));
+  ASSERT_EQ(readers(0).size(), 1U);
+  EXPECT_EQ(readers(0)[0].data(), readers(1)[0].data());
+  EXPECT_EQ(readers(2).size(), 0U) << "has no simulated time";
+  second.reset();
+  ASSERT_TRUE(see([](const auto& info) { return info.node_entities_info_seq().size() == 2; }));
+  EXPECT_EQ(readers(0).size(), 1U);
+}
+
 TEST_F(GraphTest, ListsANodeWithTheGidsOfItsEndpoints) {
   const rt::Topic<std_msgs::msg::Bool> topic{"e_stop"};
   const auto publisher = node_.create_publisher(topic);
