@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "tandem/io/topics.hpp"
 #include "tandem/runtime/component.hpp"
@@ -95,20 +96,25 @@ JoystickNode::JoystickNode(rt::Node& node)
   });
   look();
   if (!device_) node.log().info("no joystick found; waiting for one");
-  timer_ = node.create_wall_timer(kPoll, [this] { poll(); });
+  poll_every(device_ ? kPoll : kPollPeriod);
+}
+
+void JoystickNode::poll_every(double period) {
+  if (std::exchange(period_, period) != period)
+    timer_ = node_.create_wall_timer(period, [this] { poll(); });
 }
 
 void JoystickNode::poll() {
   SDL_JoystickUpdate();
-  if (device_ && !device_->attached()) {
+  if (!device_) {
+    look();
+  } else if (!device_->attached()) {
     node_.log().warn("the joystick was disconnected");
-    device_.reset();
-    looked_ = node_.steady_now();  // search later, so that a release is sent first
+    device_.reset();  // the next poll searches, so that a release is sent first
   }
-  const double now = node_.steady_now();
-  if (!device_ && now - looked_ >= kPollPeriod) look();
+  poll_every(device_ ? kPoll : kPollPeriod);
   const auto raw = device_ ? std::optional{device_->read()} : std::nullopt;
-  const auto sample = joystick_.update(raw ? &*raw : nullptr, now);
+  const auto sample = joystick_.update(raw ? &*raw : nullptr, node_.steady_now());
   if (!sample) return;
   sensor_msgs::msg::Joy msg;
   msg.header().stamp(node_.stamp());
@@ -119,7 +125,6 @@ void JoystickNode::poll() {
 }
 
 void JoystickNode::look() {
-  looked_ = node_.steady_now();
   const int index = find_device(*params_);
   if (index < 0) return;
   auto device = std::make_shared<Device>(index);

@@ -30,7 +30,7 @@ class JoystickNode {
  public:
   using Params = JoystickNodeParams;
 
-  static constexpr double kPoll = 0.005;      // [s]
+  static constexpr double kPoll = 0.005;      // [s] between readings of the device
   static constexpr double kPollPeriod = 0.5;  // [s] between searches for a device
   static constexpr int kRumble = 300;         // [ms] duration of the rumble unless it is renewed
 
@@ -42,13 +42,14 @@ class JoystickNode {
 
   void poll();
   void look();
+  void poll_every(double period);
 
   rt::Node& node_;
   rt::Parameters<JoystickNodeParams> params_;
   Joystick joystick_;
   std::shared_ptr<void> sdl_;
   std::shared_ptr<Device> device_;
-  double looked_ = 0.0;
+  double period_ = 0.0;  // of timer_ [s]
 
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Subscription feedback_;
