@@ -48,6 +48,27 @@ TEST(Publisher, LatchedMessageReachesALateSubscription) {
   EXPECT_TRUE(spin_until([&] { return got; }, kTimeout, node));
 }
 
+// Nothing is kept for a later subscription, so nothing is encoded or numbered for nobody.
+TEST(Publisher, SendsNothingWithoutASubscriptionUnlessItIsLatched) {
+  rt::Node node{"unheard"};
+  constexpr rt::Topic<Twist> kKept{"kept", rt::kLatched};
+  const auto publisher = node.create_publisher(kTwist);
+  const auto latched = node.create_publisher(kKept);
+  for (int i = 0; i < 3; ++i) {
+    publisher.publish(twist(i));
+    latched.publish(twist(i));
+  }
+  double got = -1.0, kept = -1.0;
+  const auto subscription =
+      node.create_subscription(kTwist, [&](const Twist& m) { got = m.linear().x(); });
+  const auto late = node.create_subscription(kKept, [&](const Twist& m) { kept = m.linear().x(); });
+  ASSERT_TRUE(spin_until([&] { return publisher.matched() == 1; }, kTimeout, node));
+  publisher.publish(twist(7.0));
+  ASSERT_TRUE(spin_until([&] { return got == 7.0 && kept == 2.0; }, kTimeout, node));
+  EXPECT_EQ(subscription.sequence(), 1U);
+  EXPECT_EQ(late.sequence(), 3U);
+}
+
 TEST(Publisher, ABestEffortSubscriptionReceivesFromAReliablePublisher) {
   rt::Node node{"mixed"};
   int got = 0;

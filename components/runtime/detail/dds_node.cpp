@@ -20,10 +20,15 @@ namespace {
 // Encodes the messages of a publisher; without a codec it takes bytes only.
 class DdsPublisher final : public PublisherPort {
  public:
-  DdsPublisher(DdsNode& node, std::shared_ptr<Codec> codec, std::shared_ptr<Writer> writer)
-      : node_{node}, codec_{std::move(codec)}, writer_{std::move(writer)} {}
+  DdsPublisher(DdsNode& node, std::shared_ptr<Codec> codec, std::shared_ptr<Writer> writer,
+               const QoS& qos)
+      : node_{node},
+        codec_{std::move(codec)},
+        writer_{std::move(writer)},
+        is_volatile_{qos.durability == Durability::kVolatile} {}
 
   std::size_t publish(const void* message) override {
+    if (is_volatile_ && writer_->matched() == 0) return 0;
     thread_local Bytes bytes;  // reused by all publishers of this thread
     return codec_->encode(message, bytes) ? publish_bytes(bytes) : bytes.size();
   }
@@ -39,6 +44,7 @@ class DdsPublisher final : public PublisherPort {
   DdsNode& node_;
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;
+  bool is_volatile_;  // nothing is kept for later subscriptions, so nothing is encoded for nobody
 };
 
 // Time for a peer to open a compatible endpoint [s]; under DDS Security its second participant is
@@ -88,7 +94,6 @@ DdsNode::DdsNode(NodeOptions node_options)
              participant_->security().on() ? kSecuredSettling : kSettling} {
   report_security(participant_->security());
   participant_->graph().add_node(name);
-  wait_set_.attach_condition(wake_up_);
   peer_poller_->poll = [this](double steady_now) { return peers_.poll(steady_now); };
   add(peer_poller_);
   guard_report_ = std::make_unique<GuardReport>(*this);
@@ -99,7 +104,6 @@ DdsNode::DdsNode(NodeOptions node_options)
 DdsNode::~DdsNode() {
   close();
   guard_report_.reset();
-  wait_set_.detach_condition(wake_up_);
   participant_->graph().remove_node(name);
 }
 
@@ -111,7 +115,7 @@ std::shared_ptr<PublisherPort> DdsNode::open_publisher(const std::string& topic,
                              qos,
                              {},
                              qos_overrides.prefix_of(topic, "publisher")});
-  return std::make_shared<DdsPublisher>(*this, std::move(codec), std::move(writer));
+  return std::make_shared<DdsPublisher>(*this, std::move(codec), std::move(writer), qos);
 }
 
 std::shared_ptr<PublisherPort> DdsNode::open_generic_publisher(const std::string& topic,
@@ -119,7 +123,7 @@ std::shared_ptr<PublisherPort> DdsNode::open_generic_publisher(const std::string
                                                                const QoS& qos,
                                                                const std::string& type_hash) {
   return std::make_shared<DdsPublisher>(
-      *this, nullptr, open_writer({dds_topic_name(topic), dds_type(type), qos, type_hash}));
+      *this, nullptr, open_writer({dds_topic_name(topic), dds_type(type), qos, type_hash}), qos);
 }
 
 std::shared_ptr<SubscriptionPort> DdsNode::open_subscription(const std::string& topic,
@@ -243,7 +247,7 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
       std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), std::move(refused));
   reader->participant().graph().add_reader(name, reader->guid());
   know(reader->guid(), endpoint, false);
-  wait_set_.attach_condition(reader->condition());
+  reader->on_arrival([wake_up = wake_up_] { wake_up->notify(); });
   readers_.push_back(reader);
   return reader;
 }
@@ -266,7 +270,6 @@ void DdsNode::close_writer(Writer& writer) {
 
 void DdsNode::close_reader(Reader& reader) {
   reader.close();
-  wait_set_.detach_condition(reader.condition());
   reader.participant().graph().remove(name, reader.guid());
   forget(reader.guid());
   erase(readers_, reader);
@@ -280,7 +283,7 @@ void DdsNode::open_clock(const std::string& topic, const QoS& qos) {
                           {},
                           qos_overrides.prefix_of(topic, "subscription")};
   clock_follower_ = std::make_unique<ClockFollower>(participant_->clock(endpoint),
-                                                    [this] { wake_up_.set_trigger_value(true); });
+                                                    [this] { wake_up_->notify(); });
   const Reader& reader = clock_follower_->reader();
   reader.participant().graph().add_reader(name, reader.guid());
   peers_.add(reader.guid(), endpoint, false);
@@ -297,6 +300,7 @@ void DdsNode::close_clock() {
 
 bool DdsNode::read_clock() {
   if (!clock_follower_) return false;
+  const WakeUp::Deferral deferral;
   const auto [time, arrival, jumped_back, refused] = clock_follower_->read();
   if (!refused.empty())
     log.write_every(1.0, LogLevel::kWarn, "refused clock",
@@ -335,16 +339,17 @@ void DdsNode::spin_some(double max_wait) {
 
 void DdsNode::stop() {
   NodeCore::stop();
-  wake_up_.set_trigger_value(true);
+  wake_up_->notify();
 }
 
 bool DdsNode::dispatch(double max_wait) {
-  const double wait = time_to_next(max_wait);
-  wait_set_.wait(active_, to_duration(wait));
-  if (wake_up_.get_trigger_value()) wake_up_.set_trigger_value(false);
+  wake_up_->wait(time_to_next(max_wait));
   dispatching_ = true;
-  const bool jumped_back = read_clock();  // before messages and timers, which then see one time
-  const bool received = run_readers();
+  // The clock is read after the readers are selected, so that a message which came after a jump
+  // back is delivered after the jump is reported; messages and timers then see one time.
+  const auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
+  const bool jumped_back = read_clock();
+  const bool received = run(due);
   const bool fired = run_timers();
   run_pollers();
   dispatching_ = false;
@@ -368,14 +373,13 @@ double DdsNode::time_to_next(double max_wait) const {
   return std::max(0.0, wait);
 }
 
-bool DdsNode::run_readers() {
-  const auto is_due = [this](Reader& reader) {
-    return reader.waiting() ||
-           std::find(active_.begin(), active_.end(), &reader.condition()) != active_.end();
-  };
+bool DdsNode::run(const std::vector<std::shared_ptr<Reader>>& readers) {
   int taken = 0;
-  for (const auto& reader : select(readers_, is_due))
-    if (!stopped()) taken += reader->drain();
+  for (const auto& reader : readers) {
+    if (stopped()) break;
+    const WakeUp::Deferral deferral;
+    taken += reader->drain();
+  }
   return taken > 0;
 }
 
@@ -385,6 +389,7 @@ bool DdsNode::run_timers() {
   for (const auto& timer : select(timers_, all)) {
     if (stopped() || timer->closed) continue;
     if (!timer->beat.due(timer->wall ? steady_seconds() : now())) continue;
+    const WakeUp::Deferral deferral;
     timer->fn();
     fired = true;
   }
@@ -395,8 +400,11 @@ void DdsNode::run_pollers() {
   const auto is_due = [now_steady = steady_seconds()](const Poller& poller) {
     return poller.next <= now_steady;
   };
-  for (const auto& poller : select(pollers_, is_due))
-    if (!poller->closed) poller->next = poller->poll(steady_seconds());
+  for (const auto& poller : select(pollers_, is_due)) {
+    if (poller->closed) continue;
+    const WakeUp::Deferral deferral;
+    poller->next = poller->poll(steady_seconds());
+  }
 }
 
 }  // namespace tandem::runtime

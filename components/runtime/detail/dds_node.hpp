@@ -12,6 +12,7 @@
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/detail/peer_watch.hpp"
+#include "tandem/runtime/detail/wake_up.hpp"
 
 namespace tandem::runtime {
 
@@ -88,7 +89,7 @@ class DdsNode final : public NodeCore {
   void forget(const rtps::GUID_t& guid);
   bool dispatch(double max_wait);  // true if a message was taken or a timer ran
   [[nodiscard]] double time_to_next(double max_wait) const;
-  bool run_readers();
+  bool run(const std::vector<std::shared_ptr<Reader>>& readers);
   bool run_timers();
   void run_pollers();
 
@@ -96,9 +97,7 @@ class DdsNode final : public NodeCore {
   PeerWatch peers_;
   std::shared_ptr<Poller> peer_poller_ = std::make_shared<Poller>();
   std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
-  fdds::WaitSet wait_set_;
-  fdds::GuardCondition wake_up_;
-  fdds::ConditionSeq active_;  // reused to avoid allocation
+  std::shared_ptr<WakeUp> wake_up_ = std::make_shared<WakeUp>();
   std::vector<std::shared_ptr<Reader>> readers_;
   std::unique_ptr<ClockFollower> clock_follower_;  // under use_sim_time
   std::vector<std::shared_ptr<TimerState>> timers_;

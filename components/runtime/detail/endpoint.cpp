@@ -144,7 +144,16 @@ Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliv
 
 Reader::~Reader() { topic_.participant().subscriber().delete_datareader(dds_); }
 
-int Reader::drain() { return waiting_ || condition().get_trigger_value() ? take() : 0; }
+bool Reader::is_due() const {
+  return waiting_ ||
+         (arrival_.fn ? arrival_.any.load() : dds_->get_statuscondition().get_trigger_value());
+}
+
+int Reader::drain() {
+  if (!is_due()) return 0;
+  arrival_.any = false;  // before the samples are taken, so that none is missed
+  return take();
+}
 
 int Reader::take() {
   fdds::SampleInfo info;

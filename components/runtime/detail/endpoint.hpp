@@ -56,6 +56,8 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   /// true if more may be left.
   int drain();
   [[nodiscard]] bool waiting() const { return waiting_; }
+  /// Whether drain() has anything to do.
+  [[nodiscard]] bool is_due() const;
   void close() { closed_ = true; }  ///< stops delivery
   /// Calls `fn` from now on when a sample arrives, on the thread that brings it: one of DDS, or
   /// that of a publisher in this process. `fn` may call take().
@@ -63,7 +65,6 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   /// As drain(), without first asking whether anything has arrived.
   int take();
 
-  [[nodiscard]] fdds::Condition& condition() { return dds_->get_statuscondition(); }
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
@@ -72,8 +73,12 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
  private:
   class Arrival final : public fdds::DataReaderListener {
    public:
-    void on_data_available(fdds::DataReader*) override { fn(); }
+    void on_data_available(fdds::DataReader*) override {
+      any = true;
+      fn();
+    }
     std::function<void()> fn;
+    std::atomic<bool> any = false;  // since the last drain()
   };
 
   void take_one(const fdds::SampleInfo& info);

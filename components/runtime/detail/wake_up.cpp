@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tandem/runtime/detail/wake_up.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace tandem::runtime {
+namespace {
+
+thread_local bool is_deferring = false;
+thread_local std::vector<std::shared_ptr<WakeUp>> deferred;
+
+}  // namespace
+
+WakeUp::Deferral::Deferral() : is_outermost_{!std::exchange(is_deferring, true)} {}
+
+WakeUp::Deferral::~Deferral() {
+  if (!is_outermost_) return;
+  is_deferring = false;
+  for (const auto& wake_up : deferred) wake_up->wake();
+  deferred.clear();
+}
+
+void WakeUp::notify() {
+  bool is_first;
+  {
+    const std::lock_guard lock{mutex_};
+    is_first = !std::exchange(notified_, true);
+  }
+  if (!is_deferring)
+    wake();
+  else if (is_first)
+    deferred.push_back(shared_from_this());
+}
+
+// A notification that another thread deferred is not waited for.
+void WakeUp::wake() {
+  {
+    const std::lock_guard lock{mutex_};
+    if (!notified_ || std::exchange(woken_, true)) return;
+  }
+  changed_.notify_one();
+}
+
+void WakeUp::wait(double max_wait) {
+  std::unique_lock lock{mutex_};
+  const auto is_notified = [this] { return notified_; };
+  if (std::isinf(max_wait))
+    changed_.wait(lock, is_notified);
+  else
+    changed_.wait_for(lock, std::chrono::duration<double>(max_wait), is_notified);
+  notified_ = woken_ = false;
+}
+
+}  // namespace tandem::runtime

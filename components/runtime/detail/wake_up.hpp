@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Wakes the thread of a node. Private to runtime/.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+
+#include "tandem/runtime/visibility.hpp"
+
+namespace tandem::runtime {
+
+/// What one thread waits for and others notify. Made by std::make_shared.
+class TANDEM_EXPORT_FOR_TESTS WakeUp : public std::enable_shared_from_this<WakeUp> {
+ public:
+  /// While it exists, its thread wakes no other: what it notifies wakes at the end, once. A
+  /// callback that publishes several messages then wakes each receiver once, and after it has
+  /// released the locks that the receiver needs.
+  class TANDEM_EXPORT_FOR_TESTS Deferral {
+   public:
+    Deferral();
+    ~Deferral();
+    Deferral(const Deferral&) = delete;
+    Deferral& operator=(const Deferral&) = delete;
+
+   private:
+    bool is_outermost_;
+  };
+
+  /// Has wait() return, now or when it is called. Thread-safe.
+  void notify();
+  /// Returns once notify() was called since the last wait(), or after `max_wait` [s].
+  void wait(double max_wait);
+
+ private:
+  void wake();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool notified_ = false;
+  bool woken_ = false;  // the thread has been woken for it, so that nobody else needs to
+};
+
+}  // namespace tandem::runtime
