@@ -300,7 +300,6 @@ void DdsNode::close_clock() {
 
 bool DdsNode::read_clock() {
   if (!clock_follower_) return false;
-  const WakeUp::Deferral deferral;
   const auto [time, arrival, jumped_back, refused] = clock_follower_->read();
   if (!refused.empty())
     log.write_every(1.0, LogLevel::kWarn, "refused clock",
@@ -377,7 +376,6 @@ bool DdsNode::run(const std::vector<std::shared_ptr<Reader>>& readers) {
   int taken = 0;
   for (const auto& reader : readers) {
     if (stopped()) break;
-    const WakeUp::Deferral deferral;
     taken += reader->drain();
   }
   return taken > 0;
@@ -389,7 +387,6 @@ bool DdsNode::run_timers() {
   for (const auto& timer : select(timers_, all)) {
     if (stopped() || timer->closed) continue;
     if (!timer->beat.due(timer->wall ? steady_seconds() : now())) continue;
-    const WakeUp::Deferral deferral;
     timer->fn();
     fired = true;
   }
@@ -400,11 +397,8 @@ void DdsNode::run_pollers() {
   const auto is_due = [now_steady = steady_seconds()](const Poller& poller) {
     return poller.next <= now_steady;
   };
-  for (const auto& poller : select(pollers_, is_due)) {
-    if (poller->closed) continue;
-    const WakeUp::Deferral deferral;
-    poller->next = poller->poll(steady_seconds());
-  }
+  for (const auto& poller : select(pollers_, is_due))
+    if (!poller->closed) poller->next = poller->poll(steady_seconds());
 }
 
 }  // namespace tandem::runtime

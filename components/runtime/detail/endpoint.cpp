@@ -7,6 +7,7 @@
 
 #include "tandem/runtime/detail/codec.hpp"
 #include "tandem/runtime/detail/dds_log.hpp"
+#include "tandem/runtime/detail/wake_up.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/time.hpp"
 #include "type_hashes.hpp"
@@ -209,9 +210,13 @@ Writer::~Writer() {
   topic_.participant().publisher().delete_datawriter(dds_);
 }
 
-bool Writer::write(const Bytes& bytes) { return ok(dds_->write(const_cast<Bytes*>(&bytes))); }
+bool Writer::write(const Bytes& bytes) {
+  const WakeUp::Deferral until_the_locks_are_released;
+  return ok(dds_->write(const_cast<Bytes*>(&bytes)));
+}
 
 bool Writer::write(const Bytes& bytes, rtps::WriteParams& params) {
+  const WakeUp::Deferral until_the_locks_are_released;
   return ok(dds_->write(const_cast<Bytes*>(&bytes), params));
 }
 

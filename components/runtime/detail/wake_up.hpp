@@ -13,9 +13,8 @@ namespace tandem::runtime {
 /// What one thread waits for and others notify. Made by std::make_shared.
 class TANDEM_EXPORT_FOR_TESTS WakeUp : public std::enable_shared_from_this<WakeUp> {
  public:
-  /// While it exists, its thread wakes no other: what it notifies wakes at the end, once. A
-  /// callback that publishes several messages then wakes each receiver once, and after it has
-  /// released the locks that the receiver needs.
+  /// While it exists, its thread wakes no other: what it notifies wakes at the end, once. A writer
+  /// wakes the receivers of its process after it has released the locks that they need.
   class TANDEM_EXPORT_FOR_TESTS Deferral {
    public:
     Deferral();
