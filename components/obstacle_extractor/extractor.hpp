@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Covers the occupied cells near the robot by a few rectangles, circles and ellipses, which the planner can
-// handle as obstacles.
+// Covers the occupied cells near the robot by a few rectangles, circles and ellipses, which the
+// planner can handle as obstacles.
 #pragma once
 
 #include <Eigen/Core>
