@@ -8,6 +8,7 @@
 
 #include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/graph.hpp"
+#include "tandem/runtime/detail/participant_ports.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -58,6 +59,13 @@ std::shared_ptr<DdsNode> on_dds(const Node& node) {
   return core;
 }
 
+// More than kIdsOfDomain participants on one host use ports of the next domain.
+bool borrows_ports(int domain, const std::vector<std::uint32_t>& ports) {
+  return std::any_of(ports.begin(), ports.end(), [domain](std::uint32_t port) {
+    return participant_id(domain, port).value_or(0) >= kIdsOfDomain;
+  });
+}
+
 }  // namespace
 
 struct DomainView::State {
@@ -98,6 +106,7 @@ DomainView::~DomainView() { state_->core->close_reader(*state_->reader); }
 
 Domain DomainView::look() const {
   Domain domain;
+  domain.id = state_->core->domain();
   domain.malformed = static_cast<int>(state_->reader->malformed());
   std::map<std::string, DomainParticipantInfo> participants;
   for (const auto& endpoint : state_->core->discovery().endpoints()) {
@@ -105,6 +114,8 @@ Domain DomainView::look() const {
     auto& participant = participants[id];
     participant.id = id;
     participant.ours = state_->core->is_own(endpoint.guid);
+    participant.borrows_ports =
+        borrows_ports(domain.id, state_->core->discovery().ports(endpoint.guid.guidPrefix));
     const auto announced = state_->announced.find(id);
     std::string node;
     if (announced != state_->announced.end()) {

@@ -21,6 +21,7 @@ struct DomainParticipantInfo {
   bool ours = false;                  ///< of this process
   GraphForm form = GraphForm::kNone;  ///< kNone: not a ROS 2 program
   std::vector<std::string> nodes{};   ///< "/ns/name"
+  bool borrows_ports = false;         ///< receives on UDP ports that belong to the next domain
 };
 
 /// A reader or writer found on the domain.
@@ -36,6 +37,7 @@ struct DomainEndpoint {
 
 /// What exists on the domain.
 struct Domain {
+  int id = 0;                                       ///< ROS_DOMAIN_ID
   std::vector<DomainParticipantInfo> participants;  ///< usually one for each process
   std::vector<DomainEndpoint> endpoints;            ///< readers and writers
   int malformed = 0;  ///< samples of ros_discovery_info that failed to decode

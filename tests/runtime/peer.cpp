@@ -4,9 +4,11 @@
 // `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on /pong.
 // `peer join`: ends with 0 as soon as it has heard three messages of /odom.
 // `peer probe`: for 2 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy;
-// ends with 3 if it heard anything or anybody heard it. `peer throw`: a callback throws. Ends with
-// 0 on SIGTERM.
+// ends with 3 if it heard anything or anybody heard it. `peer meet N`: reports on /met once its
+// publisher of /meeting is matched with N subscriptions, one in each such process. `peer throw`: a
+// callback throws. Ends with 0 on SIGTERM.
 #include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -99,6 +101,19 @@ void ask() {
   node.spin();
 }
 
+void meet(int others) {
+  rt::Node node{"participant_of_the_meeting"};
+  const auto met = node.create_publisher(rt::Topic<Twist>{"met", rt::kLatched});
+  const auto meeting = node.create_publisher(rt::Topic<Twist>{"meeting"});
+  const auto of_others = node.create_subscription(rt::Topic<Twist>{"meeting"}, [](const auto&) {});
+  bool reported = false;
+  const auto look = node.create_wall_timer(0.1, [&] {
+    if (!reported && meeting.matched() >= others) met.publish({});
+    reported = reported || meeting.matched() >= others;
+  });
+  node.spin();
+}
+
 void throw_in_callback() {
   rt::Node node{"thrower"};
   const auto timer = node.create_timer(0.01, [] { throw std::runtime_error("on purpose"); });
@@ -116,6 +131,7 @@ int main(int argc, char** argv) try {
   if (mode == "listen") listen();
   if (mode == "trigger") trigger();
   if (mode == "ask") ask();
+  if (mode == "meet" && argc > 2) meet(std::atoi(argv[2]));
   if (mode == "throw") throw_in_callback();
   return 0;
 } catch (const std::exception& error) {

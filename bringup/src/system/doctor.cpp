@@ -126,6 +126,22 @@ void examine_nodes(const Domain& domain, std::vector<Finding>& found) {
          "find the program that sends them; no release of ROS 2 does"});
 }
 
+// Participants of the next domain ask these ports, and one of them cannot receive multicast.
+void examine_ports(const Domain& domain, std::vector<Finding>& found) {
+  const auto borrowing =
+      std::count_if(domain.participants.begin(), domain.participants.end(),
+                    [](const auto& participant) { return participant.borrows_ports; });
+  if (borrowing == 0) return;
+  const std::string next = std::to_string(domain.id + 1);
+  found.push_back(
+      {(borrowing == 1 ? "1 participant uses" : std::to_string(borrowing) + " participants use") +
+           " UDP ports of domain " + next + ": a host has more than 120 in domain " +
+           std::to_string(domain.id),
+       "keep domain " + next +
+           " free on that host, run robots composed (one process each), or give "
+           "some of them another domain"});
+}
+
 // A base executes the latest command, from any publisher.
 void examine_commands(const Domain& domain, std::vector<Finding>& found) {
   std::map<std::string, std::vector<std::string>> writers;
@@ -336,6 +352,7 @@ std::vector<Finding> examine(const Domain& domain) {
   examine_types(domain, found);
   examine_qos(domain, found);
   examine_nodes(domain, found);
+  examine_ports(domain, found);
   examine_commands(domain, found);
   return found;
 }

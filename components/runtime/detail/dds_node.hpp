@@ -78,6 +78,8 @@ class DdsNode final : public NodeCore {
 
   [[nodiscard]] PeerWatch& peers() { return peers_; }
   [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
+  /// The domain's id.
+  [[nodiscard]] int domain() const { return participant_->domain(); }
   /// Whether the endpoint belongs to this process.
   [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
 

@@ -57,6 +57,13 @@ KnownEndpoint from_builtin(const Info& info, bool writes) {
   return endpoint;
 }
 
+template <class Locators>
+std::vector<std::uint32_t> ports_of(const Locators& locators) {
+  std::vector<std::uint32_t> ports;
+  for (const auto& locator : locators) ports.push_back(locator.port);
+  return ports;
+}
+
 }  // namespace
 
 // "key=value;…"; Lyrical's rmw_fastrtps adds keys of its own.
@@ -110,7 +117,29 @@ std::optional<Policies> Discovery::policies(const rtps::GUID_t& guid) const {
   return known->second.policies;
 }
 
+std::vector<std::uint32_t> Discovery::ports(const rtps::GuidPrefix_t& participant) const {
+  const std::lock_guard lock{mutex_};
+  const auto known = ports_.find(participant);
+  return known == ports_.end() ? std::vector<std::uint32_t>{} : known->second;
+}
+
+void Discovery::set_ports(const rtps::GuidPrefix_t& participant, std::vector<std::uint32_t> ports) {
+  const std::lock_guard lock{mutex_};
+  if (ports.empty())
+    ports_.erase(participant);
+  else
+    ports_[participant] = std::move(ports);
+}
+
 #if TANDEM_FASTDDS_3
+void Discovery::on_participant_discovery(fdds::DomainParticipant*,
+                                         rtps::ParticipantDiscoveryStatus status,
+                                         const rtps::ParticipantBuiltinTopicData& info, bool&) {
+  using Status = rtps::ParticipantDiscoveryStatus;
+  const bool left = status == Status::REMOVED_PARTICIPANT || status == Status::DROPPED_PARTICIPANT;
+  set_ports(info.guid.guidPrefix,
+            left ? std::vector<std::uint32_t>{} : ports_of(info.metatraffic_locators.unicast));
+}
 void Discovery::on_data_writer_discovery(fdds::DomainParticipant*,
                                          rtps::WriterDiscoveryStatus status,
                                          const rtps::PublicationBuiltinTopicData& info, bool&) {
@@ -128,6 +157,14 @@ void Discovery::on_data_reader_discovery(fdds::DomainParticipant*,
     add(from_builtin(info, false));
 }
 #else
+void Discovery::on_participant_discovery(fdds::DomainParticipant*,
+                                         rtps::ParticipantDiscoveryInfo&& info) {
+  using Status = rtps::ParticipantDiscoveryInfo;
+  const bool left =
+      info.status == Status::REMOVED_PARTICIPANT || info.status == Status::DROPPED_PARTICIPANT;
+  set_ports(info.info.m_guid.guidPrefix,
+            left ? std::vector<std::uint32_t>{} : ports_of(info.info.metatraffic_locators.unicast));
+}
 void Discovery::on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
   if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER)
     remove(info.info.guid());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -44,22 +45,31 @@ class Discovery final : public fdds::DomainParticipantListener {
   [[nodiscard]] std::vector<KnownEndpoint> endpoints() const;
   /// The QoS an endpoint offers or requests; nullopt if it is unknown or has left.
   [[nodiscard]] std::optional<Policies> policies(const rtps::GUID_t& guid) const;
+  /// The UDP ports on which a discovered participant receives discovery; empty if it is unknown.
+  [[nodiscard]] std::vector<std::uint32_t> ports(const rtps::GuidPrefix_t& participant) const;
   /// Incremented with every change.
   [[nodiscard]] long generation() const { return generation_; }
 
 #if TANDEM_FASTDDS_3
+  void on_participant_discovery(fdds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
+                                const rtps::ParticipantBuiltinTopicData& info, bool&) override;
   void on_data_writer_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryStatus status,
                                 const rtps::PublicationBuiltinTopicData& info, bool&) override;
   void on_data_reader_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryStatus status,
                                 const rtps::SubscriptionBuiltinTopicData& info, bool&) override;
 #else
+  void on_participant_discovery(fdds::DomainParticipant*,
+                                rtps::ParticipantDiscoveryInfo&& info) override;
   void on_publisher_discovery(fdds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) override;
   void on_subscriber_discovery(fdds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) override;
 #endif
 
  private:
-  mutable std::mutex mutex_;
+  void set_ports(const rtps::GuidPrefix_t& participant, std::vector<std::uint32_t> ports);
+
+  mutable std::mutex mutex_;  // guards the members below
   std::map<rtps::GUID_t, KnownEndpoint> endpoints_;
+  std::map<rtps::GuidPrefix_t, std::vector<std::uint32_t>> ports_;
   std::atomic<long> generation_ = 0;
 };
 

@@ -21,6 +21,8 @@ namespace {
 
 namespace transport = eprosima::fastdds::rtps;
 
+using Listening = std::function<void(std::uint32_t port)>;
+
 // The last four bytes of the locator, which hold an IPv4 address.
 std::uint32_t source_of(const rtps::Locator_t& locator) {
   std::uint32_t address = 0;
@@ -30,11 +32,20 @@ std::uint32_t source_of(const rtps::Locator_t& locator) {
 
 class GuardedTransport final : public transport::ChainingTransport {
  public:
-  GuardedTransport(const transport::ChainingTransportDescriptor& descriptor, WireGuard& guard)
-      : ChainingTransport{descriptor}, guard_{guard} {}
+  GuardedTransport(const transport::ChainingTransportDescriptor& descriptor, WireGuard& guard,
+                   Listening listening)
+      : ChainingTransport{descriptor}, guard_{guard}, listening_{std::move(listening)} {}
 
   transport::TransportDescriptorInterface* get_configuration() override {
     return low_level_transport_->get_configuration();
+  }
+
+  bool OpenInputChannel(const rtps::Locator_t& locator,
+                        transport::TransportReceiverInterface* receiver,
+                        std::uint32_t max_size) override {
+    const bool open = ChainingTransport::OpenInputChannel(locator, receiver, max_size);
+    if (open) listening_(locator.port);
+    return open;
   }
 
 #if TANDEM_FASTDDS_3
@@ -82,26 +93,31 @@ class GuardedTransport final : public transport::ChainingTransport {
 #endif
 
   WireGuard& guard_;
+  Listening listening_;
   static inline std::mutex announcements_;  // shared by all transports of the process
 };
 
 struct GuardedDescriptor final : transport::ChainingTransportDescriptor {
-  GuardedDescriptor(std::shared_ptr<TransportDescriptor> below, WireGuard& of_process)
-      : ChainingTransportDescriptor{std::move(below)}, guard{of_process} {}
+  GuardedDescriptor(std::shared_ptr<TransportDescriptor> below, WireGuard& of_process,
+                    Listening on_listening)
+      : ChainingTransportDescriptor{std::move(below)},
+        guard{of_process},
+        listening{std::move(on_listening)} {}
 
   transport::TransportInterface* create_transport() const override {
-    return new GuardedTransport{*this, guard};  // Fast DDS owns it
+    return new GuardedTransport{*this, guard, listening};  // Fast DDS owns it
   }
 
   WireGuard& guard;
+  Listening listening;
 };
 
 }  // namespace
 
-std::shared_ptr<TransportDescriptor> guarded(
-    const std::shared_ptr<TransportDescriptor>& transport) {
+std::shared_ptr<TransportDescriptor> guarded(const std::shared_ptr<TransportDescriptor>& transport,
+                                             Listening listening) {
   if (dynamic_cast<transport::UDPTransportDescriptor*>(transport.get()) == nullptr) return nullptr;
-  return std::make_shared<GuardedDescriptor>(transport, WireGuard::shared());
+  return std::make_shared<GuardedDescriptor>(transport, WireGuard::shared(), std::move(listening));
 }
 
 }  // namespace tandem::runtime

@@ -4,8 +4,11 @@
 #include <arpa/inet.h>
 #include <netdb.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -15,6 +18,7 @@
 #include "tandem/runtime/detail/dds_settings.hpp"
 #include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/guarded_transport.hpp"
+#include "tandem/runtime/detail/participant_ports.hpp"
 #include "tandem/runtime/detail/security_fault.hpp"
 #include "tandem/runtime/detail/thread_limit.hpp"
 #include "tandem/runtime/detail/wire_guard.hpp"
@@ -25,9 +29,9 @@ namespace tandem::runtime {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr uint32_t kParticipantsPerHost = 32;  // ids tried by unicast discovery, as in ROS 2
-constexpr int kParticipantThreads = 8;         // needed by Fast DDS 2.9, with some margin
-constexpr uint32_t kSocketBuffer = 4U << 20;   // [bytes]; the kernel lowers it to its own limit
+constexpr int kParticipantThreads = 8;        // needed by Fast DDS 2.9, with some margin
+constexpr uint32_t kSocketBuffer = 4U << 20;  // [bytes]; the kernel lowers it to its own limit
+constexpr int kSpareIds = 16;  // asked beyond the own id, because others may start meanwhile
 
 // Resolves a host name to its first IPv4 address; an address resolves to itself.
 std::string resolved(const std::string& host) {
@@ -52,7 +56,14 @@ rtps::Locator_t peer(const std::string& host) {
   locator.kind = LOCATOR_KIND_UDPv4;
   if (!IpLocator::setIPv4(locator, resolved(host)))
     throw std::runtime_error("ROS_STATIC_PEERS: '" + host + "' is not an IPv4 address");
-  locator.port = 0;  // 0 means all well-known ports of the domain
+  locator.port = 0;  // 0 means the ports of the first kIdsAsked ids
+  return locator;
+}
+
+// The discovery port of participant `id` of this host.
+rtps::Locator_t local_peer(int domain, int id) {
+  auto locator = peer(kLoopback);
+  locator.port = static_cast<uint32_t>(discovery_port(domain, id));
   return locator;
 }
 
@@ -63,7 +74,8 @@ void use_unicast_discovery(fdds::DomainParticipantQos& qos) {
   qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(any);
 }
 
-void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) {
+// `asked`: with range LOCALHOST, how many ids of this host are asked.
+void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment, int asked) {
   auto& peers = qos.wire_protocol().builtin.initialPeersList;
   for (const auto& address : environment.static_peers) peers.push_back(peer(address));
   switch (environment.range) {
@@ -73,6 +85,8 @@ void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) 
     case DiscoveryRange::kLocalhost:
       use_unicast_discovery(qos);
       peers.push_back(peer(kLoopback));
+      for (int id = kIdsAsked; id < asked; ++id)
+        peers.push_back(local_peer(environment.domain, id));
       break;
     case DiscoveryRange::kOff:
       qos.wire_protocol().builtin.discovery_config.ignoreParticipantFlags =
@@ -85,7 +99,7 @@ void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment) 
 
 std::shared_ptr<TransportDescriptor> udp_transport(const Environment& environment) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->maxInitialPeersRange = kParticipantsPerHost;
+  udp->maxInitialPeersRange = kIdsAsked;
   udp->sendBufferSize = kSocketBuffer;
   udp->receiveBufferSize = kSocketBuffer;
   // Not for range LOCALHOST: ROS 2 announces all host addresses there, and a socket bound to the
@@ -101,9 +115,10 @@ void replace_builtin_transports(fdds::DomainParticipantQos& qos, const Environme
   qos.transport().user_transports.push_back(udp_transport(environment));
 }
 
-void guard_transports(fdds::DomainParticipantQos& qos, const Environment& environment) {
+void guard_transports(fdds::DomainParticipantQos& qos, const Environment& environment,
+                      const std::function<void(uint32_t)>& listening) {
   for (auto& transport : qos.transport().user_transports) {
-    if (auto behind_guard = guarded(transport))
+    if (auto behind_guard = guarded(transport, listening))
       transport = std::move(behind_guard);
     else if (!environment.unguarded_transports)
       throw std::runtime_error(
@@ -114,7 +129,8 @@ void guard_transports(fdds::DomainParticipantQos& qos, const Environment& enviro
   }
 }
 
-void set_transport(fdds::DomainParticipantQos& qos, const Environment& environment) {
+void set_transport(fdds::DomainParticipantQos& qos, const Environment& environment,
+                   const std::function<void(uint32_t)>& listening) {
   const bool from_profile =
       std::getenv(kProfilesVariable) != nullptr && !qos.transport().user_transports.empty();
   if (!from_profile) {
@@ -123,7 +139,7 @@ void set_transport(fdds::DomainParticipantQos& qos, const Environment& environme
   }
   if (!from_profile || !environment.unguarded_transports)
     replace_builtin_transports(qos, environment);
-  guard_transports(qos, environment);
+  guard_transports(qos, environment, listening);
 }
 
 // Replaces the security settings of an XML profile.
@@ -147,8 +163,10 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
       rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   qos.wire_protocol().builtin.writerHistoryMemoryPolicy =
       rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-  set_transport(qos, environment);
-  set_peers(qos, environment);
+  // Fast DDS takes the first id whose ports are free, but by default tries 100 only. Without ports
+  // a participant exists and nobody finds it.
+  qos.wire_protocol().builtin.mutation_tries =
+      static_cast<uint32_t>(max_participant_id(environment.domain));
   secure(qos, security);
   return qos;
 }
@@ -157,6 +175,44 @@ template <class Entity>
 Entity* created(Entity* entity, const std::string& what) {
   if (entity == nullptr) throw std::runtime_error("DDS refused to create " + what);
   return entity;
+}
+
+constexpr int kNoId = -1;  // a profile sets other ports, or none is free
+
+// A participant, and the id that it got on this host, by its ports.
+struct NewParticipant {
+  fdds::DomainParticipant* dds;
+  int id;
+};
+
+NewParticipant create(const Environment& environment, fdds::DomainParticipantQos qos, int asked,
+                      fdds::DomainParticipantListener* listener) {
+  const auto id = std::make_shared<std::atomic<int>>(kNoId);  // the transport lives longer
+  set_transport(qos, environment, [id, domain = environment.domain](uint32_t port) {
+    if (const auto found = participant_id(domain, port); found && *id == kNoId) *id = *found;
+  });
+  set_peers(qos, environment, asked);
+  auto* dds = fdds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<uint32_t>(environment.domain), qos, listener, fdds::StatusMask::none());
+  return {dds, *id};
+}
+
+void destroy(fdds::DomainParticipant* dds) {
+  dds->set_listener(nullptr);
+  fdds::DomainParticipantFactory::get_instance()->delete_participant(dds);
+}
+
+// With range LOCALHOST, a participant asks all ids up to its own, so that of any two on this host
+// the one with the higher id finds the other. Which id it gets is known once it exists.
+NewParticipant create(const Environment& environment, const fdds::DomainParticipantQos& qos,
+                      fdds::DomainParticipantListener* listener) {
+  int asked = std::max(kIdsAsked, first_free_id(environment.domain) + kSpareIds);
+  for (;;) {
+    const auto created = create(environment, qos, asked, listener);
+    if (environment.range != DiscoveryRange::kLocalhost || created.id < asked) return created;
+    asked = created.id + kSpareIds;
+    destroy(created.dds);
+  }
 }
 
 // Explains why DDS refused a participant; its own messages say little about faults of an enclave.
@@ -205,15 +261,21 @@ Participant::Participant(const Environment& environment, const Security& securit
     Logger{"runtime"}.warn(
         "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used; packets on them are "
         "not checked, and a malformed one can crash this process");
-  auto* factory = fdds::DomainParticipantFactory::get_instance();
   WireGuard::shared().expect_protection(security.protects_all);
   const DdsErrors errors;
-  dds_ = factory->create_participant(static_cast<uint32_t>(environment.domain),
-                                     participant_qos(environment, security),
-                                     is_first ? &discovery_ : nullptr, fdds::StatusMask::none());
+  const auto participant =
+      create(environment, participant_qos(environment, security), is_first ? &discovery_ : nullptr);
+  dds_ = participant.dds;
   if (dds_ == nullptr)
     throw std::runtime_error("DDS refused to create a participant in domain " +
                              std::to_string(environment.domain) + refusal(security, errors));
+  if (participant.id == kNoId && variable(kProfilesVariable).empty()) {
+    destroy(dds_);
+    throw std::runtime_error(
+        fmt::format("domain {} has no free UDP port left for a further participant on this host, "
+                    "which takes {} at most: stop some processes, or use further domains",
+                    environment.domain, max_participant_id(environment.domain) + 1));
+  }
   publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
   subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
   graph_ = std::make_unique<Graph>(*this, is_first ? Graph::Nodes::kOwn : Graph::Nodes::kHidden);

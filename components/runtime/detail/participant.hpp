@@ -58,6 +58,7 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// The process's reader of a clock topic with that QoS; exists as long as anybody follows it.
   [[nodiscard]] std::shared_ptr<ClockSource> clock(const Endpoint& endpoint);
+  [[nodiscard]] int domain() const { return environment_.domain; }
   /// Whether to communicate with ROS 2 Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
   [[nodiscard]] const Security& security() const { return security_; }

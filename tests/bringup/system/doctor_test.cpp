@@ -73,6 +73,13 @@ TEST(Doctor, AcceptsTwoTypesIfANodeSubscribesToBoth) {
   EXPECT_TRUE(examine(well).empty());
 }
 
+TEST(Doctor, WarnsOfParticipantsOnPortsOfTheNextDomain) {
+  auto sick = domain();
+  sick.id = 7;
+  sick.participants[1].borrows_ports = true;
+  EXPECT_TRUE(finds(examine(sick), "1 participant uses UDP ports of domain 8"));
+}
+
 TEST(Doctor, FindsDuplicateNodesPlainDdsProgramsAndHumbleBesideOthers) {
   auto sick = domain();
   sick.participants[1].nodes = {"/tandem"};
