@@ -161,7 +161,8 @@ TEST(Extractor, FitsCoarserShapesWhereATileNeedsTooMany) {
   const auto any = [&random](int below) { return static_cast<int>(random() % 1000U) % below; };
   for (int group = 0; group < 8; ++group) {
     const int ix = any(70), iy = any(70);
-    for (int i = 0; i < 3; ++i) grid.cells[grid.index(ix + any(10), iy + any(10))] = Cell::kOccupied;
+    for (int i = 0; i < 3; ++i)
+      grid.cells[grid.index(ix + any(10), iy + any(10))] = Cell::kOccupied;
   }
   const StaticMap map{std::move(grid)};
   const Eigen::Vector2d middle{2.0, 2.0};
