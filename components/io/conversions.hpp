@@ -94,11 +94,15 @@ struct Odometry {
                                                                 const std_msgs::msg::Header& header,
                                                                 const std::string& child);
 
-/// Obstacles that are finite with a ≥ b > 0; others are counted in `refused`.
+/// Obstacles that are finite with a ≥ b > 0 and a known shape; others are counted in `refused`.
 struct Obstacles {
   std::vector<Obstacle> all;  ///< the valid ones
   int refused = 0;            ///< number of those left out
 };
+/// Why obstacles are left out, for a log line.
+inline constexpr const char* kNotValid =
+    "not finite, or without semi_axis_a >= semi_axis_b > 0, or of an unknown shape";
+
 /// The obstacles of the message, in its frame; those that are not valid are counted and left out.
 [[nodiscard]] Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg);
 /// The obstacles, in the header's frame.

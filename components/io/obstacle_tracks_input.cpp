@@ -34,8 +34,8 @@ void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
   if (!X_MF) return;
   Obstacles people = from_msg(msg);
   if (people.refused > 0)
-    return node_.log().warn_every(1.0, "{} people are not valid shapes: the list is dropped",
-                                  people.refused);
+    return node_.log().warn_every(1.0, "{} people are {}: the list is dropped", people.refused,
+                                  kNotValid);
   for (Obstacle& person : people.all) person = transform(*X_MF, person);
   receive_(std::move(people.all));
 }

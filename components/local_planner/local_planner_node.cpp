@@ -85,7 +85,7 @@ void LocalPlannerNode::subscribe() {
     Obstacles obstacles = from_msg(msg);
     for (Obstacle& obstacle : obstacles.all) obstacle = transform(*X_MF, obstacle);
     if (obstacles.refused > 0)
-      node_.log().warn_every(1.0, "{} obstacles are not valid shapes: dropped", obstacles.refused);
+      node_.log().warn_every(1.0, "{} obstacles are {}: dropped", obstacles.refused, kNotValid);
     inputs_.on_obstacles(std::move(obstacles.all), node_.now());
   });
   on_leader_ =

@@ -177,7 +177,7 @@ Entity* created(Entity* entity, const std::string& what) {
   return entity;
 }
 
-constexpr int kNoId = -1;  // a profile sets other ports, or none is free
+constexpr int kNoId = -1;  // range OFF, a profile that sets other ports, or no port is free
 
 // A participant, and the id that it got on this host, by its ports.
 struct NewParticipant {
@@ -269,7 +269,9 @@ Participant::Participant(const Environment& environment, const Security& securit
   if (dds_ == nullptr)
     throw std::runtime_error("DDS refused to create a participant in domain " +
                              std::to_string(environment.domain) + refusal(security, errors));
-  if (participant.id == kNoId && variable(kProfilesVariable).empty()) {
+  const bool needs_ports =
+      environment.range != DiscoveryRange::kOff && variable(kProfilesVariable).empty();
+  if (participant.id == kNoId && needs_ports) {
     destroy(dds_);
     throw std::runtime_error(
         fmt::format("domain {} has no free UDP port left for a further participant on this host, "
