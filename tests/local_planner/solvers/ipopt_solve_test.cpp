@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cstdio>
 #include <thread>
 
@@ -52,7 +54,7 @@ TEST_F(IpoptSolve, BothLinearSolversTakeTheSameIterations) {
       same += is_same ? 1 : 0;
       ++all;
     }
-  EXPECT_GE(same, all * 0.97);  // rounding may turn a line search
+  EXPECT_LE(all - same, std::max(1.0, 0.03 * all));  // rounding may turn a line search
 }
 
 // One case in four begins inside of obstacles, blind guesses go through all of them.
