@@ -24,12 +24,14 @@ struct Obstacle {
   double b = 0.0;                                  ///< half extent across [m]
   double angle = 0.0;                              ///< heading of the axis a in M [rad]
   Eigen::Vector2d v_MO = Eigen::Vector2d::Zero();  ///< velocity [m/s]
-  ObstacleShape shape = ObstacleShape::kEllipse;
+  ObstacleShape shape = ObstacleShape::kEllipse;   ///< what `a` and `b` measure
 };
 
+/// Whether the obstacle is a rectangle.
 [[nodiscard]] inline bool is_rectangle(const Obstacle& obstacle) {
   return obstacle.shape == ObstacleShape::kRectangle;
 }
+/// Whether the obstacle is an ellipse with equal semi-axes.
 [[nodiscard]] inline bool is_circle(const Obstacle& obstacle) {
   return !is_rectangle(obstacle) && obstacle.a == obstacle.b;
 }
