@@ -55,7 +55,7 @@ struct ExtractorParams {
 /// robot can drive in, so tiles are refitted when the robot is relocalized into another region.
 ///
 /// When the map changes, a tile keeps its shapes as long as they cover its obstacle cells; a few
-/// new cells get their own circles, and shapes without cells are removed. The kept shapes may no
+/// new cells get their own squares, and shapes without cells are removed. The kept shapes may no
 /// longer be the best; refresh_near refits them when there is time.
 class Extractor {
  public:

@@ -209,7 +209,8 @@ NewParticipant create(const Environment& environment, const fdds::DomainParticip
   int asked = std::max(kIdsAsked, first_free_id(environment.domain) + kSpareIds);
   for (;;) {
     const auto created = create(environment, qos, asked, listener);
-    if (environment.range != DiscoveryRange::kLocalhost || created.id < asked) return created;
+    const bool asks_enough = environment.range != DiscoveryRange::kLocalhost || created.id < asked;
+    if (created.dds == nullptr || asks_enough) return created;
     asked = created.id + kSpareIds;
     destroy(created.dds);
   }

@@ -70,14 +70,16 @@ TEST(WakeUp, IsNotHeldUpByTheDeferralOfAnotherThread) {
     const rt::WakeUp::Deferral deferral;
     wake_up->notify();
     deferred = true;
-    while (!done) pause();
+    deferred.notify_one();
+    done.wait(false);
   }};
   std::thread fast{[&] {
-    while (!deferred) pause();
+    deferred.wait(false);
     wake_up->notify();
   }};
   const double waited = time_of_wait(*wake_up);
   done = true;
+  done.notify_one();
   EXPECT_LT(waited, kTimeout / 2);
   slow.join();
   fast.join();
