@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "support/child_process.hpp"
+#include "support/instrumented.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/runtime/detail/participant_ports.hpp"
@@ -31,31 +32,36 @@ constexpr double kLong = 120.0;  // [s] for what takes a few on a quiet machine
 
 int this_domain() { return std::atoi(std::getenv("ROS_DOMAIN_ID")); }
 
+class OccupiedPort {
+ public:
+  explicit OccupiedPort(int port) : socket_{socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)} {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<uint16_t>(port));
+    if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return;
+    close(socket_);
+    throw std::runtime_error("port " + std::to_string(port) + " is in use");
+  }
+  ~OccupiedPort() { close(socket_); }
+  OccupiedPort(const OccupiedPort&) = delete;
+  OccupiedPort& operator=(const OccupiedPort&) = delete;
+
+ private:
+  int socket_;
+};
+
 // Occupies the ports of the first `count` participants.
 class OccupiedIds {
  public:
   explicit OccupiedIds(int count) {
     for (int id = 0; id < count; ++id)
-      for (const int port : {0, 1}) occupy(rt::discovery_port(this_domain(), id) + port);
+      for (const int port : {0, 1})
+        ports_.push_back(
+            std::make_unique<OccupiedPort>(rt::discovery_port(this_domain(), id) + port));
   }
-  ~OccupiedIds() {
-    for (const int socket : sockets_) close(socket);
-  }
-  OccupiedIds(const OccupiedIds&) = delete;
-  OccupiedIds& operator=(const OccupiedIds&) = delete;
 
  private:
-  void occupy(int port) {
-    const int opened = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<uint16_t>(port));
-    sockets_.push_back(opened);
-    if (bind(opened, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
-      throw std::runtime_error("port " + std::to_string(port) + " is in use");
-  }
-
-  std::vector<int> sockets_;
+  std::vector<std::unique_ptr<OccupiedPort>> ports_;
 };
 
 // The next two domains are kept free, because the ids from 120 on use their ports.
@@ -100,7 +106,7 @@ TEST_F(ManyParticipants, FindEachOtherByUnicastBeyondAHundred) {
 
 // None of them knows, when it starts, how many there will be.
 TEST_F(ManyParticipants, FindEachOtherByUnicastIfAllStartAtOnce) {
-  constexpr int kProcesses = 40;
+  constexpr int kProcesses = test::samples(40, 8);
   discover_by_unicast();
   std::vector<std::unique_ptr<ChildProcess>> processes;
   for (int i = 0; i < kProcesses; ++i)
@@ -112,6 +118,33 @@ TEST_F(ManyParticipants, FindEachOtherByUnicastIfAllStartAtOnce) {
   const auto of_all =
       node.create_subscription(rt::Topic<Twist>{"met", kOfAll}, [&](const auto&) { ++met; });
   EXPECT_TRUE(spin_until([&] { return met == kProcesses; }, kLong, node)) << met;
+}
+
+TEST_F(ManyParticipants, OneThatIsMadeAnewTakesItsOldPorts) {
+  for (const bool by_unicast : {false, true}) {
+    if (by_unicast) discover_by_unicast();
+    for (int time = 0; time < 3; ++time) {
+      ASSERT_EQ(rt::first_free_id(this_domain()), 0) << by_unicast << time;
+      const rt::Node node{"again"};
+      EXPECT_EQ(rt::first_free_id(this_domain()), 1) << by_unicast << time;
+    }
+  }
+}
+
+// Then no participant of the domain hears another one's announcement.
+TEST_F(ManyParticipants, AreWarnedIfAnotherProgramHasTheMulticastPort) {
+  const OccupiedPort taken{rt::multicast_port(this_domain())};
+  testing::internal::CaptureStderr();
+  const rt::Node node{"deaf"};
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("is taken by another program"),
+            std::string::npos);
+}
+
+TEST_F(ManyParticipants, LeaveTheNextDomainsMulticastPortFree) {
+  const OccupiedIds others{rt::kIdsOfDomain};
+  EXPECT_EQ(rt::discovery_port(this_domain(), rt::kIdsOfDomain),
+            rt::multicast_port(this_domain() + 1));
+  EXPECT_EQ(rt::first_free_id(this_domain()), rt::kIdsOfDomain + 1);
 }
 
 // `tandem doctor` warns of them.

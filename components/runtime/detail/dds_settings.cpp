@@ -16,7 +16,6 @@
 namespace tandem::runtime {
 namespace {
 
-constexpr const char* kServersVariable = "ROS_DISCOVERY_SERVER";
 constexpr const char* kEnvironmentFileVariable = "FASTDDS_ENVIRONMENT_FILE";
 
 [[noreturn]] void refuse(const char* variable, const std::string& value, const std::string& why) {

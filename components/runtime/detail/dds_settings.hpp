@@ -8,6 +8,8 @@
 
 namespace tandem::runtime {
 
+inline constexpr const char* kServersVariable = "ROS_DISCOVERY_SERVER";
+
 /// Throws std::runtime_error naming the variable, the fault and the remedy. Fast DDS would only log
 /// an error and use its defaults: a broken profile that restricts DDS to one network interface
 /// would open all of them.

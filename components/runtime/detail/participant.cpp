@@ -29,8 +29,9 @@ namespace tandem::runtime {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr int kParticipantThreads = 8;        // needed by Fast DDS 2.9, with some margin
-constexpr uint32_t kSocketBuffer = 4U << 20;  // [bytes]; the kernel lowers it to its own limit
+constexpr const char* kMulticast = "239.255.0.1";  // of discovery: OMG RTPS 2.5, 9.6.2.4.1
+constexpr int kParticipantThreads = 8;             // needed by Fast DDS 2.9, with some margin
+constexpr uint32_t kSocketBuffer = 4U << 20;       // [bytes]; the kernel lowers it to its own limit
 constexpr int kSpareIds = 16;  // asked beyond the own id, because others may start meanwhile
 
 // Resolves a host name to its first IPv4 address; an address resolves to itself.
@@ -67,11 +68,29 @@ rtps::Locator_t local_peer(int domain, int id) {
   return locator;
 }
 
-// Disables multicast: listens only on the unicast port and queries the peers' well-known ports.
-void use_unicast_discovery(fdds::DomainParticipantQos& qos) {
+rtps::Locator_t on_all_interfaces(int port) {
   rtps::Locator_t any;
   any.kind = LOCATOR_KIND_UDPv4;
-  qos.wire_protocol().builtin.metatrafficUnicastLocatorList.push_back(any);
+  any.port = static_cast<uint32_t>(port);
+  return any;
+}
+
+// Listens on the ports of participant `id`, or on the next ones that are free. By default, Fast DDS
+// never gives a process an id twice: the 121st participant made by one process would take the next
+// domain's multicast port, and participants of that domain would not find each other.
+void set_ports(fdds::DomainParticipantQos& qos, const Environment& environment, int id) {
+  const int port = discovery_port(environment.domain, id);
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.metatrafficUnicastLocatorList.push_back(on_all_interfaces(port));
+  qos.wire_protocol().default_unicast_locator_list.push_back(on_all_interfaces(port + 1));
+  if (environment.range != DiscoveryRange::kLocalhost)
+    builtin.metatrafficMulticastLocatorList.push_back(peer(kMulticast));
+}
+
+// Disables multicast: a participant that is given a unicast port only does without.
+void use_unicast_discovery(fdds::DomainParticipantQos& qos) {
+  auto& unicast = qos.wire_protocol().builtin.metatrafficUnicastLocatorList;
+  if (unicast.empty()) unicast.push_back(on_all_interfaces(0));
 }
 
 // `asked`: with range LOCALHOST, how many ids of this host are asked.
@@ -80,7 +99,7 @@ void set_peers(fdds::DomainParticipantQos& qos, const Environment& environment, 
   for (const auto& address : environment.static_peers) peers.push_back(peer(address));
   switch (environment.range) {
     case DiscoveryRange::kSubnet:
-      if (!environment.static_peers.empty()) peers.push_back(peer("239.255.0.1"));
+      if (!environment.static_peers.empty()) peers.push_back(peer(kMulticast));
       break;
     case DiscoveryRange::kLocalhost:
       use_unicast_discovery(qos);
@@ -179,22 +198,47 @@ Entity* created(Entity* entity, const std::string& what) {
 
 constexpr int kNoId = -1;  // range OFF, a profile that sets other ports, or no port is free
 
+// The ports on which a participant listens.
+struct HeldPorts {
+  std::atomic<int> id = kNoId;
+  std::atomic<bool> by_multicast = false;
+};
+
 // A participant, and the id that it got on this host, by its ports.
 struct NewParticipant {
   fdds::DomainParticipant* dds;
   int id;
 };
 
-NewParticipant create(const Environment& environment, fdds::DomainParticipantQos qos, int asked,
-                      fdds::DomainParticipantListener* listener) {
-  const auto id = std::make_shared<std::atomic<int>>(kNoId);  // the transport lives longer
-  set_transport(qos, environment, [id, domain = environment.domain](uint32_t port) {
-    if (const auto found = participant_id(domain, port); found && *id == kNoId) *id = *found;
+void warn_if_deaf(const Environment& environment, const HeldPorts& held) {
+  if (environment.range == DiscoveryRange::kLocalhost || held.by_multicast) return;
+  Logger{"runtime"}.warn(
+      "UDP port {}, on which the participants of domain {} hear of each other, is taken by another "
+      "program, so they may stay unseen: stop that program, or set ROS_DOMAIN_ID to another domain",
+      multicast_port(environment.domain), environment.domain);
+}
+
+// Whether the ports are ours to choose; a discovery server's clients are found by other means.
+bool chooses_ports(const Environment& environment) {
+  return variable(kProfilesVariable).empty() && variable(kServersVariable).empty() &&
+         environment.range != DiscoveryRange::kOff;
+}
+
+// `free_id`: the first id whose port is free. `asked`: see set_peers().
+NewParticipant create(const Environment& environment, fdds::DomainParticipantQos qos, int free_id,
+                      int asked, fdds::DomainParticipantListener* listener) {
+  const auto held = std::make_shared<HeldPorts>();  // the transport lives longer
+  set_transport(qos, environment, [held, domain = environment.domain](uint32_t port) {
+    const auto id = participant_id(domain, port);
+    if (id && held->id == kNoId) held->id = *id;
+    if (port == static_cast<uint32_t>(multicast_port(domain))) held->by_multicast = true;
   });
+  if (chooses_ports(environment)) set_ports(qos, environment, free_id);
   set_peers(qos, environment, asked);
   auto* dds = fdds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<uint32_t>(environment.domain), qos, listener, fdds::StatusMask::none());
-  return {dds, *id};
+  if (dds != nullptr && chooses_ports(environment)) warn_if_deaf(environment, *held);
+  return {dds, held->id};
 }
 
 void destroy(fdds::DomainParticipant* dds) {
@@ -206,9 +250,10 @@ void destroy(fdds::DomainParticipant* dds) {
 // the one with the higher id finds the other. Which id it gets is known once it exists.
 NewParticipant create(const Environment& environment, const fdds::DomainParticipantQos& qos,
                       fdds::DomainParticipantListener* listener) {
-  int asked = std::max(kIdsAsked, first_free_id(environment.domain) + kSpareIds);
+  const int free_id = first_free_id(environment.domain);
+  int asked = std::max(kIdsAsked, free_id + kSpareIds);
   for (;;) {
-    const auto created = create(environment, qos, asked, listener);
+    const auto created = create(environment, qos, free_id, asked, listener);
     const bool asks_enough = environment.range != DiscoveryRange::kLocalhost || created.id < asked;
     if (created.dds == nullptr || asks_enough) return created;
     asked = created.id + kSpareIds;
@@ -275,9 +320,9 @@ Participant::Participant(const Environment& environment, const Security& securit
   if (participant.id == kNoId && needs_ports) {
     destroy(dds_);
     throw std::runtime_error(
-        fmt::format("domain {} has no free UDP port left for a further participant on this host, "
-                    "which takes {} at most: stop some processes, or use further domains",
-                    environment.domain, max_participant_id(environment.domain) + 1));
+        fmt::format("domain {} has no free UDP port left for a further participant on this host: "
+                    "stop some processes, or use further domains",
+                    environment.domain));
   }
   publisher_ = created(dds_->create_publisher(fdds::PUBLISHER_QOS_DEFAULT), "a publisher");
   subscriber_ = created(dds_->create_subscriber(fdds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");

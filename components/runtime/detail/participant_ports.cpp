@@ -45,10 +45,14 @@ std::optional<int> participant_id(int domain, std::uint32_t port) {
   return id;
 }
 
+int multicast_port(int domain) { return kBase + kPerDomain * domain; }
+
 int first_free_id(int domain) {
   const int last = max_participant_id(domain);
-  for (int id = 0; id < last; ++id)
-    if (is_free(discovery_port(domain, id))) return id;
+  for (int id = 0; id < last; ++id) {
+    const int port = discovery_port(domain, id);
+    if (port != multicast_port(domain + 1) && is_free(port)) return id;
+  }
   return last;
 }
 

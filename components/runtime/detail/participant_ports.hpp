@@ -25,7 +25,11 @@ inline constexpr int kIdsOfDomain = 120;  ///< ids from this one on use ports of
 [[nodiscard]] TANDEM_EXPORT_FOR_TESTS std::optional<int> participant_id(int domain,
                                                                         std::uint32_t port);
 
-/// The first id whose port is free on this host; max_participant_id() if none is.
+/// The port on which all participants of `domain` hear those that announce themselves by multicast.
+[[nodiscard]] TANDEM_EXPORT_FOR_TESTS int multicast_port(int domain);
+
+/// The first id whose port is free on this host; max_participant_id() if none is. Leaves out the id
+/// whose port is the next domain's multicast port: a participant there would make that domain deaf.
 [[nodiscard]] TANDEM_EXPORT_FOR_TESTS int first_free_id(int domain);
 
 }  // namespace tandem::runtime
