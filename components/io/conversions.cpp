@@ -215,8 +215,8 @@ Obstacles from_msg(const tandem_msgs::msg::ObstacleArray& msg) {
   Obstacles obstacles;
   for (const auto& m : msg.obstacles()) {
     const Obstacle o{
-        m.id(),    {m.center().x(), m.center().y()},     m.semi_axis_a(),         m.semi_axis_b(),
-        m.angle(), {m.velocity().x(), m.velocity().y()}, ObstacleShape{m.shape()}};
+        m.id(),    {m.center().x(), m.center().y()},     m.semi_axis_a(),          m.semi_axis_b(),
+        m.angle(), {m.velocity().x(), m.velocity().y()}, ObstacleShape{m.shape()}, m.tracked()};
     if (is_valid(o))
       obstacles.all.push_back(o);
     else
@@ -238,6 +238,7 @@ tandem_msgs::msg::ObstacleArray to_msg(std::span<const Obstacle> obstacles,
     m.angle(o.angle);
     m.velocity(vector(o.v_MO.x(), o.v_MO.y(), 0.0));
     m.shape(static_cast<std::uint8_t>(o.shape));
+    m.tracked(o.tracked);
     msg.obstacles().push_back(std::move(m));
   }
   return msg;

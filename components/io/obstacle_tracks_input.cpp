@@ -36,7 +36,10 @@ void ObstacleTracksInput::take(const tandem_msgs::msg::ObstacleArray& msg) {
   if (people.refused > 0)
     return node_.log().warn_every(1.0, "{} people are {}: the list is dropped", people.refused,
                                   kNotValid);
-  for (Obstacle& person : people.all) person = transform(*X_MF, person);
+  for (Obstacle& person : people.all) {
+    person = transform(*X_MF, person);
+    person.tracked = true;
+  }
   receive_(std::move(people.all));
 }
 

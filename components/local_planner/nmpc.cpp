@@ -10,6 +10,7 @@
 #include "tandem/local_planner/cycle.hpp"
 #include "tandem/local_planner/deadlock.hpp"
 #include "tandem/local_planner/delay_estimator.hpp"
+#include "tandem/local_planner/standing_people.hpp"
 #include "tandem/local_planner/trail.hpp"
 #include "tandem/model/brief_push.hpp"
 #include "tandem/model/diff_drive.hpp"
@@ -163,6 +164,8 @@ Plan Nmpc::State::plan_for(const PlanRequest& request, Clock::time_point started
                             leader_onward(able, params));
     able.trail = way;
   }
+  const std::vector<Obstacle> obstacles = to_be_avoided(able, body, params, robot);
+  able.obstacles = obstacles;
   const Cycle cycle = begin_cycle(able, params, robot, body, sent);
   Plan plan = finish(cycle, search.find(cycle, started));
   const bool steered = request.method != Method::kGoal && request.user != Twist2{};

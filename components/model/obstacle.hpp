@@ -25,7 +25,14 @@ struct Obstacle {
   double angle = 0.0;                              ///< heading of the axis a in M [rad]
   Eigen::Vector2d v_MO = Eigen::Vector2d::Zero();  ///< velocity [m/s]
   ObstacleShape shape = ObstacleShape::kEllipse;   ///< what `a` and `b` measure
+  bool tracked = false;  ///< from /people: can move by itself, even if it stands now
 };
+
+/// Whether the obstacle moves noticeably.
+[[nodiscard]] inline bool moves(const Obstacle& obstacle) {
+  constexpr double kSlowest = 0.05;  // [m/s]
+  return obstacle.v_MO.norm() > kSlowest;
+}
 
 /// Whether the obstacle is a rectangle.
 [[nodiscard]] inline bool is_rectangle(const Obstacle& obstacle) {

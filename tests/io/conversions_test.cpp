@@ -107,6 +107,15 @@ TEST(Convert, ARectangleStaysOneAndIsABoxInRviz) {
   EXPECT_EQ(markers.markers()[2].type(), visualization_msgs::msg::Marker_Constants::CYLINDER);
 }
 
+TEST(Convert, ATrackedObstacleStaysOne) {
+  std::vector<Obstacle> all{{1, {0, 0}, 0.3, 0.3}, {2, {0, 0}, 0.3, 0.3}};
+  all[1].tracked = true;
+  const Obstacles back = from_msg(to_msg(all, header({}, "map")));
+  ASSERT_EQ(back.all.size(), 2u);
+  EXPECT_FALSE(back.all[0].tracked);
+  EXPECT_TRUE(back.all[1].tracked);
+}
+
 nav_msgs::msg::Odometry odometry_of(const Pose2& X, double v, double lateral, double w) {
   nav_msgs::msg::Odometry msg = to_msg(Odometry{X, {v, w}}, header({}, "odom"), "part");
   msg.twist().twist().linear().y(lateral);

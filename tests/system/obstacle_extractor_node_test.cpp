@@ -98,6 +98,8 @@ TEST_F(ExtractorAmongPeople, ListsThemWithTheirVelocityAndNothingWhileTheyAreSil
   EXPECT_TRUE(covered(kPole));
   EXPECT_EQ(seen_.back().p_MO, walkers_[0].p_MO);
   EXPECT_EQ(seen_.back().v_MO, walkers_[0].v_MO);
+  EXPECT_TRUE(seen_.back().tracked);
+  EXPECT_FALSE(seen_.front().tracked) << "it is a wall or a pole";
   talks_ = false;
   EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: people are silent") > 0; }));
   talks_ = true;

@@ -9,8 +9,6 @@
 namespace tandem {
 namespace {
 
-constexpr double kMoves = 0.05;  // [m/s] faster obstacles count as moving
-
 struct NearPair {
   double clearance;  // [m]
   std::uint32_t disc;
@@ -26,7 +24,7 @@ class Surroundings {
     for (const Disc& disc : body.discs) radius_ = std::max(radius_, disc.p_BC.norm() + disc.radius);
     for (const Obstacle& obstacle : obstacles) {
       axes_.emplace_back(std::cos(obstacle.angle), std::sin(obstacle.angle));
-      margins_.push_back(limits.margin + (obstacle.v_MO.norm() > kMoves ? limits.moving : 0.0));
+      margins_.push_back(limits.margin + (moves(obstacle) ? limits.moving : 0.0));
     }
   }
 
