@@ -17,6 +17,7 @@ constexpr double kLever = 0.5;  // [m] converts a turn rate to a speed for compa
 constexpr double kSoon = 1.0;   // [s]
 constexpr double kQuarterTurn = 0.5 * std::numbers::pi;
 constexpr double kBlocked = 0.15;   // a plan that covers a smaller share of the way is blocked
+constexpr double kHeldBack = 0.7;   // the same, of the first second of a slow approach
 constexpr double kFree = 0.8;       // a plan that covers a larger share is followed again
 constexpr double kStands = 0.1;     // [m/s], [rad/s] slower than this counts as standing
 constexpr double kSlow = 0.35;      // [m/s] slower than this it stands before kPatience is over
@@ -24,8 +25,8 @@ constexpr double kPatience = 0.3;   // [s] of blocked plans before the person's 
 constexpr double kStraight = 0.5;   // [1/m] largest curvature that counts as straight
 constexpr double kGivesUp = 5.0;    // [s] of pushing while standing
 constexpr double kElsewhere = 0.5;  // [m] from where the person gave up
-constexpr double kNear = 0.25;      // [m] gap between discs and obstacle that allows an approach
-constexpr double kNoLonger = 0.35;  // [m] gap at which the planner takes over again
+constexpr double kNear = 0.35;      // [m] gap between discs and obstacle that allows an approach
+constexpr double kNoLonger = 0.45;  // [m] gap at which the planner takes over again
 
 bool turns_on_spot(const Twist2& twist) { return std::abs(twist.v) < kSpot * std::abs(twist.w); }
 
@@ -56,14 +57,18 @@ double share_of_way(const Plan& plan, const Twist2& twist, double time) {
 // A plan that follows a leader may leave the stick's direction for a while, so it counts as blocked
 // only if the robot is about to stand or drives the other way. A plan that follows the stick, or
 // turns on the spot, may postpone its progress cycle after cycle, so for a standing robot the first
-// second is checked as well.
+// second is checked as well. The former also brakes far earlier than a person does who drives up to
+// something slowly, because its cost spreads the braking over the horizon.
 bool is_blocked(const Plan& plan, const Twist2& twist, const Cycle& cycle) {
   const double v = cycle.request.measured.v, ahead = twist.v < 0.0 ? -v : v;
   const bool for_good =
       share_of_way(plan, twist, cycle.params.dt * cycle.params.horizon_steps) < kBlocked;
   const bool follows = cycle.request.method != Method::kIntention && !turns_on_spot(twist);
   if (follows) return ahead < kSlow && for_good;
-  return for_good || (std::abs(v) < kStands && share_of_way(plan, twist, kSoon) < kBlocked);
+  const double soon = share_of_way(plan, twist, kSoon);
+  const bool slow =
+      !turns_on_spot(twist) && std::abs(cycle.request.user.v) < kSpeed && ahead < kSpeed;
+  return for_good || (slow && soon < kHeldBack) || (std::abs(v) < kStands && soon < kBlocked);
 }
 
 bool is_free(const Plan& plan, const Twist2& twist, const Cycle& cycle) {

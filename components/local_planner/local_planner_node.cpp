@@ -64,6 +64,10 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
 
 void LocalPlannerNode::start_timers(double control_period) {
   timer_ = node_.create_timer(control_period, [this] { plan(); });
+  if (planning_) start_watchdog(control_period);
+}
+
+void LocalPlannerNode::start_watchdog(double control_period) {
   watchdog_ = node_.create_timer(control_period / 4, [this] { watch(); });
 }
 
@@ -123,7 +127,7 @@ void LocalPlannerNode::plan() {
     return stop(robot_.missing());
   }
   if (const auto reason = inputs_.missing(method_, now)) return stop(*reason);
-  planning_ = true;
+  if (!std::exchange(planning_, true)) start_watchdog(params_->live.nmpc.control_period);
   standing_for_ = {};
   inputs_.advance(robot->X_MB.position());
   const PlanRequest request = inputs_.request(method_, *robot, now);
@@ -131,7 +135,6 @@ void LocalPlannerNode::plan() {
 }
 
 void LocalPlannerNode::watch() {
-  if (!planning_) return;
   if (const auto reason = inputs_.missing(method_, node_.now())) stop(*reason);
 }
 
@@ -205,6 +208,7 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
 
 void LocalPlannerNode::stop(const std::string& reason) {
   planning_ = false;
+  watchdog_ = {};
   if (std::exchange(standing_for_, reason) != reason)
     node_.log().missing_every(1.0, "standing: {}", reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));

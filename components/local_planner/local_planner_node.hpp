@@ -82,6 +82,7 @@ class LocalPlannerNode {
  private:
   void change(const LivePlannerParams& wanted);
   void start_timers(double control_period);
+  void start_watchdog(double control_period);
   void subscribe();
   void plan();
   void watch();
@@ -111,7 +112,8 @@ class LocalPlannerNode {
   bool planning_ = false;
   std::string standing_for_;  ///< last logged reason for standing
   std::optional<NavigationActions> navigation_;
-  rt::Timer timer_, watchdog_;
+  rt::Timer timer_;
+  rt::Timer watchdog_;  // while planning_
   std::shared_ptr<void> time_jump_;
 };
 

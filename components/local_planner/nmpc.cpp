@@ -164,7 +164,7 @@ Plan Nmpc::State::plan_for(const PlanRequest& request, Clock::time_point started
                             leader_onward(able, params));
     able.trail = way;
   }
-  const std::vector<Obstacle> obstacles = to_be_avoided(able, body, params, robot);
+  const std::vector<Obstacle> obstacles = obstacles_of_the_plan(able, body, params, robot);
   able.obstacles = obstacles;
   const Cycle cycle = begin_cycle(able, params, robot, body, sent);
   Plan plan = finish(cycle, search.find(cycle, started));

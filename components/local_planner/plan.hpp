@@ -32,7 +32,7 @@ struct PlanRequest {
   std::span<const Eigen::Vector2d> path = {};   ///< kPath: to be followed instead, as far as X_MG
   std::span<const Eigen::Vector2d> trail = {};  ///< kPath: filled in by Nmpc, see trail.hpp
   Twist2 user = {};                             ///< the person's twist; not read by kGoal
-  bool rests = false;  ///< the stick is at rest: `user` is zero because zero was received
+  bool rests = false;                           ///< `user` was received and asks_to_stop()
   std::span<const Obstacle> obstacles = {};     ///< positions and velocities at time t
   std::span<const GuidanceLine> guidance = {};  ///< see guided()
   bool guarded = false;                         ///< a safety filter reports that it enforces

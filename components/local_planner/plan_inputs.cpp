@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tandem/model/brief_push.hpp"
+
 namespace tandem {
 namespace {
 
@@ -68,7 +70,7 @@ PlanRequest PlanInputs::request(Method method, const RobotState& robot, double n
   request.X_MG = method == Method::kGoal ? X_MG_.value_or(Pose2{}) : leader_.value;
   if (user_.fresh(now, params_.user_timeout)) {
     request.user = user_.value;
-    request.rests = user_.value == Twist2{};
+    request.rests = asks_to_stop(user_.value, robot.twist);
   }
   request.obstacles = obstacles_.value;
   request.guidance = guidance_;

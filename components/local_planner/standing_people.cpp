@@ -23,8 +23,8 @@ double stopping_distance(const PlanRequest& request, double delay, const RobotPa
 
 }  // namespace
 
-std::vector<Obstacle> to_be_avoided(const PlanRequest& request, const Body& body,
-                                    const NmpcParams& params, const RobotParams& robot) {
+std::vector<Obstacle> obstacles_of_the_plan(const PlanRequest& request, const Body& body,
+                                            const NmpcParams& params, const RobotParams& robot) {
   std::vector<Obstacle> kept(request.obstacles.begin(), request.obstacles.end());
   const bool straight = std::abs(request.user.w) <= kStraight * robot.w_max;
   if (request.method != Method::kIntention || !straight) return kept;

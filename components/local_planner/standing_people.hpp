@@ -19,8 +19,9 @@ namespace tandem {
 /// with v [m/s] the greater of the speed in force and the measured one: braking half a second later
 /// is still early enough. The person at the stick mostly means to stop before somebody who stands;
 /// over the whole horizon going round costs less than stopping, so a plan would swerve at once.
-[[nodiscard]] std::vector<Obstacle> to_be_avoided(const PlanRequest& request, const Body& body,
-                                                  const NmpcParams& params,
-                                                  const RobotParams& robot);
+[[nodiscard]] std::vector<Obstacle> obstacles_of_the_plan(const PlanRequest& request,
+                                                          const Body& body,
+                                                          const NmpcParams& params,
+                                                          const RobotParams& robot);
 
 }  // namespace tandem

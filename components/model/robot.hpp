@@ -10,7 +10,8 @@
 
 namespace tandem {
 
-/// A differential-drive robot: outline, drive and limits. Defaults: the MiR 100 of Devalla 2020.
+/// A differential-drive robot: outline, drive and limits. Defaults: Devalla's MiR 100
+/// (2020) with its scripts' rate limits (0.1 in 0.25 s); `bringup/robots/mir100.yaml` has others.
 struct RobotParams {
   double length = 0.89;
   double width = 0.58;

@@ -108,6 +108,18 @@ TEST_F(CloseApproachTest, DoesNotWaitForAPlanThatPromisesWhatItNeverBegins) {
   EXPECT_FALSE(twist);
 }
 
+// Such a plan brakes long before the person would.
+TEST_F(CloseApproachTest, TakesOverFromAPlanThatHoldsBackAPersonWhoIsSlowAlready) {
+  const Twist2 slow{0.4, 0.0}, held_back{0.2, 0.0}, follows{0.3, 0.0};
+  measured_ = {0.3, 0.0};
+  EXPECT_FALSE(after_a_second(slow, follows));
+  EXPECT_FALSE(after_a_second(kPush, {0.4, 0.0})) << "who drives fast is to brake early";
+  EXPECT_EQ(after_a_second(slow, held_back), slow);
+  approach_ = {};
+  method_ = Method::kLeader;
+  EXPECT_FALSE(after_a_second(slow, held_back)) << "it may let its leader pass first";
+}
+
 TEST_F(CloseApproachTest, WithALeaderOnlyOnceTheRobotIsAboutToStand) {
   method_ = Method::kLeader;
   measured_ = {0.4, 0.0};
@@ -159,13 +171,13 @@ TEST_F(CloseApproachTest, NeverWithoutAFilterThatEnforcesNorFarFromObstaclesNorF
   method_ = Method::kGoal;
   EXPECT_FALSE(after_a_second(kPush, {}));
   method_ = Method::kLeader;
-  stand_before_pole(0.30);
-  EXPECT_FALSE(after_a_second(kPush, {}));
-  stand_before_pole(0.20);
-  EXPECT_TRUE(after_a_second(kPush, {}));
-  stand_before_pole(0.30);
-  EXPECT_TRUE(next(kPush, {}));  // a little farther to leave than to begin
   stand_before_pole(0.40);
+  EXPECT_FALSE(after_a_second(kPush, {}));
+  stand_before_pole(0.30);
+  EXPECT_TRUE(after_a_second(kPush, {}));
+  stand_before_pole(0.40);
+  EXPECT_TRUE(next(kPush, {}));  // a little farther to leave than to begin
+  stand_before_pole(0.50);
   EXPECT_FALSE(next(kPush, {}));
 }
 

@@ -76,6 +76,17 @@ TEST(PlanInputs, ASticksRestIsAZeroThatWasReceived) {
   EXPECT_TRUE(inputs.request(Method::kLeader, kRobot, 10.05).rests);
 }
 
+// A stick that is let go seldom meets the centre of both axes at once.
+TEST(PlanInputs, AStickThatHardlyTurnsIsAtRestOnlyWhileTheRobotDrives) {
+  PlanInputs inputs = complete();
+  inputs.on_user({0.0, 0.06}, 10.0);
+  RobotState robot = kRobot;
+  robot.twist = {0.3, 0.0};
+  EXPECT_TRUE(inputs.request(Method::kLeader, robot, 10.05).rests);
+  robot.twist = {0.0, 0.06};
+  EXPECT_FALSE(inputs.request(Method::kLeader, robot, 10.05).rests);
+}
+
 TEST(PlanInputs, AfterTheClockJumpedBackOnlyTheGoalStays) {
   PlanInputs inputs = complete();
   inputs.on_time_jump();

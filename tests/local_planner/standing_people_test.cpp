@@ -29,7 +29,7 @@ class StandingPeople : public ::testing::Test {
     const std::vector<Obstacle> all{pole(5.0, 5.0), obstacle};
     PlanRequest request = request_;
     request.obstacles = all;
-    const std::size_t kept = to_be_avoided(request, body_, params_, robot_).size();
+    const std::size_t kept = obstacles_of_the_plan(request, body_, params_, robot_).size();
     EXPECT_GE(kept, 1U) << "a pole is always avoided";
     return kept == 2;
   }

@@ -57,8 +57,8 @@ const std::vector<DriveMethod>& all_methods() {
        .components = planned,
        .planner_method = "intention"},
       {.name = "dwa",
-       .about =
-           "Shared Dynamic Window Approach: of sampled arcs, the free one nearest to the stick",
+       .about = "Shared Dynamic Window Approach: the sampled arc without collision that is closest "
+                "to the stick's command",
        .policy = "shared",
        .components = {"driver", "teleop", "shared_dwa"}},
       {.name = "hindsight",
