@@ -4,6 +4,7 @@
 #include <ctime>
 #include <iostream>
 #include <span>
+#include <utility>
 #include <variant>
 
 #include "tandem/dashboard/own_channels.hpp"
@@ -75,18 +76,23 @@ DashboardNode::DashboardNode(rt::Node& node)
   publish_.open_own(
       node.fully_qualified_name() + "/begin_trial", "tandem.TrialRequest",
       [this](ClientId client, const auto& bytes) { return begin_trial(client, bytes); });
-  ticks_ = node.create_wall_timer(kTick, [this] { tick(); });
   looks_ = node.create_wall_timer(kPollPeriod, [this] { look(); });
-  time_ = node.create_wall_timer(kTimePeriod, [this] {
-    for (const ClientId client : clients_) tell_time(client);
-    tell_trial();
-  });
+  start_ticks();
   node.log().info("the page is at {} ; Foxglove and Lichtblick connect to the same address (ws://)",
                   web_.url());
   // The token is printed to the terminal only, not to /rosout. A token from a file is known
   // already.
   if (const auto& token = web_.token(); !token.empty() && params_->web.token_file.empty())
     std::cerr << "    Open it with the token: " << web_.url() << "?token=" << token << std::endl;
+}
+
+// A robot spends most of its day without a client, and each tick wakes the processor.
+void DashboardNode::start_ticks() {
+  ticks_ = node_.create_wall_timer(is_idle_ ? kIdleTick : kTick, [this] { tick(); });
+  time_ = is_idle_ ? rt::Timer{} : node_.create_wall_timer(kTimePeriod, [this] {
+    for (const ClientId client : clients_) tell_time(client);
+    tell_trial();
+  });
 }
 
 // Each lane has its own time share of a tick; a single event may exceed it.
@@ -101,6 +107,8 @@ void DashboardNode::tick() {
   serve_for(kUsual, Lane::kUsual);
   topics_.listen_to_next();
   tell_seat();
+  const bool is_idle = clients_.empty() && !trial_;
+  if (std::exchange(is_idle_, is_idle) != is_idle) start_ticks();
 }
 
 void DashboardNode::serve_for(double time, Lane lane) {

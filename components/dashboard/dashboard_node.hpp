@@ -48,6 +48,7 @@ class DashboardNode {
   using Params = DashboardParams;
 
   static constexpr double kTick = 0.005;  // [s] between two ticks, which handle the clients' events
+  static constexpr double kIdleTick = 0.05;     // [s] the same while no client is connected
   static constexpr double kUsual = 0.0015;      // [s] of a tick for frames of connected clients
   static constexpr double kLastWords = 0.0005;  // [s] of a tick for frames of clients that left
   static constexpr int kMaxUrgent = 64;         // emergency stop messages handled per tick
@@ -60,6 +61,7 @@ class DashboardNode {
   [[nodiscard]] static rt::Interface interface();
 
  private:
+  void start_ticks();
   void tick();
   void look();
   bool serve(Lane lane);
@@ -99,7 +101,9 @@ class DashboardNode {
   std::string told_;                    // the driver state last reported
   std::map<ClientId, double> refused_;  // [s] when a refusal was last reported to them
 
-  rt::Timer ticks_, looks_, time_;
+  bool is_idle_ = true;  // no client and no trial
+  rt::Timer ticks_, looks_;
+  rt::Timer time_;  // unless is_idle_
 };
 
 }  // namespace tandem

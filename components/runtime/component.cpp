@@ -77,6 +77,8 @@ std::vector<std::string> find_folders() {
   if (const auto folder = runtime_file().parent_path(); !folder.empty()) {
     if (folder != program_folder()) folders.push_back(folder);
     folders.push_back(folder / "tandem");
+    // A component that is built beside Debian's packages goes to /usr/local unless told otherwise.
+    if (folder.string().starts_with("/usr/lib/")) folders.push_back("/usr/local/lib/tandem");
   }
   return folders;
 }

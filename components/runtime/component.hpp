@@ -75,8 +75,9 @@ template <class C>
   }
 
 /// Folders searched for libtandem_<name>.so, in this order: those of TANDEM_COMPONENT_PATH, the
-/// program's, that of libtandem_runtime.so and tandem/ in the latter. Absolute, and found once:
-/// what becomes of the environment or the current folder later has no effect.
+/// program's, that of libtandem_runtime.so, tandem/ in the latter and, where that is in /usr/lib,
+/// /usr/local/lib/tandem. Absolute, and found once: what becomes of the environment or the current
+/// folder later has no effect.
 [[nodiscard]] TANDEM_EXPORT const std::vector<std::string>& component_folders();
 /// Names of the components that can be loaded: registered ones, and those of modules that were
 /// built for this Tandem.

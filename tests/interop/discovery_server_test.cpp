@@ -42,7 +42,35 @@ TEST(DiscoveryServer, BringsOurProcessesTogether) {
   unsetenv("ROS_DISCOVERY_SERVER");
 }
 
-// Counter-check of the test above: without the server the node receives nothing.
+// A server tells its clients only of what they need; `record` needs to know everything.
+TEST(DiscoveryServer, HidesNothingFromRecord) {
+  if (!std::filesystem::exists(kServer)) GTEST_SKIP() << kServer << " is not installed";
+  const std::string port = std::to_string(20'000 + (getpid() + 1) % 10'000);
+  test::ChildProcess server{std::filesystem::relative(kServer, test::ChildProcess::folder()),
+                            {"-i", "0", "-l", "127.0.0.1", "-p", port}};
+  setenv("ROS_DISCOVERY_SERVER", ("127.0.0.1:" + port).c_str(), 1);
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("tandem_super_client_" + std::to_string(getpid()));
+  test::ChildProcess robot{
+      "../tandem",
+      {"run", test::source_path("bringup/systems/teleop.yaml"), "--only", "diff_drive_sim"}};
+  test::ChildProcess recorder{"../tandem", {"record", "-o", folder.string(), "/odom"}};
+  const auto recorded = [&] {
+    std::error_code missing;
+    std::uintmax_t size = 0;
+    for (const auto& file : std::filesystem::directory_iterator{folder, missing})
+      size += file.file_size(missing);
+    return size > 20'000;
+  };
+  rt::Node node{"tester"};
+  EXPECT_TRUE(test::spin_until(recorded, kTimeout, node));
+  recorder.send(SIGINT);
+  EXPECT_EQ(recorder.wait(kTimeout), 0);
+  std::filesystem::remove_all(folder);
+  unsetenv("ROS_DISCOVERY_SERVER");
+}
+
+// Counter-check of the first test: without the server the node receives nothing.
 TEST(DiscoveryServer, IsRequiredByAProcessThatNamesIt) {
   setenv("ROS_DISCOVERY_SERVER", "127.0.0.1:19999", 1);
   test::ChildProcess robot{

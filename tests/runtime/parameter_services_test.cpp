@@ -186,7 +186,22 @@ TEST_F(ParameterServices, AnswerNothingToTooManyNames) {
   EXPECT_EQ(get_gain(), 1.0);
 }
 
+// Nodes of a process are made one after the other; all of them hear what each has declared.
+TEST_F(ParameterServices, PublishDeclaredParametersOnceTheNodeSpins) {
+  std::vector<ParameterEvent> events;
+  const auto subscription =
+      tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},
+                                [&](const auto& event) { events.push_back(event); });
+  const auto is_announced = [&] {
+    return std::any_of(events.begin(), events.end(), [](const ParameterEvent& event) {
+      return event.node() == "/robot/drive" && event.new_parameters().size() > 1;
+    });
+  };
+  EXPECT_TRUE(spin_until(is_announced, kTimeout, node_, tool_));
+}
+
 TEST_F(ParameterServices, PublishChangesOnParameterEvents) {
+  node_.spin_some(0.0);  // announces what is declared
   std::vector<ParameterEvent> events;
   const auto subscription =
       tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},
@@ -204,6 +219,7 @@ TEST_F(ParameterServices, PublishChangesOnParameterEvents) {
 }
 
 TEST_F(ParameterServices, PublishParametersDeclaredLater) {
+  node_.spin_some(0.0);
   std::vector<ParameterEvent> events;
   const auto subscription =
       tool_.create_subscription(rt::Topic<ParameterEvent>{"/parameter_events"},

@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLong = 30.0;  // [s] for a slow machine under a sanitizer
 constexpr const char* kForeignHash =
     "RIHS01_00000000000000000000000000000000000000000000000000000000000000aa";
 
@@ -52,7 +51,7 @@ class Recording : public testing::Test {
 
   template <class Predicate>
   bool wait_until(Predicate predicate) {
-    return spin_until(predicate, kLong, node_);
+    return spin_until(predicate, kLongTimeout, node_);
   }
 
   // The recorder's answer to one request.
@@ -61,7 +60,7 @@ class Recording : public testing::Test {
     const auto client = node_.create_client(rt::ServiceName<S>{service});
     std::optional<typename S::Response> answer;
     client.call(
-        request, [&](const auto& response) { answer = response; }, kLong);
+        request, [&](const auto& response) { answer = response; }, kLongTimeout);
     EXPECT_TRUE(wait_until([&] { return answer.has_value(); })) << service;
     return answer.value_or(typename S::Response{});
   }
@@ -100,7 +99,7 @@ TEST_F(Recording, PlaysBackRecordedMessagesOfKnownAndUnknownTypes) {
       return heard.count("/numbers") && heard.at("/numbers") == 10 && heard.count("/odd");
     }));
     record.send(SIGINT);
-    ASSERT_EQ(record.wait(kLong), 0);
+    ASSERT_EQ(record.wait(kLongTimeout), 0);
   }
   std::vector<double> got;
   std::vector<std::vector<std::uint8_t>> got_foreign;
@@ -117,7 +116,7 @@ TEST_F(Recording, PlaysBackRecordedMessagesOfKnownAndUnknownTypes) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(got[static_cast<std::size_t>(i)], i);
   EXPECT_EQ(got_foreign.front(), foreign_bytes);
   play.send(SIGTERM);
-  EXPECT_EQ(play.wait(kLong), 0);
+  EXPECT_EQ(play.wait(kLongTimeout), 0);
 }
 
 // Three types under one name are more than a process can hear; a DDS program's name may be any.
@@ -146,9 +145,9 @@ TEST_F(Recording, AnUnusableTopicDoesNotAffectOthers) {
     return heard.contains("/many") && heard.contains("/other");
   }));
   record.send(SIGINT);
-  EXPECT_EQ(record.wait(kLong), 0);
+  EXPECT_EQ(record.wait(kLongTimeout), 0);
   play.send(SIGINT);
-  EXPECT_EQ(play.wait(kLong), 0);
+  EXPECT_EQ(play.wait(kLongTimeout), 0);
 }
 
 TEST_F(Recording, AcceptsNamesWithoutASlashAndReportsSilentTopics) {
@@ -160,9 +159,9 @@ TEST_F(Recording, AcceptsNamesWithoutASlashAndReportsSilentTopics) {
     return messages_by_topic(folder_).contains("/numbers");
   }));
   record.send(SIGINT);
-  EXPECT_EQ(record.wait(kLong), 0);
+  EXPECT_EQ(record.wait(kLongTimeout), 0);
   ChildProcess play{"../tandem", {"play", folder_, "--topics", "/numbres"}};
-  EXPECT_EQ(play.wait(kLong), 1);
+  EXPECT_EQ(play.wait(kLongTimeout), 1);
 }
 
 // As rosbag2's recorder of Jazzy and Kilted.
@@ -207,7 +206,7 @@ TEST_F(Recording, IsPausedEndedAndBegunAgainByServices) {
   EXPECT_EQ(error_of_recording("file://" + (root_ / "second").string()), "");
   ASSERT_TRUE(is_recorded_in(root_ / "second", 4.0));
   record.send(SIGINT);
-  EXPECT_EQ(record.wait(kLong), 0);
+  EXPECT_EQ(record.wait(kLongTimeout), 0);
   for (const double value : values_of(root_ / "second")) EXPECT_EQ(value, 4.0);
 }
 
@@ -231,7 +230,7 @@ TEST_F(Recording, GivesALateSubscriberTheStaticTransformsOfEveryPublisher) {
   const auto transforms_in = node_.create_subscription(kStatic, [&](const auto&) { ++transforms; });
   EXPECT_TRUE(wait_until([&] { return transforms == 3; })) << transforms;
   play.send(SIGINT);
-  EXPECT_EQ(play.wait(kLong), 0);
+  EXPECT_EQ(play.wait(kLongTimeout), 0);
 }
 
 TEST_F(Recording, DoesNotWaitForTheClockThatWasSetMeanwhile) {
@@ -243,7 +242,7 @@ TEST_F(Recording, DoesNotWaitForTheClockThatWasSetMeanwhile) {
     writer.write(flag, 1'700'000'000'000'000'000, bytes);
   }
   ChildProcess play{"../tandem", {"play", folder_, "--wait", "0"}};
-  EXPECT_EQ(play.wait(kLong), 0);
+  EXPECT_EQ(play.wait(kLongTimeout), 0);
 }
 
 TEST_F(Recording, RemapsAndRepeatsWhatItPlays) {
@@ -260,7 +259,7 @@ TEST_F(Recording, RemapsAndRepeatsWhatItPlays) {
                     {"play", folder_, "--loop", "--rate", "2", "--ros-args", "-r", "/stop:=/halt"}};
   ASSERT_TRUE(wait_until([&] { return on >= 3 && off >= 2; }));
   play.send(SIGTERM);
-  EXPECT_EQ(play.wait(kLong), 0);
+  EXPECT_EQ(play.wait(kLongTimeout), 0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bringup/bag/recorder.hpp"
+#include "bringup/system/super_client.hpp"
 #include "tandem/runtime/node.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
@@ -51,6 +52,7 @@ void add_record_command(CLI::App& app) {
       ->capture_default_str();
   command->callback([request] {
     if (request->folder.empty()) request->folder = default_folder();
+    become_super_client();
     record(*request);
   });
 }

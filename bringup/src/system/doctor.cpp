@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "bringup/system/diagnoses.hpp"
+#include "bringup/system/super_client.hpp"
 #include "tandem/config/printable.hpp"
 #include "tandem/io/frames_input.hpp"
 #include "tandem/io/reason_code.hpp"
@@ -385,7 +386,10 @@ void add_doctor_command(CLI::App& app, int& status) {
   command->add_option("--wait", *duration, "[s] time to observe the domain")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  command->callback([duration, &status] { status = visit(*duration); });
+  command->callback([duration, &status] {
+    become_super_client();
+    status = visit(*duration);
+  });
 }
 
 }  // namespace tandem

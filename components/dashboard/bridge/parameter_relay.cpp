@@ -137,11 +137,7 @@ class ParameterRelay::Answer {
   Complaints complaints_;
 };
 
-ParameterRelay::ParameterRelay(rt::Node& node, WebServer& web)
-    : node_{node},
-      web_{web},
-      events_{node.create_subscription(rt::every_node::parameter_events,
-                                       [this](const auto& msg) { on_event(msg); })} {}
+ParameterRelay::ParameterRelay(rt::Node& node, WebServer& web) : node_{node}, web_{web} {}
 
 // Only for nodes that exist: a service client for a missing node would never be removed.
 ParameterRelay::Clients* ParameterRelay::clients_of(const std::string& node) {
@@ -265,6 +261,24 @@ void ParameterRelay::subscribe(ClientId client, const foxglove::SubscribeParamet
       wanted.erase(name);
     else if (wanted.size() < kMaxNames)
       wanted.insert(name);
+  listen_if_wanted();
+}
+
+void ParameterRelay::forget(ClientId client) {
+  wanted_.erase(client);
+  listen_if_wanted();
+}
+
+// Every node of the domain publishes these events, so that N robots whose pages listened for good
+// would have to match 10 N² endpoints.
+void ParameterRelay::listen_if_wanted() {
+  const bool is_wanted = std::any_of(wanted_.begin(), wanted_.end(),
+                                     [](const auto& entry) { return !entry.second.empty(); });
+  if (!is_wanted)
+    events_.reset();
+  else if (!events_)
+    events_ = node_.create_subscription(rt::every_node::parameter_events,
+                                        [this](const auto& msg) { on_event(msg); });
 }
 
 void ParameterRelay::on_event(const rcl_interfaces::msg::ParameterEvent& event) {

@@ -29,7 +29,7 @@ class ParameterRelay {
   /// Sets parameters, reports failures, and then sends the resulting values.
   void set(ClientId client, const foxglove::SetParameters& request);
   void subscribe(ClientId client, const foxglove::SubscribeParameters& request);
-  void forget(ClientId client) { wanted_.erase(client); }
+  void forget(ClientId client);
 
  private:
   using Names = std::vector<std::string>;
@@ -48,6 +48,7 @@ class ParameterRelay {
   void set(const std::string& node, const rcl_interfaces::srv::SetParameters_Request& wanted,
            const std::shared_ptr<Answer>& answer);
   void list(const std::string& node, const std::shared_ptr<Answer>& answer);
+  void listen_if_wanted();
   void on_event(const rcl_interfaces::msg::ParameterEvent& event);
 
   rt::Node& node_;
@@ -55,7 +56,7 @@ class ParameterRelay {
   std::map<std::string, Clients> clients_;      // by node
   std::optional<std::set<std::string>> nodes_;  // nodes with parameters, as of this tick
   std::map<ClientId, std::set<std::string>> wanted_;
-  rt::Subscription events_;
+  std::optional<rt::Subscription> events_;  // while a client wants some
 };
 
 }  // namespace tandem

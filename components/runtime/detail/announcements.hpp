@@ -58,7 +58,7 @@ class Announcements {
   std::unordered_map<GuidPrefix, Known, GuidPrefixHash> known_;
   std::vector<Seen> seen_;
   double next_look_ = 0.0;
-  TokenBucket first_sight_{64, 10}, second_sight_{64, 5}, endpoints_{2048, 100};
+  TokenBucket first_sight_{128, 20}, second_sight_{128, 10}, endpoints_{8192, 400};
 };
 
 }  // namespace tandem::runtime

@@ -2,7 +2,6 @@
 #include "tandem/runtime/detail/dds_node.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <mutex>
 
 #include "tandem/runtime/detail/graph.hpp"
@@ -52,17 +51,6 @@ class DdsPublisher final : public PublisherPort {
 constexpr double kSettling = 1.0, kSecuredSettling = 10.0;
 constexpr const char* kRequest = "_Request";  // suffixes of a service's types
 constexpr const char* kResponse = "_Response";
-constexpr double kForever = std::numeric_limits<double>::infinity();
-
-// The due items of `list`, kept alive because callbacks may change the list. Filtering here avoids
-// copying pointers to the many readers and pollers that are idle most of the time.
-template <class T, class Due>
-std::vector<std::shared_ptr<T>> select(const std::vector<std::shared_ptr<T>>& list, Due due) {
-  std::vector<std::shared_ptr<T>> selected;
-  for (const auto& item : list)
-    if (due(*item)) selected.push_back(item);
-  return selected;
-}
 
 // Logs once per process.
 void report_security(const Security& security) {
@@ -91,11 +79,9 @@ DdsNode::DdsNode(NodeOptions node_options)
     : NodeCore{std::move(node_options)},
       participant_{Participant::shared()},
       peers_{participant_->discovery(), log,
-             participant_->security().on() ? kSecuredSettling : kSettling} {
+             participant_->security().on() ? kSecuredSettling : kSettling, wake_up_} {
   report_security(participant_->security());
   participant_->graph().add_node(name);
-  peer_poller_->poll = [this](double steady_now) { return peers_.poll(steady_now); };
-  add(peer_poller_);
   guard_report_ = std::make_unique<GuardReport>(*this);
   guard_poller_->poll = [this](double steady_now) { return guard_report_->poll(steady_now); };
   add(guard_poller_);
@@ -324,81 +310,5 @@ void DdsNode::retire(std::shared_ptr<void> part) {
 
 double DdsNode::steady_now() const { return steady_seconds(); }
 std::int64_t DdsNode::system_nanoseconds() const { return runtime::system_nanoseconds(); }
-
-void DdsNode::spin() {
-  store.check_unknown();
-  while (!stopped()) dispatch(kForever);
-}
-
-void DdsNode::spin_some(double max_wait) {
-  const double end = steady_seconds() + max_wait;
-  double left = max_wait;
-  while (!stopped() && !dispatch(std::max(0.0, left)) && left > 0.0) left = end - steady_seconds();
-}
-
-void DdsNode::stop() {
-  NodeCore::stop();
-  wake_up_->notify();
-}
-
-bool DdsNode::dispatch(double max_wait) {
-  wake_up_->wait(time_to_next(max_wait));
-  dispatching_ = true;
-  // The clock is read after the readers are selected, so that a message which came after a jump
-  // back is delivered after the jump is reported; messages and timers then see one time.
-  const auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
-  const bool jumped_back = read_clock();
-  const bool received = run(due);
-  const bool fired = run_timers();
-  run_pollers();
-  dispatching_ = false;
-  retired_.clear();
-  return jumped_back || received || fired;
-}
-
-double DdsNode::time_to_next(double max_wait) const {
-  const double now_steady = steady_seconds();
-  double wait = max_wait, due = kForever;  // `due`: on /clock
-  for (const auto& reader : readers_)
-    if (reader->waiting()) return 0.0;
-  for (const auto& timer : timers_) {
-    if (timer->wall || !use_sim_time)
-      wait = std::min(wait, timer->beat.next() - now_steady);
-    else
-      due = std::min(due, timer->beat.next());
-  }
-  for (const auto& poller : pollers_) wait = std::min(wait, poller->next - now_steady);
-  if (clock_follower_ && clock_follower_->is_due(due)) return 0.0;
-  return std::max(0.0, wait);
-}
-
-bool DdsNode::run(const std::vector<std::shared_ptr<Reader>>& readers) {
-  int taken = 0;
-  for (const auto& reader : readers) {
-    if (stopped()) break;
-    taken += reader->drain();
-  }
-  return taken > 0;
-}
-
-bool DdsNode::run_timers() {
-  const auto all = [](const TimerState&) { return true; };
-  bool fired = false;
-  for (const auto& timer : select(timers_, all)) {
-    if (stopped() || timer->closed) continue;
-    if (!timer->beat.due(timer->wall ? steady_seconds() : now())) continue;
-    timer->fn();
-    fired = true;
-  }
-  return fired;
-}
-
-void DdsNode::run_pollers() {
-  const auto is_due = [now_steady = steady_seconds()](const Poller& poller) {
-    return poller.next <= now_steady;
-  };
-  for (const auto& poller : select(pollers_, is_due))
-    if (!poller->closed) poller->next = poller->poll(steady_seconds());
-}
 
 }  // namespace tandem::runtime

@@ -96,10 +96,9 @@ class DdsNode final : public NodeCore {
   void run_pollers();
 
   std::shared_ptr<Participant> participant_;
-  PeerWatch peers_;
-  std::shared_ptr<Poller> peer_poller_ = std::make_shared<Poller>();
-  std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
   std::shared_ptr<WakeUp> wake_up_ = std::make_shared<WakeUp>();
+  PeerWatch peers_;
+  std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
   std::vector<std::shared_ptr<Reader>> readers_;
   std::unique_ptr<ClockFollower> clock_follower_;  // under use_sim_time
   std::vector<std::shared_ptr<TimerState>> timers_;

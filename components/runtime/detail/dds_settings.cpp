@@ -4,11 +4,13 @@
 #include <netdb.h>
 
 #include <charconv>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <regex>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 
 #include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/environment.hpp"
@@ -93,6 +95,20 @@ void check_dds_settings() {
       !file.empty() && !std::filesystem::is_regular_file(file))
     refuse(kEnvironmentFileVariable, file, "no such file; correct the path or unset the variable");
   check_profiles();
+}
+
+// Without a server, a super client would find nobody. Fast DDS 3 reads the variable itself.
+void set_super_client([[maybe_unused]] fdds::DomainParticipantQos& qos) {
+#if !TANDEM_FASTDDS_3
+  const char* wanted = std::getenv("ROS_SUPER_CLIENT");
+  if (wanted == nullptr) return;
+  const std::string_view value{wanted};
+  if (value != "TRUE" && value != "true" && value != "True" && value != "1") return;
+  auto& config = qos.wire_protocol().builtin.discovery_config;
+  if (!rtps::load_environment_server_info(config.m_DiscoveryServers)) return;
+  if (config.m_DiscoveryServers.empty()) return;
+  config.discoveryProtocol = rtps::DiscoveryProtocol_t::SUPER_CLIENT;
+#endif
 }
 
 }  // namespace tandem::runtime

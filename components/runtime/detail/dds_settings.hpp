@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
@@ -19,5 +20,9 @@ void check_dds_settings();
 /// by ';', possibly empty, each of the form HOST, HOST:PORT, [IPV6]:PORT or one of these in the
 /// form UDPv4:[HOST]:PORT (UDPv6, TCPv4, TCPv6), where HOST is an address or a name that resolves.
 TANDEM_EXPORT_FOR_TESTS void check_discovery_servers(const std::string& servers);
+
+/// Makes the participant learn of everything behind a discovery server if ROS_SUPER_CLIENT is TRUE,
+/// true, True or 1.
+void set_super_client(fdds::DomainParticipantQos& qos);
 
 }  // namespace tandem::runtime

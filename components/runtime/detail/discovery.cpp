@@ -89,17 +89,40 @@ bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
 }
 
 void Discovery::add(KnownEndpoint endpoint) {
-  const std::lock_guard lock{mutex_};
-  const auto known = endpoints_.find(endpoint.guid);
-  if (known != endpoints_.end()) endpoint.since = known->second.since;
-  if (known == endpoints_.end() && endpoints_.size() >= kMaxEndpoints) return;
-  endpoints_[endpoint.guid] = std::move(endpoint);
-  ++generation_;
+  {
+    const std::lock_guard lock{mutex_};
+    const auto known = endpoints_.find(endpoint.guid);
+    if (known != endpoints_.end()) endpoint.since = known->second.since;
+    if (known == endpoints_.end() && endpoints_.size() >= kMaxEndpoints) return;
+    endpoints_[endpoint.guid] = std::move(endpoint);
+  }
+  tell_watchers();
 }
 
 void Discovery::remove(const rtps::GUID_t& guid) {
+  {
+    const std::lock_guard lock{mutex_};
+    if (endpoints_.erase(guid) == 0) return;
+  }
+  tell_watchers();
+}
+
+void Discovery::add(const std::shared_ptr<DiscoveryWatcher>& watcher) {
   const std::lock_guard lock{mutex_};
-  if (endpoints_.erase(guid) > 0) ++generation_;
+  watchers_.push_back(watcher);
+}
+
+// Under a flood of announcements, a watcher is woken once until it looks again.
+void Discovery::tell_watchers() {
+  std::vector<std::shared_ptr<WakeUp>> to_wake;
+  {
+    const std::lock_guard lock{mutex_};
+    std::erase_if(watchers_, [](const auto& watcher) { return watcher.expired(); });
+    for (const auto& entry : watchers_)
+      if (const auto watcher = entry.lock(); watcher && !watcher->changed.exchange(true))
+        to_wake.push_back(watcher->wake_up);
+  }
+  for (const auto& wake_up : to_wake) wake_up->notify();
 }
 
 std::vector<KnownEndpoint> Discovery::endpoints() const {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/detail/wake_up.hpp"
 #include "tandem/runtime/qos.hpp"
 #include "tandem/runtime/visibility.hpp"
 
@@ -35,6 +37,12 @@ struct KnownEndpoint {
 /// which hides the process.
 [[nodiscard]] bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b);
 
+/// Tells one thread that endpoints have come, changed or left.
+struct DiscoveryWatcher {
+  std::shared_ptr<WakeUp> wake_up;   ///< notified when `changed` becomes true
+  std::atomic<bool> changed = true;  ///< cleared by the thread before it looks
+};
+
 /// All discovered endpoints of the domain. Thread-safe.
 class Discovery final : public fdds::DomainParticipantListener {
  public:
@@ -47,8 +55,8 @@ class Discovery final : public fdds::DomainParticipantListener {
   [[nodiscard]] std::optional<Policies> policies(const rtps::GUID_t& guid) const;
   /// The UDP ports on which a discovered participant receives discovery; empty if it is unknown.
   [[nodiscard]] std::vector<std::uint32_t> ports(const rtps::GuidPrefix_t& participant) const;
-  /// Incremented with every change.
-  [[nodiscard]] long generation() const { return generation_; }
+  /// Tells the watcher of every change for as long as it exists.
+  void add(const std::shared_ptr<DiscoveryWatcher>& watcher);
 
 #if TANDEM_FASTDDS_3
   void on_participant_discovery(fdds::DomainParticipant*, rtps::ParticipantDiscoveryStatus status,
@@ -65,12 +73,13 @@ class Discovery final : public fdds::DomainParticipantListener {
 #endif
 
  private:
+  void tell_watchers();
   void set_ports(const rtps::GuidPrefix_t& participant, std::vector<std::uint32_t> ports);
 
   mutable std::mutex mutex_;  // guards the members below
   std::map<rtps::GUID_t, KnownEndpoint> endpoints_;
   std::map<rtps::GuidPrefix_t, std::vector<std::uint32_t>> ports_;
-  std::atomic<long> generation_ = 0;
+  std::vector<std::weak_ptr<DiscoveryWatcher>> watchers_;
 };
 
 }  // namespace tandem::runtime

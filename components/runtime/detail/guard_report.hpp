@@ -12,6 +12,7 @@
 namespace tandem::runtime {
 
 class DdsNode;
+class Writer;
 
 /// Reports new drops at most once a minute, from one node per process. Opens /diagnostics at the
 /// first drop and publishes its status every second from then on, like a node's other diagnostics.

@@ -2,6 +2,7 @@
 #include "tandem/runtime/detail/node_services.hpp"
 
 #include <span>
+#include <utility>
 
 #include "tandem/runtime/detail/type_descriptions.hpp"
 #include "tandem/runtime/every_node.hpp"
@@ -51,12 +52,16 @@ NodeServices::NodeServices(NodeCore& node)
     serve(every_node::get_type_description, kServices,
           [](const auto& asked, auto& answer) { answer = describe_type(asked); });
   node.parameters.on_event = [this](const auto& declared, const auto& changed) {
-    announce(declared, changed);
+    announce_soon(declared);
+    if (changed.empty()) return;
+    announce_declared();
+    announce({}, changed);
   };
-  announce(node.parameters.all(), {});
+  announce_soon(node.parameters.all());
 }
 
 NodeServices::~NodeServices() {
+  if (timer_) node_.remove(*timer_);
   node_.parameters.on_event = nullptr;
   for (auto& server : servers_) server->close();
   events_->close();
@@ -105,6 +110,25 @@ void NodeServices::serve_logger_levels() {
     if (asked.levels().size() > kMaxNames) return;
     for (const auto& level : asked.levels()) answer.results().push_back(set_level(log, level));
   });
+}
+
+// Once the node spins, when the other nodes of its process have been made. Fast DDS 2.9.1 never
+// takes a reliable sample for acknowledged if a reader of the same process joins between its
+// publication and the acknowledgement of another process, and then sends a HEARTBEAT to all readers
+// every 0.1 s for good.
+void NodeServices::announce_soon(const ParameterTable::Values& declared) {
+  constexpr double kSoon = 1e-6;  // [s]
+  if (declared.empty()) return;
+  declared_.insert(declared_.end(), declared.begin(), declared.end());
+  if (timer_) return;
+  timer_ = std::make_shared<TimerState>(
+      TimerState{{node_.steady_now(), kSoon}, [this] { announce_declared(); }, true});
+  node_.add(timer_);
+}
+
+void NodeServices::announce_declared() {
+  if (const auto fired = std::exchange(timer_, nullptr)) node_.remove(*fired);
+  if (!declared_.empty()) announce(std::exchange(declared_, {}), {});
 }
 
 void NodeServices::announce(const ParameterTable::Values& declared,

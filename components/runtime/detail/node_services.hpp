@@ -29,11 +29,15 @@ class NodeServices {
   void serve(const ServiceName<S>& service, const QoS& qos, Fn fn);
   void serve_parameters();
   void serve_logger_levels();
+  void announce_soon(const ParameterTable::Values& declared);
+  void announce_declared();
   void announce(const ParameterTable::Values& declared, const ParameterTable::Values& changed);
 
   NodeCore& node_;
   std::optional<RosOut> rosout_;
   std::shared_ptr<PublisherPort> events_;
+  ParameterTable::Values declared_;    // not announced yet
+  std::shared_ptr<TimerState> timer_;  // announces them
   std::vector<std::shared_ptr<ServicePort>> servers_;
 };
 

@@ -186,6 +186,7 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
   // a participant exists and nobody finds it.
   qos.wire_protocol().builtin.mutation_tries =
       static_cast<uint32_t>(max_participant_id(environment.domain));
+  set_super_client(qos);
   secure(qos, security);
   return qos;
 }

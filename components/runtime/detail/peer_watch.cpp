@@ -2,13 +2,15 @@
 #include "tandem/runtime/detail/peer_watch.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "tandem/runtime/names.hpp"
 
 namespace tandem::runtime {
 namespace {
 
-constexpr double kLookPeriod = 0.1;  // [s] between checks for discovery changes
+constexpr double kLookPeriod = 0.1;  // [s] between two checks at least
 
 std::string counted(const std::vector<QosMismatch>& mismatches, bool peer_writes) {
   std::string text;
@@ -39,33 +41,47 @@ bool fits_request(const KnownEndpoint& peer, const std::string& topic, const std
 
 }  // namespace
 
+PeerWatch::PeerWatch(Discovery& discovery, Logger& log, double settling,
+                     std::shared_ptr<WakeUp> wake_up)
+    : discovery_{discovery},
+      log_{log},
+      settling_{settling},
+      others_{std::make_shared<DiscoveryWatcher>(std::move(wake_up))},
+      polled_{-std::numeric_limits<double>::infinity()} {
+  discovery.add(others_);
+}
+
 void PeerWatch::add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes) {
   own_.push_back({guid, writes, endpoint});
-  ++changes_;
+  own_changed_ = true;
 }
 
 void PeerWatch::remove(const rtps::GUID_t& guid) {
   std::erase_if(own_, [&](const Own& own) { return own.guid == guid; });
-  ++changes_;
+  own_changed_ = true;
 }
 
 std::shared_ptr<void> PeerWatch::watch_publishers(const std::string& topic, const std::string& type,
                                                   PublishersChanged fn) {
   auto request = std::make_shared<Request>(Request{topic, type, std::move(fn), {}});
   requests_.push_back(request);
-  ++changes_;
+  own_changed_ = true;
   return request;
 }
 
-double PeerWatch::poll(double now) {
-  const std::pair state{discovery_.generation(), changes_};
-  if (state != seen_ || !settled_) {
-    seen_ = state;
-    const auto known = discovery_.endpoints();
-    notify_requests(known);
-    check(known, now);
-  }
-  return now + kLookPeriod;  // even if settled: discovery does not wake the loop
+double PeerWatch::due() const {
+  if (settled_ && !own_changed_ && !others_->changed)
+    return std::numeric_limits<double>::infinity();
+  return polled_ + kLookPeriod;
+}
+
+void PeerWatch::poll(double now) {
+  polled_ = now;
+  own_changed_ = false;
+  others_->changed = false;  // before looking: a later change is another one
+  const auto known = discovery_.endpoints();
+  notify_requests(known);
+  check(known, now);
 }
 
 void PeerWatch::notify_requests(const std::vector<KnownEndpoint>& known) {

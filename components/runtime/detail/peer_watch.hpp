@@ -6,7 +6,6 @@
 #include <memory>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tandem/runtime/detail/discovery.hpp"
@@ -21,8 +20,8 @@ namespace tandem::runtime {
 class PeerWatch {
  public:
   /// `settling`: time [s] before a peer is reported; it may still open a compatible endpoint.
-  PeerWatch(const Discovery& discovery, Logger& log, double settling)
-      : discovery_{discovery}, log_{log}, settling_{settling} {}
+  /// Discovery notifies `wake_up`, of the node's thread, when due() changes.
+  PeerWatch(Discovery& discovery, Logger& log, double settling, std::shared_ptr<WakeUp> wake_up);
 
   void add(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void remove(const rtps::GUID_t& guid);
@@ -32,8 +31,10 @@ class PeerWatch {
                                                        const std::string& type,
                                                        PublishersChanged fn);
 
-  /// Runs the checks and callbacks due at `now` [s]; returns when to poll next [s].
-  double poll(double now);
+  /// When to call poll() [s], steady clock; infinity if nothing has changed.
+  [[nodiscard]] double due() const;
+  /// Runs the checks and callbacks due at `now` [s].
+  void poll(double now);
 
  private:
   struct Own {
@@ -60,9 +61,10 @@ class PeerWatch {
   std::vector<Own> own_;
   std::vector<std::weak_ptr<Request>> requests_;
   std::set<rtps::GUID_t> checked_;
-  long changes_ = 0;  // of own_ and requests_
-  std::pair<long, long> seen_{-1, -1};
-  bool settled_ = false;
+  std::shared_ptr<DiscoveryWatcher> others_;  // whether discovered endpoints have changed
+  bool own_changed_ = true;                   // own_ or requests_, since the last poll
+  bool settled_ = false;                      // no peer is too new to be reported
+  double polled_;                             // [s] when last
 };
 
 }  // namespace tandem::runtime

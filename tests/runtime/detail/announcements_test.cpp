@@ -57,7 +57,7 @@ TEST_F(AnnouncementsTest, PassAsUsualAndAgain) {
 TEST_F(AnnouncementsTest, OfManyParticipantsAreThinned) {
   int admitted = 0;
   for (int i = 0; i < 100'000; ++i) admitted += admits(participant(i), 10.0 + 1e-4 * i) ? 1 : 0;
-  EXPECT_LT(admitted, 200);
+  EXPECT_LT(admitted, 400);
 }
 
 TEST_F(AnnouncementsTest, OfAParticipantThatRepeatsItselfPassAmongMany) {
@@ -74,7 +74,7 @@ TEST_F(AnnouncementsTest, OfManyEndpointsAreThinned) {
   int admitted = 0;
   for (int i = 0; i < 50; ++i) (void)admits(participant(i), 1.0);
   for (int i = 0; i < 100'000; ++i) admitted += admits(endpoint(i % 50, 1 + i / 50), 2.0) ? 1 : 0;
-  EXPECT_LT(admitted, 5000);
+  EXPECT_LT(admitted, 10'000);
   (void)admits(participant(77), 3.0);
   EXPECT_TRUE(admits(endpoint(77, 1), 3.0)) << "a few of each participant pass always";
 }
@@ -83,8 +83,8 @@ TEST_F(AnnouncementsTest, CannotUseANumberThatIsFarAheadToPassTheOthers) {
   (void)admits(participant(0), 1.0);
   (void)admits(endpoint(0, 1'000'000), 1.0);
   int admitted = 0;
-  for (int i = 1; i < 10'000; ++i) admitted += admits(endpoint(0, i), 1.0) ? 1 : 0;
-  EXPECT_LT(admitted, 3000);
+  for (int i = 1; i < 100'000; ++i) admitted += admits(endpoint(0, i), 1.0) ? 1 : 0;
+  EXPECT_LT(admitted, 9000);
 }
 
 TEST_F(AnnouncementsTest, AreKeptForAHundredSecondsAtMost) {
