@@ -202,8 +202,9 @@ void add_scenario_command(CLI::App& app, int& status) {
   command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")
       ->take_last();  // overrides the folder that bringup/demo passes first
   command->add_flag("--dds", request->dds, "the real nodes over DDS (default)");
-  command->add_flag("--lockstep", request->lockstep,
-                    "the same cores without DDS, deterministic and faster than real time");
+  command->add_flag(
+      "--lockstep", request->lockstep,
+      "the same nodes on a bus inside the process, deterministic and faster than real time");
   command->add_option("--speed", request->speed,
                       "over DDS: simulated time per real time; default: 1");
   command->add_flag("--no-filter", request->no_filter,

@@ -92,6 +92,9 @@ class KeyboardTeleop {
       mode_ = {msg.policy() + ", " + msg.reason(), node_.steady_now()};
       refused_ = from_msg(msg.reason_code()) == Reason::kStickMoved;
     });
+    teleop_ = node.create_subscription(topics::teleop_status, [this](const auto& msg) {
+      trouble_ = {msg.data(), node_.steady_now()};
+    });
     beat_ = node.create_wall_timer(kBeat, [this] { beat(); });
     show_ = node.create_wall_timer(kShow, [this] { show(); });
   }
@@ -108,9 +111,9 @@ class KeyboardTeleop {
     if (!layout_) return;
     // A key sets dead-man and axes at once, but teleop requires the stick at rest when the dead-man
     // is pressed. The first sample of a press therefore has zero axes. It may be lost, so zeros are
-    // also sent while arbitration reports that it has not seen the stick at rest.
+    // also sent while teleop or arbitration reports that it has not seen the stick at rest.
     if (!sent_held_) pressed_ = now;
-    const bool must_rest = now - pressed_ <= kPress && mode_.fresh(now, kFresh) && refused_;
+    const bool must_rest = now - pressed_ <= kPress && is_refused(now);
     const bool goes_on = std::exchange(sent_held_, stick.has_value()) && !must_rest;
     const auto keys = goes_on ? stick.value_or(TerminalKeys::Stick{}) : TerminalKeys::Stick{};
     const auto joy = joy_values(
@@ -120,6 +123,11 @@ class KeyboardTeleop {
     msg.axes(joy.axes);
     msg.buttons(joy.buttons);
     joy_.publish(msg);
+  }
+
+  [[nodiscard]] bool is_refused(double now) const {
+    return (mode_.fresh(now, kFresh) && refused_) ||
+           (trouble_.fresh(now, kFresh) && trouble_.value == kNotAtRest);
   }
 
   // Asks teleop which axes and button it reads. If it does not answer (not started yet, or another
@@ -162,6 +170,7 @@ class KeyboardTeleop {
                                         no_minus(speed_.value.w))
                           : "no odometry";
     line += " | " + (fresh(mode_) ? mode_.value : "arbitration is silent");
+    if (fresh(trouble_) && !trouble_.value.empty()) line += " | " + trouble_.value;
     line += " | " + (fresh(filter_) ? filter_.value : "the filter is silent");
     line += fmt::format(" | keys {:.0f}/{:.0f} %", 100.0 * keys_.linear_scale(),
                         100.0 * keys_.angular_scale());
@@ -177,13 +186,13 @@ class KeyboardTeleop {
   bool refused_ = false;    // arbitration reports that it has not seen the stick at rest
   std::optional<TeleopParams> layout_;
   Stamped<Twist2> speed_;
-  Stamped<std::string> mode_, filter_;
+  Stamped<std::string> mode_, filter_, trouble_;
   std::string said_;
   rt::Publisher<sensor_msgs::msg::Joy> joy_;
   rt::Publisher<std_msgs::msg::Bool> e_stop_;
   rt::Client<std_srvs::srv::Trigger> release_;
   rt::Client<rcl_interfaces::srv::GetParameters> ask_layout_;
-  rt::Subscription odom_, on_filter_, arbitration_;
+  rt::Subscription odom_, on_filter_, arbitration_, teleop_;
   rt::Timer beat_, show_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "bringup/system/parameter_names.hpp"
 #include "bringup/system/processes.hpp"
+#include "bringup/system/unused_remappings.hpp"
 #include "tandem/config/yaml_reader.hpp"
 #include "tandem/runtime/arguments.hpp"
 #include "tandem/runtime/dds_security.hpp"
@@ -100,6 +101,8 @@ void warn_of_strangers(const System& system, const rt::RosArguments& arguments) 
   for (const auto& name : rt::strangers_in(arguments, nodes))
     rt::Logger{"tandem"}.warn("--ros-args: {} has no node '{}'; its rules have no effect",
                               system.path, name);
+  for (const auto& line : unused_remappings(system, arguments))
+    rt::Logger{"tandem"}.warn("{}", line);
 }
 
 // Calls `use(component, options)` for a node; errors name the system file and the node.
