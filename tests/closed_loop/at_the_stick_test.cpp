@@ -89,6 +89,15 @@ TEST_P(AtTheStick, RestStopsTheRobotWhereItStopsByHandAndNothingRollsBack) {
   EXPECT_NEAR(track.back().twist.v, 0.0, 1e-3);
 }
 
+TEST_P(AtTheStick, ASlightTurnOfTheStickThatIsLetGoDelaysNoStop) {
+  const std::vector<Push> still{{0.0, 1.0, 0.0}, {4.0, 0.0, 0.0}};
+  const std::vector<Push> turning{{0.0, 1.0, 0.0}, {4.0, 0.0, 0.1}};
+  const auto without = track_of(hall(), GetParam(), still, 7.0);
+  const auto with = track_of(hall(), GetParam(), turning, 7.0);
+  EXPECT_LT(way_to_rest(with, at(with, 4.0)).way,
+            way_to_rest(without, at(without, 4.0)).way + 0.02);
+}
+
 TEST_P(AtTheStick, ContinuesAfterAShortRest) {
   const std::vector<Push> pushes{{0.0, 1.0, 0.0}, {4.0, 0.0, 0.0}, {4.1, 1.0, 0.0}};
   const auto track = track_of(hall(), GetParam(), pushes, 5.0);

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/instrumented.hpp"
+
 namespace tandem::test {
 namespace {
 
@@ -11,7 +13,7 @@ class SensingFaults : public testing::TestWithParam<SensingFault> {};
 
 TEST_P(SensingFaults, TouchNothingAndAreNamed) {
   double travelled = 0.0;
-  constexpr unsigned kDrives = 4;
+  const unsigned kDrives = samples(2, 1, 8);
   for (unsigned seed = 1; seed <= kDrives; ++seed) {
     FaultyDrive drive{seed, GetParam()};
     drive.run();

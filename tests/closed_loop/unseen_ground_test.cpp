@@ -5,6 +5,7 @@
 #include <random>
 
 #include "closed_loop/blind_drive.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
@@ -127,7 +128,7 @@ Grid random_room(std::mt19937& random) {
 // For any stick input and any width of the scanner.
 TEST(UnseenGround, IsNeverDrivenOverFasterThanAllowed) {
   int looks = 0;
-  for (unsigned seed = 1; seed <= 6; ++seed) {
+  for (unsigned seed = 1; seed <= samples(3, 1, 12); ++seed) {
     std::mt19937 random{seed};
     std::uniform_real_distribution<double> share(-1.0, 1.0), angle(0.5, 4.7);
     BlindDrive drive({.scan_angle = angle(random), .coverage_timeout = seed % 2 ? 4.0 : 30.0},

@@ -65,11 +65,12 @@ struct Name {
 TYPED_TEST_SUITE(Vectors, RosMessages, Name);
 
 TYPED_TEST(Vectors, RegistersUnderTheNameThatRos2Uses) {
-  EXPECT_EQ(type_name<TypeParam>(), this->entry.at("dds_type"));
+  EXPECT_EQ(type_name<TypeParam>(), this->entry.at("dds_type").template get<std::string>());
 }
 
 TYPED_TEST(Vectors, HasTheHashThatRos2Computes) {
-  EXPECT_EQ(type_hash(type_name<TypeParam>()), this->entry.at("type_hash"));
+  EXPECT_EQ(type_hash(type_name<TypeParam>()),
+            this->entry.at("type_hash").template get<std::string>());
 }
 
 TYPED_TEST(Vectors, WritesTheBytesThatRos2Writes) {
@@ -163,9 +164,12 @@ TEST(TandemMessages, AnArbitrationStatusWithoutALastFieldIsRejected) {
 TEST(TandemMessages, AStatusWithoutReasonCodeIsNone) {
   tandem_msgs::msg::FilterStatus status, read;
   status.reason("clear");
+  status.reason_code().value(7);
   Bytes bytes = serialize(status);
   EXPECT_TRUE(deserialize(bytes, read));
-  bytes.resize(bytes.size() - 1);
+  while (bytes.back() == 0) bytes.pop_back();  // Fast CDR 2 pads to four bytes
+  ASSERT_EQ(bytes.back(), 7);
+  bytes.pop_back();
   EXPECT_FALSE(deserialize(bytes, read));
 }
 

@@ -92,7 +92,7 @@ TEST(SafetyFilterLoop, LetsAMirThroughADoorItIsSteeredThrough) {
 TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
   const auto map = wall_ahead();
   SafetyFilterParams params;
-  for (unsigned seed = 1; seed <= samples(24, kMalices); ++seed) {
+  for (unsigned seed = 1; seed <= samples(12, kMalices, 48); ++seed) {
     Random random(seed);
     DiffDriveSimParams sim;
     sim.max_step = 0.01;

@@ -5,7 +5,8 @@
 
 namespace tandem::test {
 
-inline constexpr double kTimeout = 20.0;  ///< [s] for what takes much less on a quiet machine
+inline constexpr double kTimeout = 20.0;      ///< [s] for what takes much less on a quiet machine
+inline constexpr double kLongTimeout = 60.0;  ///< [s] for what starts programs on a slow machine
 
 /// Spins the nodes in turn until `predicate` holds; false if it does not within `timeout` [s].
 template <class Predicate, class... Nodes>

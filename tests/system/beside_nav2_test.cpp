@@ -10,9 +10,8 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLong = 60.0;     // [s] for a slow machine
-constexpr double kWay = 0.5;       // [m]
-constexpr double kSlow = 0.005;    // [m/s] counts as standing
+constexpr double kNavigated = 0.5;  // [m]
+constexpr double kSlow = 0.005;     // [m/s] counts as standing
 constexpr double kNearWall = 3.8;  // [m] in x; the wall is at 5, the robot's front 0.48 ahead of it
 
 class BesideNav2 : public OneComponent {
@@ -31,7 +30,7 @@ class BesideNav2 : public OneComponent {
     return node_.create_wall_timer(0.05, [this] { nav_.publish(to_msg(Twist2{0.5, 0.0})); });
   }
   [[nodiscard]] bool has_moved() const {
-    return start_ && (now_->X.position() - start_->X.position()).norm() > kWay;
+    return start_ && (now_->X.position() - start_->X.position()).norm() > kNavigated;
   }
   [[nodiscard]] bool stands() const { return std::abs(now_->twist.v) < kSlow; }
 
@@ -44,17 +43,18 @@ class BesideNav2 : public OneComponent {
 
 TEST_F(BesideNav2, TheFilterStopsAnAutonomyThatDrivesAtAWall) {
   const rt::Timer nav2 = drive_ahead();
-  ASSERT_TRUE(spin_until([this] { return has_moved(); }, kLong, node_));
-  ASSERT_TRUE(spin_until([this] { return now_->X.x > kNearWall && stands(); }, kLong, node_));
+  ASSERT_TRUE(spin_until([this] { return has_moved(); }, kLongTimeout, node_));
+  ASSERT_TRUE(
+      spin_until([this] { return now_->X.x > kNearWall && stands(); }, kLongTimeout, node_));
   EXPECT_EQ(collisions_, 0U);
 }
 
 TEST_F(BesideNav2, TheRobotStandsOnceTheAutonomyIsSilent) {
   rt::Timer nav2 = drive_ahead();
-  ASSERT_TRUE(spin_until([this] { return has_moved(); }, kLong, node_));
+  ASSERT_TRUE(spin_until([this] { return has_moved(); }, kLongTimeout, node_));
   const double x = now_->X.x;
   nav2 = {};
-  ASSERT_TRUE(spin_until([this] { return stands(); }, kLong, node_));
+  ASSERT_TRUE(spin_until([this] { return stands(); }, kLongTimeout, node_));
   EXPECT_LT(now_->X.x - x, 1.0);  // [m]; the wall is farther away
 }
 

@@ -21,7 +21,7 @@ inline constexpr double kBeamTurn = 2.0 * std::numbers::pi / 360;
 
 // A robot at (2.013, 1.017), turned left, in a round room of 3 m radius. No range return is near
 // the border of a voxel.
-inline const Pose2 kRobot{2.013, 1.017, std::numbers::pi / 2.0};
+inline const Pose2 kRobotOnMap{2.013, 1.017, std::numbers::pi / 2.0};
 
 class BuilderOverDds : public OneComponent {
  protected:
@@ -102,7 +102,7 @@ class BuilderOverDds : public OneComponent {
   rt::Timer odometry_;
   std::unique_ptr<octomap::OcTree> tree_;
   std::string frame_;
-  Pose2 robot_ = kRobot;
+  Pose2 robot_ = kRobotOnMap;
   std::optional<std::string> reason_;
   Reason code_ = Reason::kOther;
   long maps_ = 0, statuses_ = 0;

@@ -19,7 +19,7 @@ using composition_interfaces::srv::LoadNode_Response;
 using composition_interfaces::srv::UnloadNode_Request;
 using composition_interfaces::srv::UnloadNode_Response;
 
-namespace srv = composition_interfaces::srv;
+namespace composition = composition_interfaces::srv;
 
 constexpr double kLoading = 30.0;  // [s] for a slow machine under a sanitizer
 
@@ -66,12 +66,12 @@ class ContainerOverDds : public testing::Test {
   const int environment_ = setenv("TANDEM_COMPONENT_PATH", binary_path("tests").c_str(), 1);
   ChildProcess container_{"../tandem", {"container"}};
   rt::Node node_{"tester"};
-  rt::Client<srv::LoadNode> load_ =
-      node_.create_client(rt::ServiceName<srv::LoadNode>{"/tandem_container/_container/load_node"});
-  rt::Client<srv::UnloadNode> unload_ = node_.create_client(
-      rt::ServiceName<srv::UnloadNode>{"/tandem_container/_container/unload_node"});
-  rt::Client<srv::ListNodes> list_ = node_.create_client(
-      rt::ServiceName<srv::ListNodes>{"/tandem_container/_container/list_nodes"});
+  rt::Client<composition::LoadNode> load_ = node_.create_client(
+      rt::ServiceName<composition::LoadNode>{"/tandem_container/_container/load_node"});
+  rt::Client<composition::UnloadNode> unload_ = node_.create_client(
+      rt::ServiceName<composition::UnloadNode>{"/tandem_container/_container/unload_node"});
+  rt::Client<composition::ListNodes> list_ = node_.create_client(
+      rt::ServiceName<composition::ListNodes>{"/tandem_container/_container/list_nodes"});
 };
 
 TEST_F(ContainerOverDds, LoadsListsAndUnloadsWithNamesRemapsAndParameters) {

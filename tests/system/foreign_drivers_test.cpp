@@ -12,9 +12,6 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
-constexpr double kWay = 0.3;    // [m]
-
 class ForeignDrivers : public OneComponent {
  protected:
   // True if a best-effort publisher, the weakest offer, is received.
@@ -71,8 +68,9 @@ TEST_F(ForeignDrivers, DriveARobotWithVolatileMapAndBestEffortOdometry) {
     now = from_msg(msg).value_or(Odometry{}).X;
     if (!start) start = now;
   });
-  EXPECT_TRUE(spin_until(
-      [&] { return start && (now->position() - start->position()).norm() > kWay; }, kLong, node_));
+  EXPECT_TRUE(
+      spin_until([&] { return start && (now->position() - start->position()).norm() > kTravelled; },
+                 kLongTimeout, node_));
 }
 
 }  // namespace

@@ -21,7 +21,6 @@ namespace tandem::test {
 namespace {
 
 const Pose2 kOdomInMap{3.0, -2.0, 0.7};
-constexpr double kBeat = 0.02;  // [s]
 
 using Transforms = std::vector<geometry_msgs::msg::TransformStamped>;
 

@@ -9,7 +9,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kSpeed = 0.3;  // [m/s] asked for
+constexpr double kAsked = 0.3;  // [m/s] asked for
 constexpr int kCells = 80;      // of 0.1 m along each side, with the robot at the centre
 
 // A free room as map_server publishes it, with one column of other cells ahead of the robot.
@@ -38,7 +38,7 @@ class FilterOnGrid : public OneComponent {
         topics::filter_status, [this](const auto& msg) { reason_ = from_msg(msg.reason_code()); });
     beat_ = node_.create_wall_timer(0.02, [this] {
       odom_.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
-      command_.publish(to_msg(Twist2{kSpeed, 0.0}));
+      command_.publish(to_msg(Twist2{kAsked, 0.0}));
     });
   }
 
@@ -47,10 +47,10 @@ class FilterOnGrid : public OneComponent {
     return load("safety_filter", more);
   }
   [[nodiscard]] bool drives() {
-    return wait_until([this] { return v_ == kSpeed && reason_ == Reason::kClear; });
+    return wait_until([this] { return v_ == kAsked && reason_ == Reason::kClear; });
   }
   [[nodiscard]] bool is_slowed() {
-    return wait_until([this] { return v_ >= 0.0 && v_ < kSpeed && reason_ != Reason::kClear; });
+    return wait_until([this] { return v_ >= 0.0 && v_ < kAsked && reason_ != Reason::kClear; });
   }
 
   CapturedLog log_;

@@ -12,7 +12,7 @@
 namespace tandem::test {
 namespace {
 
-const Pose2 kRobot{-3.0, -3.0, 0.0};
+const Pose2 kStartPose{-3.0, -3.0, 0.0};
 const Eigen::Vector2d kPole{-2.0, -2.0}, kFarPole{3.0, 4.0};  // of the forest
 
 class ExtractorOverDds : public OneComponent {
@@ -59,7 +59,7 @@ class ExtractorOverDds : public OneComponent {
   rt::Publisher<octomap_msgs::msg::Octomap> map_ = node_.create_publisher(topics::octomap_binary);
   rt::Subscription lists_in_;
   rt::Timer beat_;
-  nav_msgs::msg::Odometry odometry_ = odometry(kRobot);
+  nav_msgs::msg::Odometry odometry_ = odometry(kStartPose);
 
   std::vector<Obstacle> seen_;
   std::string frame_;
@@ -71,7 +71,7 @@ TEST_F(ExtractorOverDds, ListsTheMapsObstaclesNearTheRobot) {
   ASSERT_TRUE(wait_for_lists(1));
   EXPECT_EQ(frame_, "map");
   EXPECT_TRUE(covered(kPole));
-  EXPECT_FALSE(covered(kRobot.position()));
+  EXPECT_FALSE(covered(kStartPose.position()));
   EXPECT_FALSE(covered(kFarPole));
   odometry_ = odometry({2.0, 3.0, 0.0});
   EXPECT_TRUE(wait_until([&] { return covered(kFarPole); }));

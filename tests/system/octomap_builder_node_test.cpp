@@ -16,9 +16,11 @@ TEST_F(BuilderOverDds, ShowsWhatAScanSeesWhereTheRobotIs) {
   EXPECT_EQ(frame_, "map");
   for (int i = 0; i < 12; ++i) {
     const double angle = kBeamTurn * 30.0 * i;
-    EXPECT_TRUE(is_occupied(kRobot.x + 3.001 * std::cos(angle), kRobot.y + 3.001 * std::sin(angle)))
+    EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001 * std::cos(angle),
+                            kRobotOnMap.y + 3.001 * std::sin(angle)))
         << i;
-    EXPECT_FALSE(is_occupied(kRobot.x + 2.5 * std::cos(angle), kRobot.y + 2.5 * std::sin(angle)))
+    EXPECT_FALSE(
+        is_occupied(kRobotOnMap.x + 2.5 * std::cos(angle), kRobotOnMap.y + 2.5 * std::sin(angle)))
         << i;
   }
 }
@@ -26,7 +28,7 @@ TEST_F(BuilderOverDds, ShowsWhatAScanSeesWhereTheRobotIs) {
 // A scanner that sees only forward, on the left of the map.
 TEST_F(BuilderOverDds, CoversWhatItsBeamsPassAndWhereItsOutlineStandsAndNothingElse) {
   const auto is_known = [&](double x, double y, double z) {
-    return tree_->search(kRobot.x + x, kRobot.y + y, z) != nullptr;
+    return tree_->search(kRobotOnMap.x + x, kRobotOnMap.y + y, z) != nullptr;
   };
   auto ahead = scan(3.0F);
   ahead.angle_min(-1.0F);
@@ -71,8 +73,8 @@ TEST_F(BuilderOverDds, MalformedScansAndCloudsAreRefusedWithOneLineAndNothingIsL
            log_.lines("cloud_in refused: no field `x`") > 0;
   }));
   ASSERT_TRUE(wait_for_maps(1));
-  EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
-  EXPECT_FALSE(is_occupied(kRobot.x + 1.001, kRobot.y));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
+  EXPECT_FALSE(is_occupied(kRobotOnMap.x + 1.001, kRobotOnMap.y));
 }
 
 // A laser that looks back from a mast, with its pose given late by two messages on /tf_static.
@@ -95,8 +97,8 @@ TEST_F(BuilderOverDds, WhereASensorSitsIsWhatTfStaticSaysOfItsFrame) {
                 Eigen::Translation3d(0.0, 0.0, 0.3) *
                     Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
   ASSERT_TRUE(wait_until([&] { return maps_ > 0; }));
-  EXPECT_TRUE(is_occupied(kRobot.x, kRobot.y - 2.501));
-  EXPECT_FALSE(is_occupied(kRobot.x, kRobot.y + 2.001));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x, kRobotOnMap.y - 2.501));
+  EXPECT_FALSE(is_occupied(kRobotOnMap.x, kRobotOnMap.y + 2.001));
 }
 
 TEST_F(BuilderOverDds, AFrameThatIsNotFiniteIsRefused) {
@@ -106,7 +108,7 @@ TEST_F(BuilderOverDds, AFrameThatIsNotFiniteIsRefused) {
   ASSERT_TRUE(wait_until(
       [&] { return log_.lines("/tf_static of `base_scan` is not finite: dropped") > 0; }));
   ASSERT_TRUE(wait_for_maps(1));
-  EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
 }
 
 // Points all over the window, as from a faulty camera, may cost only a moment.
@@ -119,14 +121,15 @@ TEST_F(BuilderOverDds, ACloudOfNoiseIsSurvived) {
     points.emplace_back(wide(random), wide(random), high(random));
   cloud_.publish(cloud_of(points, header(node_.stamp(), "base_scan")));
   ASSERT_TRUE(wait_until([&] {
-    return is_occupied(kRobot.x + 1.0, kRobot.y + 1.0) || tree_->getNumLeafNodes() > 50'000;
+    return is_occupied(kRobotOnMap.x + 1.0, kRobotOnMap.y + 1.0) ||
+           tree_->getNumLeafNodes() > 50'000;
   }));
   EXPECT_TRUE(wait_for_maps(5));
 }
 
 TEST_F(BuilderOverDds, ResetForgetsAllThatWasSeen) {
   ASSERT_TRUE(wait_for_maps(1));
-  ASSERT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
+  ASSERT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
   const auto client =
       node_.create_client(rt::ServiceName<std_srvs::srv::Trigger>{"/octomap_builder/reset"});
   bool answered = false;
@@ -134,7 +137,8 @@ TEST_F(BuilderOverDds, ResetForgetsAllThatWasSeen) {
   ASSERT_TRUE(wait_until([&] { return answered; }));
   const auto beat = node_.create_wall_timer(0.05, [this] { scan_.publish(scan(2.0F)); });
   EXPECT_TRUE(wait_until([&] {
-    return is_occupied(kRobot.x + 2.001, kRobot.y) && !is_occupied(kRobot.x + 3.001, kRobot.y);
+    return is_occupied(kRobotOnMap.x + 2.001, kRobotOnMap.y) &&
+           !is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y);
   }));
 }
 
@@ -145,7 +149,7 @@ TEST_F(BuilderOverDds, AScanOfATimeWithoutOdometryIsDropped) {
   const auto beat = node_.create_wall_timer(0.02, [&] { scan_.publish(old); });
   ASSERT_TRUE(wait_until([&] { return log_.lines("scan dropped: no odometry of its time") > 0; }));
   ASSERT_TRUE(wait_for_maps(1));
-  EXPECT_FALSE(is_occupied(kRobot.x + 1.001, kRobot.y));
+  EXPECT_FALSE(is_occupied(kRobotOnMap.x + 1.001, kRobotOnMap.y));
 }
 
 }  // namespace

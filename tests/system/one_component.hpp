@@ -20,6 +20,9 @@
 namespace tandem::test {
 
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kBeat =
+    0.02;  // [s] between two messages of a topic that a test publishes regularly
+inline constexpr double kTravelled = 0.3;  // [m] after which a robot counts as driving
 
 using Values = std::map<std::string, std::string>;
 

@@ -14,8 +14,6 @@
 
 namespace tandem::test {
 
-inline constexpr double kBeat = 0.02;  // [s] between two odometries and lists of obstacles
-
 // The planner, and an integrator of its commands instead of a robot.
 class PlannerOverDds : public OneComponent {
  protected:

@@ -115,9 +115,10 @@ TEST_F(ScenarioProgram, NamesACommandThatDoesNotExist) {
   }
 }
 
-class BrokenMap : public ScenarioProgram, public ::testing::WithParamInterface<const char*> {};
+class BrokenScenarioMap : public ScenarioProgram,
+                          public ::testing::WithParamInterface<const char*> {};
 
-TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
+TEST_P(BrokenScenarioMap, IsOneErrorAndExitStatusOne) {
   const fs::path map = folder_ / "broken.bt";
   const std::string kind = GetParam();
   if (kind == "empty") std::ofstream{map};
@@ -131,7 +132,7 @@ TEST_P(BrokenMap, IsOneErrorAndExitStatusOne) {
   EXPECT_EQ(run("forest_task2", {"--dds", "--map", map.string()}, 20.0), 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::Values("empty", "text", "truncated"),
+INSTANTIATE_TEST_SUITE_P(Files, BrokenScenarioMap, ::testing::Values("empty", "text", "truncated"),
                          [](const auto& test) { return std::string(test.param); });
 
 // What a command prints.

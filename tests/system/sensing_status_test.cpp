@@ -58,14 +58,14 @@ TEST_F(BuilderOverDds, ACameraThatSeesNothingClearsAndStopsNothing) {
                               }));
   EXPECT_FALSE(was_told);
   EXPECT_TRUE(says(""));
-  EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
 }
 
 TEST_F(BuilderOverDds, AScannerThatReportsItsFarthestReadingAsRangeMaxShowsAWall) {
   const long before = maps_;
   ASSERT_TRUE(
       wait_with_scans([](auto& msg) { msg.range_max(3.0F); }, [&] { return maps_ > before + 2; }));
-  EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
   EXPECT_TRUE(wait_until([&] { return says(""); }));
 }
 
@@ -84,8 +84,8 @@ TEST_F(BuilderOverDds, ReturnsFromTheRobotItselfAreNotObstacles) {
   };
   const long before = maps_;
   ASSERT_TRUE(wait_with_scans(posts, [&] { return maps_ > before + 5; }));
-  EXPECT_FALSE(is_occupied(kRobot.x + 0.01, kRobot.y + 0.301));
-  EXPECT_TRUE(is_occupied(kRobot.x, kRobot.y - 3.001));
+  EXPECT_FALSE(is_occupied(kRobotOnMap.x + 0.01, kRobotOnMap.y + 0.301));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x, kRobotOnMap.y - 3.001));
   EXPECT_EQ(log_.lines("scan: 10 returns of one measurement lie inside the robot's outline"), 1);
 }
 
@@ -96,7 +96,7 @@ TEST_F(BuilderOverDds, InfiniteRangeMaxAndAnOddTimeIncrementAreAccepted) {
   };
   const long before = maps_;
   ASSERT_TRUE(wait_with_scans(odd, [&] { return maps_ > before + 2; }));
-  EXPECT_TRUE(is_occupied(kRobot.x + 3.001, kRobot.y));
+  EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
   EXPECT_EQ(log_.lines("scan: time_increment = 153333 s"), 1);
 }
 
@@ -115,8 +115,8 @@ TEST_F(BuilderOverDds, AFrozenScannerIsNamedOnceTheWheelsHaveMoved) {
   ASSERT_TRUE(wait_with_scans(freeze, [&] { return says(""); }));
   const auto drive = node_.create_wall_timer(0.02, [this] { robot_.y += 0.002; });
   EXPECT_TRUE(wait_with_scans(freeze, [&] { return says("scan is frozen"); }));
-  EXPECT_GT(robot_.y, kRobot.y + 0.1);
-  EXPECT_FALSE(is_occupied(kRobot.x, kRobot.y - 2.001 + 0.1));  // not carried along
+  EXPECT_GT(robot_.y, kRobotOnMap.y + 0.1);
+  EXPECT_FALSE(is_occupied(kRobotOnMap.x, kRobotOnMap.y - 2.001 + 0.1));  // not carried along
 }
 
 class BuilderThatNeedsACamera : public BuilderOverDds {

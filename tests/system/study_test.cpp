@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::size_t kDrives = 24, kGroups = 8;
-constexpr double kLong = 300.0;  // [s] for a sanitizer on a busy machine
+constexpr double kStudyTimeout = 300.0;  // [s] for a sanitizer on a busy machine
 
 class StudyProgram : public ::testing::Test {
  protected:
@@ -52,7 +52,7 @@ class StudyProgram : public ::testing::Test {
     return file;
   }
   // Runs `tandem study` with two processes and returns its exit status.
-  static int run(std::vector<std::string> words, double timeout = kLong) {
+  static int run(std::vector<std::string> words, double timeout = kStudyTimeout) {
     words.insert(words.begin(), "study");
     if (words[1] != "merge") words.insert(words.end(), {"--jobs", "2"});
     words.emplace_back("--no-report");
@@ -146,7 +146,7 @@ TEST_F(StudyProgram, PlansShardsThatAreDrivenInAnyWay) {
   ASSERT_EQ(run({file, "--out", out("unplanned")}), 0);
   test::ChildProcess planner{"../tandem",
                              {"study", "plan", file, "--jobs", "2", "--out", out("planned")}};
-  ASSERT_EQ(planner.wait(kLong), 0);
+  ASSERT_EQ(planner.wait(kStudyTimeout), 0);
   const auto shard = [&](const std::string& number) {
     return std::vector<std::string>{
         "study",   file,          "--plan",     out("planned") + "/plan.json",
@@ -158,12 +158,12 @@ TEST_F(StudyProgram, PlansShardsThatAreDrivenInAnyWay) {
         killed{"../tandem", shard("1")};
     while (finished("planned/shards/1") == 0) ASSERT_FALSE(killed.wait(0.01).has_value());
     killed.send(SIGKILL);
-    EXPECT_EQ(one.wait(kLong), 0);
-    EXPECT_EQ(same.wait(kLong), 0);
+    EXPECT_EQ(one.wait(kStudyTimeout), 0);
+    EXPECT_EQ(same.wait(kStudyTimeout), 0);
   }
   for (const int times : {1, 2}) {
     test::ChildProcess other{"../tandem", shard("2")};
-    EXPECT_EQ(other.wait(kLong), 0) << times;
+    EXPECT_EQ(other.wait(kStudyTimeout), 0) << times;
   }
   EXPECT_EQ(finished("planned/shards/1") + finished("planned/shards/2") + finished("planned"), 8u);
   ASSERT_EQ(run({"merge", out("planned"), out("planned/shards/1"), out("planned/shards/2")}), 0);
@@ -199,7 +199,7 @@ TEST_F(StudyProgram, ReportsInOnePageThatHoldsItsPictures) {
   if (std::system("/usr/bin/python3 -c 'import matplotlib'") != 0)
     GTEST_SKIP() << "NO REPORT TESTED: python3-matplotlib is not installed";
   test::ChildProcess program{"../tandem", {"study", "merge", out("reported"), out("whole")}};
-  ASSERT_EQ(program.wait(kLong), 0);
+  ASSERT_EQ(program.wait(kStudyTimeout), 0);
   std::ifstream in{out("reported") + "/report.html"};
   const std::string page{std::istreambuf_iterator<char>{in}, {}};
   for (const char* what : {"<h1>Study quick</h1>", "paths in forest.bt", "data:image/png;base64,",

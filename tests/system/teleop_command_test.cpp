@@ -8,8 +8,6 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
-
 // A program in a separate terminal.
 class InTerminal {
  public:
@@ -34,7 +32,7 @@ class InTerminal {
   /// What the program has shown, one reading of it.
   [[nodiscard]] std::string read_screen() const {
     char text[4096];
-    const auto size = read(terminal_, text, sizeof text);
+    const auto size = ::read(terminal_, text, sizeof text);
     return {text, size > 0 ? static_cast<std::size_t>(size) : 0};
   }
 
@@ -42,6 +40,19 @@ class InTerminal {
   int terminal_ = -1;
   pid_t pid_;
 };
+
+// Holds the key for forward until the robot drives.
+bool drive(SystemUnderTest& system, const InTerminal& keyboard) {
+  double typed = 0.0;
+  const auto hold = [&] {
+    if (rt::steady_seconds() - typed > 0.03) {
+      keyboard.type("i");
+      typed = rt::steady_seconds();
+    }
+    return system.truth.twist.v > 0.3;
+  };
+  return system.wait_until(hold, kLongTimeout);
+}
 
 TEST(TeleopCommand, DrivesWhileAKeyRepeatsAndShowsWhatTheRobotDoes) {
   SystemUnderTest system{source_path("bringup/systems/teleop.yaml")};
@@ -52,22 +63,31 @@ TEST(TeleopCommand, DrivesWhileAKeyRepeatsAndShowsWhatTheRobotDoes) {
   run.insert(run.end(), joystick.begin(), joystick.end());
   ChildProcess robot{"../tandem", run};
   const InTerminal keyboard;
-  double typed = 0.0;
-  const auto hold = [&] {
-    if (rt::steady_seconds() - typed > 0.03) keyboard.type("i");
-    if (rt::steady_seconds() - typed > 0.03) typed = rt::steady_seconds();
-    return system.truth.twist.v > 0.3;
-  };
-  ASSERT_TRUE(system.wait_until(hold, kLong));
-  ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, kLong));
+  ASSERT_TRUE(drive(system, keyboard));
+  ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, kLongTimeout));
   std::string screen;
-  for (const double end = rt::steady_seconds() + kLong;
+  for (const double end = rt::steady_seconds() + kLongTimeout;
        screen.find("shared, ") == std::string::npos && rt::steady_seconds() < end;)
     screen += keyboard.read_screen();
   EXPECT_NE(screen.find("clearance"), std::string::npos);
   EXPECT_NE(screen.find("shared, "), std::string::npos) << screen;
   keyboard.type(" ");
-  EXPECT_TRUE(system.wait_until([&] { return system.reason == Reason::kEmergencyStop; }, kLong));
+  EXPECT_TRUE(
+      system.wait_until([&] { return system.reason == Reason::kEmergencyStop; }, kLongTimeout));
+}
+
+// Without arbitration only teleop tells that it has missed the first sample, which is sent at rest.
+TEST(TeleopCommand, DrivesWithoutArbitrationAtEveryStart) {
+  SystemUnderTest system{source_path("bringup/systems/teleop.yaml")};
+  system.start("teleop", {"--ros-args", "-r", "cmd_vel_user:=cmd_vel"});
+  system.start("diff_drive_sim");
+  for (int start = 0; start < 5; ++start) {
+    {
+      const InTerminal keyboard;
+      ASSERT_TRUE(drive(system, keyboard)) << "start " << start;
+    }
+    ASSERT_TRUE(system.wait_until([&] { return system.stands(); }, kLongTimeout));
+  }
 }
 
 }  // namespace

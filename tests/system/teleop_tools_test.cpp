@@ -16,7 +16,6 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kLong = 60.0;         // [s] for a slow machine under a sanitizer
 constexpr double kUserTimeout = 0.11;  // [s] user_timeout and nav_timeout of arbitration
 constexpr double kNavTimeout = 0.5;
 constexpr double kDeceleration = 1.5;      // [m/s²] a_brake of bringup/robots/mir100.yaml
@@ -157,7 +156,7 @@ class TeleopTools : public OneComponent {
           }
           return done;
         },
-        kLong, node_);
+        kLongTimeout, node_);
   }
 
   // Puts the robot at its start and lets the tool's commands pass.
@@ -167,8 +166,8 @@ class TeleopTools : public OneComponent {
     ASSERT_TRUE(succeeds<tandem_msgs::srv::SetPolicy>("/arbitration/set_policy", policy));
     ASSERT_TRUE(succeeds<std_srvs::srv::Trigger>("/diff_drive_sim/reset", {}));
     seen_.clear();
-    ASSERT_TRUE(
-        spin_until([&] { return !seen_.empty() && stands(seen_.back().twist); }, kLong, node_));
+    ASSERT_TRUE(spin_until([&] { return !seen_.empty() && stands(seen_.back().twist); },
+                           kLongTimeout, node_));
     seen_.clear();
   }
 
@@ -181,8 +180,8 @@ class TeleopTools : public OneComponent {
       publish(sent.twist);
     }
     ended_ = seen_.empty() ? 0.0 : seen_.back().t;
-    (void)spin_until([&] { return !seen_.empty() && seen_.back().t > ended_ + kRest; }, kLong,
-                     node_);
+    (void)spin_until([&] { return !seen_.empty() && seen_.back().t > ended_ + kRest; },
+                     kLongTimeout, node_);
   }
 
   void play(const Tool& tool) {
@@ -190,12 +189,12 @@ class TeleopTools : public OneComponent {
     const int readers = tool.autonomous ? 1 : kUserReaders;
     if (!tool.stamped) {
       const auto publisher = node_.create_publisher(rt::Topic<geometry_msgs::msg::Twist>{topic});
-      ASSERT_TRUE(spin_until([&] { return publisher.matched() >= readers; }, kLong, node_));
+      ASSERT_TRUE(spin_until([&] { return publisher.matched() >= readers; }, kLongTimeout, node_));
       return play(tool.script, [&](const Twist2& twist) { publisher.publish(to_msg(twist)); });
     }
     const auto publisher =
         node_.create_publisher(rt::Topic<geometry_msgs::msg::TwistStamped>{topic});
-    ASSERT_TRUE(spin_until([&] { return publisher.matched() >= readers; }, kLong, node_));
+    ASSERT_TRUE(spin_until([&] { return publisher.matched() >= readers; }, kLongTimeout, node_));
     play(tool.script, [&](const Twist2& twist) {
       geometry_msgs::msg::TwistStamped msg;
       msg.header().stamp(node_.stamp());

@@ -17,8 +17,6 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kBeat = 0.02;  // [s]
-
 TEST_F(OneComponent, TheFrameOfAJoyIsADevicesNameAndNeverRefused) {
   const auto teleop = load("teleop", {{"map_is_odom", "true"}});
   const auto joy = node_.create_publisher(topics::joy);

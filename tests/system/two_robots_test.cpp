@@ -18,9 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLong = 60.0;  // [s] for a slow machine under a sanitizer
-constexpr double kWay = 0.3;    // [m] that says "it drives"
-
 // What the tester observes and commands of one robot.
 class Robot {
  public:
@@ -58,7 +55,9 @@ class Robot {
 
 class TwoRobots : public testing::Test {
  protected:
-  bool wait_until(const std::function<bool()>& done) { return spin_until(done, kLong, node_); }
+  bool wait_until(const std::function<bool()>& done) {
+    return spin_until(done, kLongTimeout, node_);
+  }
 
   static double way(const Robot& robot, const Pose2& from) {
     return (robot.X_MB->position() - from.position()).norm();
@@ -69,14 +68,14 @@ class TwoRobots : public testing::Test {
     ASSERT_TRUE(wait_until([&] { return a_.X_MB && b_.X_MB; }));
     const Pose2 start_a = *a_.X_MB, start_b = *b_.X_MB;
     a_.v = 0.3;
-    ASSERT_TRUE(wait_until([&] { return way(a_, start_a) > kWay; }));
+    ASSERT_TRUE(wait_until([&] { return way(a_, start_a) > kTravelled; }));
     EXPECT_LT(way(b_, start_b), 1e-6);
 
     a_.press_stop();
     b_.v = 0.3;
-    ASSERT_TRUE(wait_until([&] { return way(b_, start_b) > kWay / 2; }));
+    ASSERT_TRUE(wait_until([&] { return way(b_, start_b) > kTravelled / 2; }));
     const Pose2 stopped_a = *a_.X_MB;
-    ASSERT_TRUE(wait_until([&] { return way(b_, start_b) > kWay; }));
+    ASSERT_TRUE(wait_until([&] { return way(b_, start_b) > kTravelled; }));
     EXPECT_LT(way(a_, stopped_a), 1e-3);
   }
 
