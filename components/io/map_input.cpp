@@ -277,7 +277,7 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
   Grid unmoved =
       job.map ? decode(job.map->value, job.place.height, false) : *std::move(unmoved_base_);
   unmoved_base_.reset();
-  if (job.place.follows) unmoved_base_ = unmoved;
+  if (job.place.follows) unmoved_base_.emplace(unmoved);
   Grid map = placed(std::move(unmoved), job.place.X_MF, job.place.spread);
   if (params_.map_source == "both" && heeds_unseen_ == UnseenGround::kHeeded)
     known_ = with_known_ground(map);

@@ -113,9 +113,11 @@ std::string read_whole(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status))
-    throw std::runtime_error(name + ": no such file; give the path of an OctoMap .bt or .ot file");
+    throw std::runtime_error(
+        name + ": no such file; give the path of an OctoMap (.bt, .ot) or of a map's YAML");
   if (!std::filesystem::is_regular_file(status))
-    throw std::runtime_error(name + ": not a file; give the path of an OctoMap .bt or .ot file");
+    throw std::runtime_error(
+        name + ": not a file; give the path of an OctoMap (.bt, .ot) or of a map's YAML");
   const auto size = std::filesystem::file_size(file, error);
   if (error || size > kLargestFile)
     throw std::runtime_error(name +
