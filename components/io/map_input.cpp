@@ -276,8 +276,7 @@ std::shared_ptr<const StaticMap> MapInput::take_static(const Job& job) {
   if (!job.map && (!unmoved_base_ || base_place_->frame != job.place.frame)) return nullptr;
   Grid unmoved =
       job.map ? decode(job.map->value, job.place.height, false) : *std::move(unmoved_base_);
-  unmoved_base_.reset();
-  if (job.place.follows) unmoved_base_.emplace(unmoved);
+  unmoved_base_ = job.place.follows ? std::optional{unmoved} : std::nullopt;
   Grid map = placed(std::move(unmoved), job.place.X_MF, job.place.spread);
   if (params_.map_source == "both" && heeds_unseen_ == UnseenGround::kHeeded)
     known_ = with_known_ground(map);
