@@ -12,10 +12,10 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
+#include "tandem/config/nearest_name.hpp"
 #include "tandem/config/printable.hpp"
 #include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/graph.hpp"
@@ -114,15 +114,21 @@ std::set<std::string> names_in(const fs::path& folder) {
 std::string join(const std::set<std::string>& names) {
   std::string all;
   for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
-  return all.empty() ? "none" : all;
+  return all;
 }
 
 [[noreturn]] void fail_unknown(const std::string& component) {
-  std::ostringstream text;
-  text << "unknown component '" << component << "'; found";
-  for (const auto& folder : component_folders())
-    text << " in " << folder << ": " << join(names_in(folder)) << ";";
-  throw std::invalid_argument(text.str());
+  std::set<std::string> known;
+  std::string folders, found;
+  for (const std::string& folder : component_folders()) {
+    const auto names = names_in(folder);
+    folders += (folders.empty() ? "" : ", ") + folder;
+    if (!names.empty()) found += "; in " + folder + ": " + join(names);
+    known.insert(names.begin(), names.end());
+  }
+  throw std::invalid_argument("unknown component '" + component + "'" +
+                              did_you_mean(component, known) +
+                              (found.empty() ? "; there is none in " + folders : found));
 }
 
 struct Module {

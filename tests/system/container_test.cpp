@@ -103,7 +103,9 @@ TEST_F(ContainerOverDds, AnswersBadRequestsWithTheReasonAndGoesOn) {
   auto request = arbitration();
   request.plugin_name("tandem::Nonsense");
   request.package_name("tandem");
-  expect_refused(request, "unknown component 'nonsense'");
+  expect_refused(request, "unknown component 'nonsense'; in ");
+  request.plugin_name("tandem::Arbitraton");
+  expect_refused(request, "unknown component 'arbitraton'; did you mean `arbitration`?");
   request = arbitration();
   request.package_name("tandem_teleop");
   expect_refused(request, "package 'tandem_teleop' has no plugin 'tandem::Arbitration'");

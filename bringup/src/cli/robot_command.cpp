@@ -108,8 +108,7 @@ void print_robot(const UrdfRobot& urdf, Geometry geometry) {
     std::printf("    # The outline is that of position 0 of these joints: %s.\n",
                 joined(urdf.moving).c_str());
   geometry.robot.visit(ParameterPrinter{geometry, true});
-  std::printf(
-      "    # A URDF does not contain these. Until you set them, the values of a MiR 100 hold:\n");
+  std::printf("    # A URDF does not contain these. Until you set them, these defaults hold:\n");
   if (urdf.max_speed)
     std::printf("    # (the wheels' velocity limits allow %s m/s)\n",
                 text_of(*urdf.max_speed).c_str());

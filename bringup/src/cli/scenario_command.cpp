@@ -38,6 +38,7 @@ struct ScenarioRequest {
 std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
   const auto [first, last] = request.seeds.empty() ? SeedRange{request.seed, request.seed}
                                                    : seed_range("--seeds", request.seeds);
+  const std::string map = request.map.empty() ? "" : find_file(request.map, "maps");
   std::vector<DriveJob> jobs;
   for (const auto& file : request.files) {
     const Scenario scenario = load_scenario(find_file(file, "scenarios"));
@@ -45,7 +46,7 @@ std::vector<DriveJob> jobs_of(const ScenarioRequest& request) {
     const auto methods =
         request.method == "all" ? scenario.methods : std::vector<std::string>{request.method};
     for (const auto& method : methods) {
-      DriveOptions options{method,           last,          request.map,   !request.no_filter,
+      DriveOptions options{method,           last,          map,           !request.no_filter,
                            request.lockstep, request.speed, request.driver};
       options.recording = request.recording;
       options.recording_topic = request.recording_topic;
@@ -196,8 +197,9 @@ void add_scenario_command(CLI::App& app, int& status) {
   auto* seed = command->add_option("--seed", request->seed,
                                    "seed of the simulated person; default: the scenario's");
   command->add_option("--seeds", request->seeds, "all seeds from A to B, as A-B")->excludes(seed);
-  command->add_option("--map", request->map, "map file (OctoMap or YAML) instead of the scenario's")
-      ->check(CLI::ExistingFile);
+  command->add_option("--map", request->map,
+                      "map instead of the scenario's: a file (OctoMap or YAML), or the name of one "
+                      "of Tandem's own");
   command->add_option("--json", request->json, "write all results to this file");
   command->add_option("--picture", request->picture, "write a PNG of each drive into this folder")
       ->take_last();  // overrides the folder that bringup/demo passes first

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses a scenario's YAML; errors name file, line and key.
-#include <filesystem>
 #include <optional>
 #include <set>
 
@@ -8,6 +7,7 @@
 
 #include "bringup/scenario/method.hpp"
 #include "bringup/scenario/scenario.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "tandem/config/nearest_name.hpp"
 #include "tandem/config/yaml_reader.hpp"
 #include "tandem/runtime/component.hpp"
@@ -183,10 +183,8 @@ std::string read_path(YamlReader& map, const char* key) {
 void read_files(YamlReader& file, Scenario& s) {
   const YamlReader map = file.required("map"), robot = file.required("robot");
   s.map = map.as<std::string>();
-  if (s.map != "clutter") s.map = map.path();
-  s.robot = robot.path();
-  if (std::filesystem::is_directory(s.robot))
-    robot.fail("`robot` = " + s.robot + " is a folder; name a robot's file in it");
+  if (s.map != "clutter") s.map = find_file(map, "maps");
+  s.robot = find_file(robot, "robots");
   s.fixtures = read_path(file, "fixtures");
   s.recording = read_path(file, "recording");
   s.recording_topic = file.optional<std::string>("recording_topic", "");

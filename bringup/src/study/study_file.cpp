@@ -17,6 +17,7 @@
 #include "bringup/scenario/checksum.hpp"
 #include "bringup/scenario/method.hpp"
 #include "bringup/scenario/seeded_world.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "tandem/config/yaml_reader.hpp"
 
 namespace tandem {
@@ -222,9 +223,7 @@ class StudyReader {
 
   static Scenario with_robot(Scenario scenario, const YamlReader& value) {
     (void)word(value);
-    const std::string file = value.path();
-    if (!fs::is_regular_file(file))
-      value.fail("no robot file " + file + "; it is looked for relative to this file");
+    const std::string file = find_file(value, "robots");
     if (fs::weakly_canonical(file) == fs::weakly_canonical(scenario.robot)) return scenario;
     scenario.robot = file;
     scenario.name += "_" + fs::path{file}.stem().string();
@@ -238,7 +237,7 @@ class StudyReader {
     if (const auto given = value.optional("name")) scenario.name = name(*given);
     if (const auto map = value.optional("map")) {
       scenario.map = word(*map);
-      if (scenario.map != "clutter") scenario.map = map->path();
+      if (scenario.map != "clutter") scenario.map = find_file(*map, "maps");
     }
     if (const auto duration = value.optional("duration"))
       scenario.duration = duration->number(0.1, 1e6);
@@ -248,9 +247,7 @@ class StudyReader {
 
   Scenario load_file(const YamlReader& value) {
     (void)word(value);
-    const std::string path = value.path();
-    if (!fs::is_regular_file(path))
-      value.fail("no scenario file " + path + "; it is looked for relative to this file");
+    const std::string path = find_file(value, "scenarios");
     files_.insert(path);
     return load_scenario(path);
   }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tandem/model/reasons.hpp"
+
 namespace tandem {
 namespace {
 
@@ -46,8 +48,9 @@ std::vector<Finding> examine(const Diagnoses& diagnoses, const std::vector<Findi
   std::vector<Finding> all = found;
   for (const auto& status : unwell) {
     if (is_echo(status, diagnoses, all)) continue;
-    more.push_back(
-        {status.name() + " (" + level_name(status) + "): " + status.message(), remedy_of(status)});
+    const bool nobody_steers = status.message() == text_of(Reason::kUserSilent);
+    more.push_back({status.name() + " (" + level_name(status) + "): " + status.message(),
+                    remedy_of(status), nobody_steers});
     all.push_back(more.back());
   }
   return more;

@@ -303,11 +303,13 @@ void print_topics(const Domain& domain) {
 }
 
 int print_findings(const std::vector<Finding>& found) {
-  if (found.empty()) std::printf("\nNothing is wrong.\n");
+  const bool well = std::all_of(found.begin(), found.end(),
+                                [](const Finding& finding) { return finding.is_note; });
+  if (well) std::printf("\nNothing is wrong.\n");
   for (const auto& finding : found)
-    std::printf("\n! %s\n  → %s\n", printable(finding.what).c_str(),
+    std::printf("\n%c %s\n  → %s\n", finding.is_note ? '-' : '!', printable(finding.what).c_str(),
                 printable(finding.remedy).c_str());
-  return found.empty() ? 0 : 1;
+  return well ? 0 : 1;
 }
 
 int visit(double duration) {
@@ -328,14 +330,6 @@ int visit(double duration) {
   print_topics(domain);
   frames.print(domain);
   auto found = examine(domain);
-  if (std::getenv("ROS_DISCOVERY_SERVER") != nullptr &&
-      std::getenv("FASTRTPS_DEFAULT_PROFILES_FILE") == nullptr &&
-      std::getenv("FASTDDS_DEFAULT_PROFILES_FILE") == nullptr)
-    found.push_back(
-        {"this list may be incomplete: a discovery server tells a client only about the "
-         "participants it communicates with",
-         "make this program a SUPER_CLIENT with a profile (FASTRTPS_DEFAULT_PROFILES_FILE), as for "
-         "ROS 2's own tools"});
   clock.examine(found);
   frames.examine(found);
   for (auto& finding : examine(diagnoses, found)) found.push_back(std::move(finding));

@@ -12,6 +12,7 @@ namespace tandem {
 
 struct Finding {
   std::string what, remedy;
+  bool is_note = false;  ///< no problem, only why the robot stands, as that nobody steers
 };
 
 /// Problems between these participants, worst first.

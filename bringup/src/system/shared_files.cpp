@@ -9,14 +9,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string names_in(const fs::path& folder) {
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+fs::path folder_of(const std::string& kind) {
+  return kind == "maps" ? share_folder() / kind : share_folder() / "bringup" / kind;
+}
+
+// The file of that name in Tandem's folder of the kind; empty if there is none. A map that has a
+// description, too, is the OctoMap.
+fs::path own_file(const std::string& name, const std::string& kind) {
+  if (name.empty() || name.find('/') != std::string::npos) return {};
+  for (const auto* suffix : {"", ".bt", ".yaml"})
+    if (const auto file = folder_of(kind) / (name + suffix); is_file(file)) return file;
+  return {};
+}
+
+// "Tandem's own robots are: jackal, …"
+std::string own_names(const std::string& kind) {
   std::set<std::string> names;
   std::error_code missing;
-  for (const auto& entry : fs::directory_iterator{folder, missing})
+  for (const auto& entry : fs::directory_iterator{folder_of(kind), missing})
     if (entry.path().extension() == ".yaml") names.insert(entry.path().stem());
   std::string all;
   for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
-  return all;
+  return "Tandem's own " + kind + " are: " + all;
 }
 
 }  // namespace
@@ -32,15 +51,19 @@ fs::path share_folder() {
 }
 
 std::string find_file(const std::string& argument, const std::string& kind) {
+  if (is_file(argument)) return argument;
+  if (const auto file = own_file(argument, kind); !file.empty()) return file;
+  throw std::invalid_argument(argument + ": no such file; " + own_names(kind));
+}
+
+std::string find_file(const YamlReader& value, const std::string& kind) {
+  const std::string path = value.path();
+  if (is_file(path)) return path;
+  if (const auto file = own_file(value.as<std::string>(), kind); !file.empty()) return file;
   std::error_code error;
-  if (fs::is_regular_file(argument, error)) return argument;
-  const bool is_name = argument.find('/') == std::string::npos;
-  const fs::path folder = share_folder() / "bringup" / kind;
-  for (const auto* suffix : {"", ".yaml"})
-    if (const auto file = folder / (argument + suffix); is_name && fs::is_regular_file(file, error))
-      return file;
-  throw std::invalid_argument(argument + ": no such file; Tandem's own " + kind +
-                              " are: " + names_in(folder));
+  if (fs::is_directory(path, error))
+    value.fail(value.key() + ": " + path + " is a folder; name a file in it");
+  value.fail(value.key() + ": " + path + ": no such file; " + own_names(kind));
 }
 
 }  // namespace tandem

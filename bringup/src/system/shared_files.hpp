@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the systems, scenarios, studies and scripts that come with Tandem.
+// Finds the systems, scenarios, studies, robots, maps and scripts that come with Tandem.
 #pragma once
 
 #include <filesystem>
 #include <string>
+
+#include "tandem/config/yaml_reader.hpp"
 
 namespace tandem {
 
@@ -16,5 +18,9 @@ namespace tandem {
 /// "systems", "scenarios" and "studies". Throws std::invalid_argument listing the names in that
 /// folder if there is neither.
 [[nodiscard]] std::string find_file(const std::string& argument, const std::string& kind);
+
+/// The same for a value of a YAML file, whose path is relative to that file; the errors name file
+/// and line. Kinds are "robots", and "maps", which are share_folder()/maps with ".bt" or ".yaml".
+[[nodiscard]] std::string find_file(const YamlReader& value, const std::string& kind);
 
 }  // namespace tandem

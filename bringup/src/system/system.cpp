@@ -8,6 +8,7 @@
 
 #include "bringup/system/parameter_names.hpp"
 #include "bringup/system/processes.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "bringup/system/unused_remappings.hpp"
 #include "tandem/config/yaml_reader.hpp"
 #include "tandem/runtime/arguments.hpp"
@@ -35,7 +36,7 @@ std::string with_folder(std::string text, const std::string& path) {
 std::vector<std::string> read_paths(YamlReader& map, const char* key) {
   std::vector<std::string> paths;
   if (const auto list = map.optional(key))
-    for (const YamlReader& value : list->elements()) paths.push_back(value.path());
+    for (const YamlReader& value : list->elements()) paths.push_back(find_file(value, "robots"));
   return paths;
 }
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <stdexcept>
 
 #include "bringup/drive/lockstep.hpp"
@@ -249,9 +250,19 @@ INSTANTIATE_TEST_SUITE_P(
                 "`people[0].crossings` outside [0, 100]"},
         Mistake{"seed_too_large", "duration: 60", "seed: 4294967295", "above the largest"},
         Mistake{"map_missing", "forest.bt", "nowhere.bt", "nowhere.bt: no such file"},
-        Mistake{"robot_folder", "/mir100.yaml", "", "/robots is a folder; name a robot's file"},
-        Mistake{"robot_missing", "mir100", "nobot", "nobot.yaml: no such file"}),
+        Mistake{"robot_folder", "/mir100.yaml", "", "/robots is a folder; name a file in it"},
+        Mistake{"robot_missing", "mir100", "nobot",
+                "nobot.yaml: no such file; Tandem's own robots are: fork_truck, jackal"}),
     [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(ScenarioFile, MapAndRobotMayBeNamesOfTandemsOwn) {
+  write(std::regex_replace(text_, std::regex{"map: .*\nrobot: .*\n"},
+                           "map: forest\nrobot: wheelchair\n"));
+  const Scenario scenario = load_scenario(file_.string());
+  EXPECT_TRUE(fs::equivalent(scenario.map, test::source_path("maps/forest.bt"))) << scenario.map;
+  EXPECT_TRUE(fs::equivalent(scenario.robot, test::source_path("bringup/robots/wheelchair.yaml")));
+  EXPECT_EQ(complaint(), "");
+}
 
 TEST_F(ScenarioFile, RobotOfNegativeSizeIsRefused) {
   std::ofstream{folder_ / "robot.yaml"} << "/**:\n  ros__parameters:\n    width: -0.5\n";

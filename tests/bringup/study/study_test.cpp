@@ -66,7 +66,9 @@ TEST_F(StudyFile, DrivesItsScenariosWithOtherRobots) {
   EXPECT_EQ(study.cells[2].scenario.name, "forest_task2_jackal");
   EXPECT_EQ(study.cells[2].scenario.robot, robots + "jackal.yaml");
   EXPECT_NE(study.description, load(text_).description);
-  EXPECT_NE(complaint(text_ + "robots: [nowhere.yaml]\n").find("no robot file"), std::string::npos);
+  EXPECT_NE(complaint(text_ + "robots: [nowhere.yaml]\n")
+                .find("nowhere.yaml: no such file; Tandem's own robots are"),
+            std::string::npos);
   EXPECT_NE(complaint(text_ + "robots: 3\n").find("`robots` must be a list"), std::string::npos);
 }
 
@@ -230,7 +232,7 @@ TEST_F(StudyFile, RefusesAScenarioNameThatIsNotAFileName) {
 
 TEST_F(StudyFile, NamesAMissingScenario) {
   EXPECT_NE(complaint("study: t\nscenarios: [nowhere.yaml]\nseeds: 1\n")
-                .find("s.yaml:2: no scenario file " + (folder_ / "nowhere.yaml").string()),
+                .find("s.yaml:2: `scenarios[0]`: " + (folder_ / "nowhere.yaml").string()),
             std::string::npos);
 }
 

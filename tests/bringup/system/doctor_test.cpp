@@ -200,6 +200,16 @@ TEST(Doctor, ReportsNothingAboutARecoveredNode) {
   EXPECT_TRUE(examine(diagnoses).empty());
 }
 
+TEST(Doctor, NotesThatNobodySteersWithoutCallingItAProblem) {
+  Diagnoses diagnoses;
+  add(diagnoses, word("arbitration", 1, "cmd_vel_user is silent"));
+  add(diagnoses, word("base driver", 2, "left motor hot"));
+  const auto found = examine(diagnoses);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_FALSE(found[0].is_note);
+  EXPECT_TRUE(found[1].is_note);
+}
+
 TEST(Doctor, PutsErrorsOfForeignNodesFirst) {
   Diagnoses diagnoses;
   add(diagnoses, word("arbitration", 1, "no command"));
