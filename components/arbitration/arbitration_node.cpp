@@ -218,11 +218,13 @@ void ArbitrationNode::say_why() {
     diagnostics_.report_cause(why, remedy_);
   if (std::exchange(why_, why) == why) return;
   publish_status();
-  // decide() has already logged its own reason; a changed count in brackets is not a new reason.
-  if (!is_own)
-    node_.log().write_every(
-        kReminder, rt::LogLevel::kInfo, why.substr(0, why.find('(')),
-        fmt::format("{}: {}", name(decision_.source), with_remedy(why, remedy_)));
+  const bool returns_to_own = std::exchange(logged_other_, !is_own) && is_own;
+  if (is_own && !returns_to_own) return;  // decide() has logged it
+  // A changed count in brackets is not a new reason. The return has a key of its own, so that the
+  // log does not end with a trouble that is over.
+  const std::string key = (is_own ? "again " : "") + why.substr(0, why.find('('));
+  node_.log().write_every(kReminder, rt::LogLevel::kInfo, key,
+                          fmt::format("{}: {}", name(decision_.source), with_remedy(why, remedy_)));
 }
 
 void ArbitrationNode::publish_status() {

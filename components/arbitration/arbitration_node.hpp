@@ -80,8 +80,9 @@ class ArbitrationNode {
   double performance_ = 1.0;  ///< last logged value
   double published_ = -1.0;   ///< time of the last command, steady time [s]
   std::optional<ArbitrationReason> logged_;
-  std::string why_;     ///< last published reason
-  std::string remedy_;  ///< remedy for why_
+  bool logged_other_ = false;  ///< the last line named another node's trouble
+  std::string why_;            ///< last published reason
+  std::string remedy_;         ///< remedy for why_
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;

@@ -108,7 +108,7 @@ struct ReasonText {
     case Reason::kBackingOut:
       return {"backing out", ""};
     case Reason::kFollowsSource:
-      return {"follows the source", ""};
+      return {"in charge", ""};
     case Reason::kHandover:
       return {"handover", ""};
     case Reason::kUserTakesOver:

@@ -18,14 +18,14 @@ std::string why(Arbiter& it, double t) { return it.why(it.decide(t), t); }
 TEST(Arbiter, ReportsWhatHindersPlannerOrFilterWhileItsOwnInputsArrive) {
   Arbiter it = arbiter("shared");
   drive(it, 1.0);
-  EXPECT_EQ(why(it, 1.0), "follows the source");
+  EXPECT_EQ(why(it, 1.0), "in charge");
   it.on_planner("obstacles are silent", 1.0);
   EXPECT_EQ(why(it, 1.0), "planner: obstacles are silent");
   it.on_filter("not localized", 1.0);
   EXPECT_EQ(why(it, 1.0), "safety filter: not localized");
   it.on_filter("", 1.05);
   it.on_planner("", 1.05);
-  EXPECT_EQ(why(it, 1.05), "follows the source");
+  EXPECT_EQ(why(it, 1.05), "in charge");
 }
 
 TEST(Arbiter, ReportsItsOwnStopBeforeOthersExceptThatNobodySteers) {
@@ -48,7 +48,7 @@ TEST(Arbiter, ReportsASilentFilterAndForgetsASilentPlanner) {
   drive(it, 1.6);
   EXPECT_EQ(why(it, 1.6), "safety filter is silent");
   it.on_filter("", 1.6);
-  EXPECT_EQ(why(it, 1.6), "follows the source");
+  EXPECT_EQ(why(it, 1.6), "in charge");
 }
 
 TEST(Arbiter, ReportsWhyThePersonsStickMovesNothing) {
@@ -70,7 +70,7 @@ TEST(Arbiter, DoesNotReportPlannerTroubleWhileThePersonDrives) {
   Arbiter it = arbiter("manual");
   it.on_user({0.5, 0.0}, 1.0);
   it.on_planner("no goal_pose yet", 1.0);
-  EXPECT_EQ(why(it, 1.0), "follows the source");
+  EXPECT_EQ(why(it, 1.0), "in charge");
 }
 
 }  // namespace

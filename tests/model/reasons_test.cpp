@@ -43,7 +43,7 @@ TEST(Reasons, OfTheFilterHaveARemedyUnlessItDrives) {
 TEST(Reasons, OfArbitrationHaveARemedyUnlessItDrives) {
   const auto reasons = names_of<ArbitrationReason>(0, "?");
   ASSERT_EQ(reasons.back(), name(ArbitrationReason::kClockSilent));
-  expect_remedies(reasons, {"follows the source", "handover", "the person takes over"});
+  expect_remedies(reasons, {"in charge", "handover", "the person takes over"});
 }
 
 TEST(Reasons, OfThePlannersFallbacksHaveARemedy) {

@@ -64,7 +64,7 @@ TEST_F(ArbitrationOverDds, ReportsInStatusAndDiagnosticsWhyTheRobotStandsWhateve
   const auto says = [&](int level, const std::string& why) {
     return wait_until([&] { return words_ == why && diagnosis_ == std::pair{level, why}; });
   };
-  EXPECT_TRUE(says(OK, "follows the source"));
+  EXPECT_TRUE(says(OK, "in charge"));
   const auto filter = node_.create_publisher(topics::filter_status);
   tandem_msgs::msg::FilterStatus refusal;
   refusal.reason("not localized");
@@ -72,7 +72,7 @@ TEST_F(ArbitrationOverDds, ReportsInStatusAndDiagnosticsWhyTheRobotStandsWhateve
   EXPECT_TRUE(says(WARN, "safety filter: not localized"));
   refusal.reason("slowed");
   refusal.scale(0.5);
-  EXPECT_TRUE(says(OK, "follows the source"));
+  EXPECT_TRUE(says(OK, "in charge"));
   beat = {};
   EXPECT_TRUE(says(WARN, "safety filter is silent"));
   push_ = {};
