@@ -3,6 +3,7 @@
 // the planner and the safety filter, and the robot moves as commanded. Prints one line per cycle.
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 
 #include <tandem/local_planner/nmpc.hpp>
@@ -18,7 +19,7 @@ int main(int argc, char** argv) try {
   const auto tree = tandem::load_map(argv[1]);
   const auto map = std::make_shared<const tandem::StaticMap>(tandem::slice(*tree, {}));
 
-  const tandem::RobotParams robot;  // a MiR 100
+  const tandem::RobotParams robot;  // the outline of a MiR 100, defaults for the rest
   const auto outline = tandem::footprint_of(robot);
   tandem::NmpcParams planning;
   planning.time_budget = 0.0;  // iterations, not time, limit a solve: the same drive on any machine
