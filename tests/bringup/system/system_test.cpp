@@ -82,16 +82,21 @@ class SystemFile : public testing::Test {
 bool gone(pid_t pid) { return kill(pid, 0) != 0; }
 
 TEST_F(SystemFile, IsReadWithPathsRelativeToIt) {
+  const std::string robot = path_ + ".robot";
+  std::ofstream{robot} << "/**: {ros__parameters: {}}\n";
   const System system = load_system(
-      write("use_sim_time: true\nparameter_files: [robots/x.yaml]\ncomponents:\n  - {component: c, "
+      write("use_sim_time: true\nparameter_files: [" + robot.substr(robot.rfind('/') + 1) +
+            ", jackal]\ncomponents:\n  - {component: c, "
             "namespace: /n, parameters: {text: \"7\", list: [1, 2]}, remappings: {p: q}}\n"));
+  std::remove(robot.c_str());
   ASSERT_EQ(system.nodes.size(), 1U);
   const auto& options = system.nodes[0].options;
   EXPECT_EQ(system.nodes[0].component, "c");
   EXPECT_EQ(options.name, "c");
   EXPECT_EQ(options.ns, "/n");
   EXPECT_TRUE(options.use_sim_time);
-  EXPECT_EQ(options.parameters.files.at(0), path_.substr(0, path_.rfind('/')) + "/robots/x.yaml");
+  EXPECT_EQ(options.parameters.files.at(0), robot);
+  EXPECT_TRUE(options.parameters.files.at(1).ends_with("share/tandem/bringup/robots/jackal.yaml"));
   EXPECT_EQ(options.parameters.values.at("text").yaml, "\"7\"");
   EXPECT_EQ(options.parameters.values.at("text").origin, path_ + ":4");
   EXPECT_EQ(options.remappings.at("p"), "q");
@@ -106,6 +111,8 @@ TEST_F(SystemFile, ErrorsNameTheLine) {
   expect_complaint(head + "{name: x}\n", {path_ + ":2", "`components[0].component` is missing"});
   expect_complaint(head + "c\n", {path_ + ":2: `components[0]`: expected `key: value` lines"});
   expect_complaint("components: []\n", {"no components"});
+  expect_complaint("parameter_files: [nix.yaml]\n",
+                   {path_ + ":1", "nix.yaml: no such file", "Tandem's own robots are", "jackal"});
   expect_complaint("components: [\n", {path_});
   EXPECT_THROW((void)load_system("/nowhere.yaml"), std::invalid_argument);
 }
