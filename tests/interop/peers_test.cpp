@@ -103,7 +103,7 @@ TEST_P(RclpyScript, DrivesByTheLeadersPath) {
 INSTANTIATE_TEST_SUITE_P(Releases, RclpyScript, testing::Values("jazzy", "kilted"),
                          [](const auto& release) { return std::string{release.param}; });
 
-const fs::path kRust = kPeers / "rust" / "debug" / "rust_peer";
+const fs::path kRust = kPeers / "rust" / "rust_peer";
 
 void expect_rust_does(const std::string& check) {
   if (!fs::exists(kRust)) GTEST_SKIP() << kRust << " was not built";
