@@ -254,7 +254,7 @@ void FrameTree::for_each(const std::function<void(const std::string&, const std:
 }
 
 std::string FrameTree::listing() const {
-  if (links_.empty()) return "no frame";
+  if (links_.empty()) return "none";
   std::string text;
   std::size_t listed = 0;
   for_each([&](const std::string& child, const std::string& parent, bool, const FrameSender&) {

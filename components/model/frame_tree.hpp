@@ -122,7 +122,7 @@ class FrameTree {
 
   /// Why find() returns nullopt, with a list of the known frames.
   [[nodiscard]] std::string why_not(std::string_view base, std::string_view frame) const;
-  /// "map → odom, odom → base_link", at most kMaxListed of them; "no frame" if there are none.
+  /// "map → odom, odom → base_link", at most kMaxListed of them; "none" if there are none.
   [[nodiscard]] std::string listing() const;
 
   /// Children that were given two parents, by name.

@@ -126,9 +126,12 @@ std::string join(const std::set<std::string>& names) {
     if (!names.empty()) found += "; in " + folder + ": " + join(names);
     known.insert(names.begin(), names.end());
   }
-  throw std::invalid_argument("unknown component '" + component + "'" +
-                              did_you_mean(component, known) +
-                              (found.empty() ? "; there is none in " + folders : found));
+  throw std::invalid_argument(
+      "unknown component '" + component + "'" + did_you_mean(component, known) +
+      (found.empty() ? "; there is none in " + folders : found) +
+      (std::getenv("TANDEM_COMPONENT_PATH") == nullptr
+           ? " (TANDEM_COMPONENT_PATH, which may name other folders, is not set)"
+           : ""));
 }
 
 struct Module {

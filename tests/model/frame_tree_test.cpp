@@ -195,7 +195,7 @@ TEST(FrameTree, RefusesFramesWithoutNameAndThoseThatAreTheirOwnParent) {
   EXPECT_EQ(tree.set(told("a", std::string(300, 'x'), placed_at(0.0, 0.0, 0.0), 0.0)),
             LinkFate::kUnnamed);
   EXPECT_EQ(tree.set(told("/a", "a", placed_at(0.0, 0.0, 0.0), 0.0)), LinkFate::kLoop);
-  EXPECT_EQ(tree.listing(), "no frame");
+  EXPECT_EQ(tree.listing(), "none");
 }
 
 TEST(FrameTree, DynamicTransformsHaveNoAgeAfterTheClockJumpedBack) {

@@ -42,6 +42,17 @@ std::string text_of_place(const Scenario& scenario) {
   return text;
 }
 
+void require_on_map(const char* key, const Eigen::Vector2d& p_M, const Scenario& scenario,
+                    const Grid& grid) {
+  const Eigen::Vector2d end =
+      grid.origin + grid.resolution * Eigen::Vector2d(grid.width, grid.height);
+  if ((p_M.array() >= grid.origin.array()).all() && (p_M.array() <= end.array()).all()) return;
+  throw std::invalid_argument(fmt::format(
+      "{}: [{}, {}] is outside of {}, which has x from {:.1f} to {:.1f} and y from "
+      "{:.1f} to {:.1f} m",
+      key, p_M.x(), p_M.y(), scenario.map, grid.origin.x(), end.x(), grid.origin.y(), end.y()));
+}
+
 }  // namespace
 
 DriveWorld drive_world(const Scenario& scenario, const System& system) {
@@ -62,6 +73,11 @@ void check_start(const Scenario& scenario, const System& system, const StaticMap
                     "z_min, z_max and floor",
                     scenario.map, sim.slice.z_min, sim.slice.z_max, sim.slice.floor));
   const Pose2& X = scenario.start;
+  require_on_map("start", X.position(), scenario, world.grid());
+  if (const auto* region = std::get_if<RegionGoal>(&scenario.goal))
+    require_on_map("goal", 0.5 * (region->low + region->high), scenario, world.grid());
+  if (const auto* at = std::get_if<PoseGoal>(&scenario.goal))
+    require_on_map("goal", at->X_MG.position(), scenario, world.grid());
   if (world.clearance(footprint_of(sim.robot), X, 1.0) <= 0.0)
     throw std::invalid_argument(fmt::format(
         "start: at [{}, {}, {}] the robot's outline overlaps an obstacle", X.x, X.y, X.theta));

@@ -305,7 +305,9 @@ void print_topics(const Domain& domain) {
 int print_findings(const std::vector<Finding>& found) {
   const bool well = std::all_of(found.begin(), found.end(),
                                 [](const Finding& finding) { return finding.is_note; });
-  if (well) std::printf("\nNothing is wrong.\n");
+  if (well)
+    std::printf("\nNothing is wrong%s.\n",
+                found.empty() ? "" : "; the robot waits for somebody who steers");
   for (const auto& finding : found)
     std::printf("\n%c %s\n  → %s\n", finding.is_note ? '-' : '!', printable(finding.what).c_str(),
                 printable(finding.remedy).c_str());

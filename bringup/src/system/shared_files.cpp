@@ -4,6 +4,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "tandem/config/nearest_name.hpp"
+
 namespace tandem {
 namespace {
 
@@ -27,15 +29,17 @@ fs::path own_file(const std::string& name, const std::string& kind) {
   return {};
 }
 
-// "Tandem's own robots are: jackal, …"
-std::string own_names(const std::string& kind) {
+// "no such file; did you mean `jackal`? Tandem's own robots are: …"
+std::string missing(const std::string& name, const std::string& kind) {
   std::set<std::string> names;
-  std::error_code missing;
-  for (const auto& entry : fs::directory_iterator{folder_of(kind), missing})
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator{folder_of(kind), error})
     if (entry.path().extension() == ".yaml") names.insert(entry.path().stem());
   std::string all;
-  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
-  return "Tandem's own " + kind + " are: " + all;
+  for (const auto& own : names) all += (all.empty() ? "" : ", ") + own;
+  const std::string nearest = nearest_name(fs::path{name}.stem().string(), names);
+  return "no such file; " + (nearest.empty() ? "" : "did you mean `" + nearest + "`? ") +
+         "Tandem's own " + kind + " are: " + all;
 }
 
 }  // namespace
@@ -53,7 +57,7 @@ fs::path share_folder() {
 std::string find_file(const std::string& argument, const std::string& kind) {
   if (is_file(argument)) return argument;
   if (const auto file = own_file(argument, kind); !file.empty()) return file;
-  throw std::invalid_argument(argument + ": no such file; " + own_names(kind));
+  throw std::invalid_argument(argument + ": " + missing(argument, kind));
 }
 
 std::string find_file(const YamlReader& value, const std::string& kind) {
@@ -63,7 +67,7 @@ std::string find_file(const YamlReader& value, const std::string& kind) {
   std::error_code error;
   if (fs::is_directory(path, error))
     value.fail(value.key() + ": " + path + " is a folder; name a file in it");
-  value.fail(value.key() + ": " + path + ": no such file; " + own_names(kind));
+  value.fail(value.key() + ": " + path + ": " + missing(path, kind));
 }
 
 }  // namespace tandem
