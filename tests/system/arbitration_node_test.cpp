@@ -28,19 +28,22 @@ class ArbitrationOverDds : public OneComponent {
     diagnostics_ = node_.create_subscription(topics::diagnostics, [this](const auto& msg) {
       for (const auto& status : msg.status()) diagnosis_ = {status.level(), status.message()};
     });
+    log_ = node_.create_subscription(rt::Topic<rcl_interfaces::msg::Log>{"/rosout", rt::kDefault},
+                                     [this](const auto& line) { logged_.push_back(line.msg()); });
     push_ = node_.create_wall_timer(0.03, [this] { user_.publish(to_msg(Twist2{push_v_, 0.0})); });
   }
 
   rt::RunningComponent arbitration_ = rt::load_component(
       "arbitration", options("arbitration", {{"policy", "manual"}, {"handover_time", "0.0"}}));
   rt::Publisher<geometry_msgs::msg::Twist> user_ = node_.create_publisher(topics::cmd_vel_user);
-  rt::Subscription out_, status_, diagnostics_;
+  rt::Subscription out_, status_, diagnostics_, log_;
   rt::Timer push_;
   double push_v_ = 0.5, v_ = 0.0;
   long commands_ = 0;
   bool sound_ = true;  ///< all output was finite
   Reason reason_ = Reason::kNone;
-  std::string words_;                      ///< the same as a text
+  std::string words_;  ///< the same as a text
+  std::vector<std::string> logged_;
   std::pair<int, std::string> diagnosis_;  ///< level and message
 };
 
@@ -70,9 +73,12 @@ TEST_F(ArbitrationOverDds, ReportsInStatusAndDiagnosticsWhyTheRobotStandsWhateve
   refusal.reason("not localized");
   rt::Timer beat = node_.create_wall_timer(0.02, [&] { filter.publish(refusal); });
   EXPECT_TRUE(says(WARN, "safety filter: not localized"));
+  logged_.clear();
   refusal.reason("slowed");
   refusal.scale(0.5);
   EXPECT_TRUE(says(OK, "in charge"));
+  EXPECT_TRUE(wait_until([&] { return !logged_.empty() && logged_.back() == "user: in charge"; }))
+      << "the log ends with a trouble that is over";
   beat = {};
   EXPECT_TRUE(says(WARN, "safety filter is silent"));
   push_ = {};

@@ -75,11 +75,14 @@ Geometry geometry_of(const UrdfRobot& urdf) {
     for (const auto& p : urdf.outline)
       robot.footprint.insert(robot.footprint.end(), {p.x(), p.y()});
   }
-  // The default must not be faster than the wheels.
+  // A default must not be faster than the wheels.
   if (urdf.max_speed && *urdf.max_speed < robot.v_max) {
     robot.v_max = *urdf.max_speed;
-    robot.v_min = std::max(robot.v_min, -robot.v_max);
-    geometry.given.insert(geometry.given.end(), {"v_max", "v_min"});
+    geometry.given.push_back("v_max");
+  }
+  if (urdf.max_speed && *urdf.max_speed < -robot.v_min) {
+    robot.v_min = -*urdf.max_speed;
+    geometry.given.push_back("v_min");
   }
   check(robot);
   (void)footprint_of(robot);

@@ -48,7 +48,7 @@ void require_on_map(const char* key, const Eigen::Vector2d& p_M, const Scenario&
       grid.origin + grid.resolution * Eigen::Vector2d(grid.width, grid.height);
   if ((p_M.array() >= grid.origin.array()).all() && (p_M.array() <= end.array()).all()) return;
   throw std::invalid_argument(fmt::format(
-      "{}: [{}, {}] is outside of {}, which has x from {:.1f} to {:.1f} and y from "
+      "{}: [{}, {}] is outside {}, which has x from {:.1f} to {:.1f} and y from "
       "{:.1f} to {:.1f} m",
       key, p_M.x(), p_M.y(), scenario.map, grid.origin.x(), end.x(), grid.origin.y(), end.y()));
 }
@@ -63,7 +63,7 @@ DriveWorld drive_world(const Scenario& scenario, const System& system) {
   return {std::move(map), length};
 }
 
-void check_start(const Scenario& scenario, const System& system, const StaticMap& world) {
+void check_places(const Scenario& scenario, const System& system, const StaticMap& world) {
   const auto sim = simulator_in(system);
   const auto& cells = world.grid().cells;
   if (!sim.unknown_is_obstacle &&

@@ -21,9 +21,10 @@ struct DriveWorld {
 /// The world of a drive. Throws what load_map and slice throw.
 [[nodiscard]] DriveWorld drive_world(const Scenario& scenario, const System& system);
 
-/// Throws std::invalid_argument if the start is in an obstacle or the map's slice has no occupied
-/// cell, which hints at wrong slice heights.
-void check_start(const Scenario& scenario, const System& system, const StaticMap& world);
+/// Throws std::invalid_argument if the start or the goal (of a region, the centre) is outside the
+/// map, if the start is in an obstacle, or if the map's slice has no occupied cell, which hints at
+/// wrong slice heights.
+void check_places(const Scenario& scenario, const System& system, const StaticMap& world);
 
 /// Keeps the most recently used worlds, which speeds up repeated drives in one of them.
 class DriveWorlds {

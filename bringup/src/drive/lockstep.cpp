@@ -59,7 +59,7 @@ void Lockstep::check(const Scenario& scenario, const DriveOptions& options) {
   const Scenario drive = with_options(scenario, options);
   try {
     const System system = system_of(drive, options);
-    check_start(drive, system, *worlds_->of(drive, system).map);
+    check_places(drive, system, *worlds_->of(drive, system).map);
     const RunningSystem constructed{on_bus(system, std::make_shared<rt::LocalBus>())};
   } catch (const std::exception& error) {
     const std::string what = error.what();

@@ -307,7 +307,7 @@ int print_findings(const std::vector<Finding>& found) {
                                 [](const Finding& finding) { return finding.is_note; });
   if (well)
     std::printf("\nNothing is wrong%s.\n",
-                found.empty() ? "" : "; the robot waits for somebody who steers");
+                found.empty() ? "" : "; the robot is waiting for someone to steer");
   for (const auto& finding : found)
     std::printf("\n%c %s\n  → %s\n", finding.is_note ? '-' : '!', printable(finding.what).c_str(),
                 printable(finding.remedy).c_str());
