@@ -49,15 +49,15 @@ TEST_F(BuilderOverDds, ADeadCameraIsNamedBesideAScannerThatSees) {
 TEST_F(BuilderOverDds, ACameraThatSeesNothingClearsAndStopsNothing) {
   const auto camera = camera_that_sees(false);
   ASSERT_TRUE(wait_for_maps(1));
-  const double until = node_.steady_now() + 1.5;  // three times as long as sensor_timeout
-  bool was_told = false;
-  ASSERT_TRUE(wait_with_scans([](auto&) {},
+  // Nothing is reported for three times sensor_timeout. A stall of this process, which is odometry
+  // and the sensors as well, is reported rightly; the time then begins anew.
+  double quiet_since = node_.steady_now();
+  EXPECT_TRUE(wait_with_scans([](auto&) {},
                               [&] {
-                                was_told = was_told || says("cloud_in");
-                                return node_.steady_now() > until;
-                              }));
-  EXPECT_FALSE(was_told);
-  EXPECT_TRUE(says(""));
+                                if (!says("")) quiet_since = node_.steady_now();
+                                return node_.steady_now() > quiet_since + 1.5;
+                              }))
+      << *reason_;
   EXPECT_TRUE(is_occupied(kRobotOnMap.x + 3.001, kRobotOnMap.y));
 }
 
