@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "model/random.hpp"
+#include "support/instrumented.hpp"
 #include "support/level.hpp"
 #include "tandem/model/footprint.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
 using test::Random;
+using test::samples;
 using test::uniform;
 
 // One shape in two forms: the parts under test, and its true outline, which is not convex.
@@ -96,7 +98,7 @@ class PartsAgainstSamples : public testing::TestWithParam<Shape (*)()> {
 };
 
 TEST_P(PartsAgainstSamples, DistanceToAPoint) {
-  for (int i = 0; i < 150; ++i) {
+  for (unsigned i = 0; i < samples(150, 50); ++i) {
     const Eigen::Vector2d p = anywhere();
     const double exact = distance(shape_.footprint, p);
     const double sampled = least({}, [&](const auto& q) { return (q - p).norm(); });
@@ -107,8 +109,8 @@ TEST_P(PartsAgainstSamples, DistanceToAPoint) {
 }
 
 TEST_P(PartsAgainstSamples, DistanceToASquare) {
-  int apart = 0;
-  for (int i = 0; i < 150; ++i) {
+  unsigned apart = 0;
+  for (unsigned i = 0; i < samples(150, 50); ++i) {
     const Pose2 X_MB{uniform(random_, -1, 1), uniform(random_, -1, 1), uniform(random_, -4, 4)};
     const Eigen::Vector2d p_MC = anywhere();
     const double side = uniform(random_, 0.02, 0.4);
@@ -119,12 +121,13 @@ TEST_P(PartsAgainstSamples, DistanceToASquare) {
     EXPECT_GE(exact, sampled - kSpacing);
     apart += exact > 0.0 ? 1 : 0;
   }
-  EXPECT_GT(apart, 50);
+  EXPECT_GT(apart, samples(50, 15));
 }
 
 TEST_P(PartsAgainstSamples, OverlapWithAnObstacle) {
-  int overlapping = 0, apart = 0;
-  for (int i = 0; i < 300; ++i) {
+  constexpr unsigned kObstacles = samples(300, 100);
+  unsigned overlapping = 0, apart = 0;
+  for (unsigned i = 0; i < kObstacles; ++i) {
     const Pose2 X_MB{uniform(random_, -1, 1), uniform(random_, -1, 1), uniform(random_, -4, 4)};
     Obstacle obstacle;
     obstacle.p_MO = anywhere();
@@ -141,8 +144,8 @@ TEST_P(PartsAgainstSamples, OverlapWithAnObstacle) {
       ++apart;
     }
   }
-  EXPECT_GT(overlapping, 50);
-  EXPECT_GT(apart, 50);
+  EXPECT_GT(overlapping, kObstacles / 6);
+  EXPECT_GT(apart, kObstacles / 6);
 }
 
 TEST_P(PartsAgainstSamples, CircumradiusAndDiscsHoldTheWholeShape) {

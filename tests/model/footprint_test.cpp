@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "support/instrumented.hpp"
 #include "support/level.hpp"
 
 namespace tandem {
@@ -17,6 +18,7 @@ namespace {
 
 using test::level;
 using test::Random;
+using test::samples;
 using test::uniform;
 
 // Convex outline around the origin: points on an ellipse in order of angle.
@@ -93,7 +95,7 @@ TEST(Footprint, RectangleLiesAroundItsCentre) {
 
 TEST(Footprint, DistanceToAPointMatchesBruteForce) {
   Random random(1);
-  for (int i = 0; i < 2000; ++i) {
+  for (unsigned i = 0; i < samples(2000, 200); ++i) {
     const Footprint footprint = random_footprint(random);
     const Eigen::Vector2d p{uniform(random, -1.5, 1.5), uniform(random, -1.5, 1.5)};
     const double sampled = sampled_distance(footprint, {}, p, 0.0, 400);
@@ -103,9 +105,10 @@ TEST(Footprint, DistanceToAPointMatchesBruteForce) {
 }
 
 TEST(Footprint, DistanceToASquareMatchesBruteForce) {
+  constexpr unsigned kSquares = samples(5000, 500);
   Random random(2);
-  int touching = 0, apart = 0;
-  for (int i = 0; i < 5000; ++i) {
+  unsigned touching = 0, apart = 0;
+  for (unsigned i = 0; i < kSquares; ++i) {
     const Footprint footprint = random_footprint(random);
     const Pose2 X_MB = random_pose(random, 1.0);
     const Eigen::Vector2d p_MC{uniform(random, -1.0, 1.0), uniform(random, -1.0, 1.0)};
@@ -116,8 +119,8 @@ TEST(Footprint, DistanceToASquareMatchesBruteForce) {
     EXPECT_GE(exact, sampled - 0.004);  // spacing of the samples, at a corner of the square
     (exact == 0.0 ? touching : apart)++;
   }
-  EXPECT_GT(touching, 500);
-  EXPECT_GT(apart, 1000);
+  EXPECT_GT(touching, kSquares / 10);
+  EXPECT_GT(apart, kSquares / 5);
 }
 
 TEST(Footprint, TouchesASquareWhollyInsideItAndASquareAroundIt) {
@@ -127,9 +130,10 @@ TEST(Footprint, TouchesASquareWhollyInsideItAndASquareAroundIt) {
 }
 
 TEST(Footprint, OverlapWithAnObstacleMatchesBruteForce) {
+  constexpr unsigned kObstacles = samples(3000, 300);
   Random random(3);
-  int overlapping = 0;
-  for (int i = 0; i < 3000; ++i) {
+  unsigned overlapping = 0;
+  for (unsigned i = 0; i < kObstacles; ++i) {
     const Footprint footprint = random_footprint(random);
     const Pose2 X_MB = random_pose(random, 1.0);
     Obstacle obstacle;
@@ -156,8 +160,8 @@ TEST(Footprint, OverlapWithAnObstacleMatchesBruteForce) {
       EXPECT_FALSE(overlaps(footprint, X_MB, obstacle));
     }
   }
-  EXPECT_GT(overlapping, 500);
-  EXPECT_LT(overlapping, 2500);
+  EXPECT_GT(overlapping, kObstacles / 6);
+  EXPECT_LT(overlapping, kObstacles * 5 / 6);
 }
 
 TEST(Footprint, IsAsWideAsItsPartsAreAcrossTheDirectionOfTravel) {

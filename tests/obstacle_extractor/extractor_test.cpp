@@ -83,7 +83,7 @@ void expect_no_deep_shape(const std::shared_ptr<const StaticMap>& map,
 }
 
 TEST(Extractor, CoversEveryCellOfRandomWorlds) {
-  for (unsigned seed = 0; seed < samples(40, 8, 200); ++seed)
+  for (unsigned seed = 0; seed < samples(40, 4, 200); ++seed)
     expect_covered(random_world(seed), 10);
 }
 
@@ -101,7 +101,7 @@ TEST(Extractor, CoversEveryCellOfTheProjectsMaps) {
 
 TEST(Extractor, CoversEveryCellOfARealBuilding) {
   if (!std::filesystem::exists(building_map())) GTEST_SKIP() << building_map() << " is not here";
-  expect_covered(load_world(building_map()), samples(60, 2));
+  expect_covered(load_world(building_map()), samples(60, 1));
 }
 
 TEST(Extractor, CoversWithAnyParameters) {
@@ -133,7 +133,7 @@ TEST(Extractor, CoversEveryCellOfBarnWorlds) {
   EXPECT_EQ(low_barn_world(numbers[0])->grid().cells, barn_world(numbers[0])->grid().cells);
   for (std::size_t i = 0; i < numbers.size(); i += samples(5, 75, 1)) {
     SCOPED_TRACE(numbers[i]);
-    expect_covered(low_barn_world(numbers[i]), samples(3, 3, 30));
+    expect_covered(low_barn_world(numbers[i]), samples(3, 1, 30));
   }
 }
 

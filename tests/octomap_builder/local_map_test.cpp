@@ -9,6 +9,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "support/instrumented.hpp"
 #include "tandem/map/slice.hpp"
 #include "tandem/map/static_map.hpp"
 #include "tandem/octomap_builder/pose_history.hpp"
@@ -184,13 +185,14 @@ TEST(LocalMap, MemoryIsThatOfItsWindowHoweverFarTheRobotDrives) {
   std::mt19937 random{3};
   std::uniform_real_distribution<double> range(1.0, 8.0);
   std::size_t most_early = 0, most = 0;
-  for (int n = 0; n < 500; ++n) {
+  constexpr int kScans = static_cast<int>(test::samples(500, 120));
+  for (int n = 0; n < kScans; ++n) {
     RangeReturns seen;
     for (int i = 0; i < 60; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / 60, r = range(random);
       seen.p_SQ.emplace_back(r * std::cos(angle), r * std::sin(angle), 0.0);
     }
-    insert(map, seen, {-500.0 + 2.0 * n, 0.2 * std::sin(n), 0.1 * n}, 2.0 * n);
+    insert(map, seen, {500.0 - 2.0 * (kScans - n), 0.2 * std::sin(n), 0.1 * n}, 2.0 * n);
     (n < 50 ? most_early : most) = std::max(n < 50 ? most_early : most, map.tree().size());
   }
   EXPECT_LT(static_cast<double>(most), 1.2 * static_cast<double>(most_early));

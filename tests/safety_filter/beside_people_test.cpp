@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "safety_filter/filtering.hpp"
+#include "support/instrumented.hpp"
 
 namespace tandem::test {
 namespace {
@@ -74,7 +75,7 @@ TEST(SafetyFilter, WatchingNobodyChangesNoCommand) {
   Random random(1);
   SafetyFilterParams watching;
   watching.people.watched = true;
-  for (int i = 0; i < 300; ++i) {
+  for (unsigned i = 0; i < samples(300, 50); ++i) {
     const auto map = random_map(random);
     SafetyFilter plain = filter_on(map), watchful = filter_on(map, watching);
     watchful.on_people({}, 0.0);

@@ -104,7 +104,7 @@ TEST(SafetyFilterLoop, CannotBeRatchetedIntoTheWall) {
     loop.start_at({1.5 - reach - 0.02, 0.0, side});
     loop.draw_pose_error(true);
     Adversary adversary(static_cast<Malice>(seed % kMalices), kMir, random);
-    for (unsigned i = 0; i < samples(1200, 300); ++i)
+    for (unsigned i = 0; i < samples(1200, 100); ++i)
       (void)loop.tick(adversary.command(loop.sim().state().X_MB, loop.sim().footprint(), *map),
                       0.05);
     EXPECT_EQ(loop.sim().contacts().count, 0u) << seed;

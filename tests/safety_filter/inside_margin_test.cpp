@@ -19,7 +19,7 @@
 namespace tandem::test {
 namespace {
 
-const unsigned kScenes = samples(40, 5, 200);
+const unsigned kScenes = samples(40, 3, 200);
 constexpr double kPeriod = 0.05;                       // [s]
 constexpr double kBetweenChecks = 0.004;               // [m] half of kCheckSpacing
 constexpr double kLeast = kBetweenChecks, kFar = 1.0;  // [m] of clearance: at the start, told apart

@@ -101,7 +101,7 @@ TEST_F(ForkTruck, TouchesNothingBetweenItsForksWhateverIsCommanded) {
     loop_.start_at(around_the_pole(uniform(random_, 0.04, 0.6)));
     loop_.draw_pose_error(seed % 2 == 0);
     Adversary adversary(static_cast<Malice>(seed % kMalices), fork_truck(), random_);
-    for (int i = 0; i < 400; ++i)
+    for (unsigned i = 0; i < samples(400, 150); ++i)
       (void)loop_.tick(adversary.command(X_MB(), loop_.sim().footprint(), *map_), kTick);
     EXPECT_EQ(loop_.sim().contacts().count, 0u) << seed;
   }

@@ -2,6 +2,8 @@
 // Tests `tandem teleop` in a simulated terminal, next to a running system.
 #include <pty.h>
 
+#include <cmath>
+
 #include "support/paths.hpp"
 #include "system/system_under_test.hpp"
 
@@ -41,11 +43,14 @@ class InTerminal {
   pid_t pid_;
 };
 
-// Holds the key for forward until the robot drives.
+// Holds the key for forward until the robot drives. A robot that was discovered only after the
+// first seconds of a press asks for another press, so the key is let go for a second in every five.
 bool drive(SystemUnderTest& system, const InTerminal& keyboard) {
+  const double start = rt::steady_seconds();
   double typed = 0.0;
   const auto hold = [&] {
-    if (rt::steady_seconds() - typed > 0.03) {
+    const bool is_let_go = std::fmod(rt::steady_seconds() - start, 5.0) > 4.0;
+    if (!is_let_go && rt::steady_seconds() - typed > 0.03) {
       keyboard.type("i");
       typed = rt::steady_seconds();
     }
