@@ -129,9 +129,11 @@ std::optional<Intent> Teleop::on_stick(const Stick& stick, const std::optional<P
     return std::nullopt;
   if (steers) steered_ = {true, t};
   const StickGains& gains = params_.gains;
+  // A negative gain reverses the axis.
+  const double push = gains.leader_scale_linear < 0.0 ? -stick.linear : stick.linear;
   lead(Hand::kStick,
        {{gains.leader_scale_linear * stick.linear, gains.leader_scale_angular * stick.angular},
-        stick.linear,
+        push,
         measured},
        X_MB, t);
   return Intent{{gains.scale_linear * stick.linear, gains.scale_angular * stick.angular}, X_ML_};

@@ -86,6 +86,20 @@ TEST(Teleop, LeaderReturnsImmediatelyWhenTheStickIsReversed) {
   }
 }
 
+TEST(Teleop, LeaderOfAReversedAxisReturnsWhenTheStickIsReversed) {
+  TeleopParams params;
+  params.gains.scale_linear *= -1.0;
+  params.gains.leader_scale_linear *= -1.0;
+  Teleop teleop{params};
+  std::optional<Intent> intent;
+  double t = 0.0;
+  for (; t < 3.0; t += 0.05)
+    intent = teleop.on_stick({.linear = -1.0, .deadman = true}, kOrigin, t);
+  ASSERT_GT(intent->X_ML->x, 0.5);
+  intent = teleop.on_stick({.linear = 1.0, .deadman = true}, kOrigin, t);
+  EXPECT_NEAR(intent->X_ML->x, 0.0, 0.05);
+}
+
 // A leader that was driven past a point and turned round comes back along the same path, step by
 // step.
 TEST(Teleop, LeaderThatWasTurnedRoundIsNotCalledBack) {
