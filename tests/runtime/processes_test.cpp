@@ -42,7 +42,8 @@ TEST(TwoProcesses, ExchangeMessagesInBothDirections) {
     Twist message;
     message.linear().x(i);
     ping.publish(message);
-    ASSERT_TRUE(spin_until([&] { return got.size() >= sent.size(); }, kTimeout, node)) << i;
+    ASSERT_TRUE(spin_until([&] { return got.size() >= sent.size(); }, kTimeout, node))
+        << i << "; matched: " << ping.matched() << ", " << pong.matched();
     ASSERT_EQ(got, sent);
   }
 }
