@@ -12,7 +12,7 @@
 namespace tandem::test {
 namespace {
 
-const long kSteps = samples(20'000, 500, 150'000);
+const long kSteps = samples(20'000, 1'500, 150'000);
 const unsigned kInsideScenes = samples(5, 1, 200);
 const unsigned kPeopleScenes = samples(200, 10, 400);
 
