@@ -9,8 +9,7 @@
 namespace tandem::runtime {
 
 /// A generated DDS type whose deserialize() returns false on malformed bytes. Generated code does
-/// not catch all exceptions of Fast CDR, for example the one for a boolean that is neither 0 nor 1,
-/// and with Fast CDR 2 it takes bytes that end after some member: the members left out are zero.
+/// not catch all exceptions of Fast CDR, for example the one for a boolean that is neither 0 nor 1.
 template <class PubSubType>
 class CheckedType final : public PubSubType {
  public:
@@ -21,21 +20,11 @@ class CheckedType final : public PubSubType {
 #endif
   bool deserialize(Payload payload, void* data) override {
     try {
-      return PubSubType::deserialize(payload, data) && is_whole(payload, data);
+      return PubSubType::deserialize(payload, data);
     } catch (const std::exception&) {
       return false;
     }
   }
-
- private:
-#if __has_include(<fastdds/config.hpp>)
-  bool is_whole(const eprosima::fastdds::rtps::SerializedPayload_t& payload, const void* data) {
-    return payload.length >= PubSubType::calculate_serialized_size(
-                                 data, eprosima::fastdds::dds::XCDR_DATA_REPRESENTATION);
-  }
-#else
-  static bool is_whole(const void*, const void*) { return true; }  // Fast CDR 1 throws
-#endif
 };
 
 template <class PubSubType>
