@@ -5,10 +5,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "tandem/runtime/time.hpp"
@@ -33,6 +35,7 @@ class ChildProcess {
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     pid_ = fork();
+    if (pid_ < 0) throw std::system_error(errno, std::generic_category(), path);
     if (pid_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       execv(path.c_str(), argv.data());
@@ -47,7 +50,9 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  void send(int signal_number) const { kill(pid_, signal_number); }
+  void send(int signal_number) const {
+    if (pid_ > 0) kill(pid_, signal_number);  // kill(-1) would reach every process
+  }
   [[nodiscard]] pid_t pid() const { return pid_; }
 
   /// Exit status if the process ends within `timeout` [s]; 128 + n if signal n killed it.

@@ -2,7 +2,9 @@
 // Tests `tandem teleop` in a simulated terminal, next to a running system.
 #include <pty.h>
 
+#include <cerrno>
 #include <cmath>
+#include <system_error>
 
 #include "support/paths.hpp"
 #include "system/system_under_test.hpp"
@@ -16,6 +18,7 @@ class InTerminal {
   InTerminal() {
     const std::string program = binary_path("tandem");
     pid_ = forkpty(&terminal_, nullptr, nullptr, nullptr);
+    if (pid_ < 0) throw std::system_error(errno, std::generic_category(), "no terminal");
     if (pid_ != 0) return;
     execl(program.c_str(), "tandem", "teleop", nullptr);
     _exit(127);
