@@ -113,6 +113,17 @@ void warn_of_domain(const std::filesystem::path& keystore, int domain) {
         domain);
 }
 
+void warn_of_size(const std::filesystem::path& keystore, const std::string& enclave) {
+  const auto size = file_size(keystore / ("enclaves" + enclave) / "permissions.p7s");
+  if (size > kShortPermissions)
+    std::fprintf(
+        stderr,
+        "tandem: %s has %ju bytes of permissions; Fast DDS 2.14.4 to 3.2.2 (Debian 13) cannot "
+        "send more than about %zu. There, make an enclave for each node and run them with "
+        "--separate, or use patterns (--publish '/a/*')\n",
+        enclave.c_str(), static_cast<std::uintmax_t>(size), kShortPermissions);
+}
+
 void print_drivers(const Enclaves& enclaves) {
   std::string drivers;
   for (const auto& [name, permissions] : enclaves)
@@ -142,6 +153,7 @@ void create(const CreateRequest& request) {
     create_enclave(request.keystore, name, permissions, domain);
     std::printf("%s: publishes to %zu DDS topics, subscribes to %zu\n", name.c_str(),
                 permissions.publish.size(), permissions.subscribe.size());
+    warn_of_size(request.keystore, name);
   }
   print_drivers(enclaves);
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/system/permissions.hpp"
 
+#include <fnmatch.h>
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
 
 #include "tandem/runtime/component.hpp"
 #include "tandem/runtime/every_node.hpp"
@@ -49,12 +52,21 @@ void add(Permissions& permissions, const rt::NodeOptions& options, const rt::Int
 // "2026-11-26T20:00:00", in UTC.
 std::string iso_time(std::time_t time) { return fmt::format("{:%FT%T}", fmt::gmtime(time)); }
 
-// The element "publish" or "subscribe" with its topics; empty if there are none.
+// Whether a pattern among the topics matches the topic, or matches all that it matches.
+bool is_covered(const std::string& topic, const std::set<std::string>& topics) {
+  return std::any_of(topics.begin(), topics.end(), [&](const std::string& pattern) {
+    return pattern != topic && fnmatch(pattern.c_str(), topic.c_str(), FNM_NOESCAPE) == 0;
+  });
+}
+
+// The element "publish" or "subscribe" with its topics; empty if there are none. Short, because the
+// document is sent in one datagram.
 std::string criteria(const char* kind, const std::set<std::string>& topics) {
   if (topics.empty()) return {};
-  std::string text = fmt::format("        <{}>\n          <topics>\n", kind);
-  for (const auto& topic : topics) text += fmt::format("            <topic>{}</topic>\n", topic);
-  return text + fmt::format("          </topics>\n        </{}>\n", kind);
+  std::string text = fmt::format("<{}><topics>\n", kind);
+  for (const auto& topic : topics)
+    if (!is_covered(topic, topics)) text += fmt::format("<topic>{}</topic>\n", topic);
+  return text + fmt::format("</topics></{}>\n", kind);
 }
 
 std::string element(const char* name, const char* value) {
@@ -97,7 +109,10 @@ Permissions all_permissions() {
 
 Permissions permissions_of_any(const std::vector<rt::NodeOptions>& nodes) {
   Permissions permissions{{kGraph}, {kGraph}};
-  for (const auto& node : nodes) add(permissions, node, rt::every_node::interface());
+  for (const auto& node : nodes) {
+    add(permissions, node, rt::every_node::interface());
+    allow_serve(permissions, rt::make_node_name(node.ns, node.name).full() + "/*");
+  }
   return permissions;
 }
 
