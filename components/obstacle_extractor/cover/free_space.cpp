@@ -31,6 +31,56 @@ CellRect with_border(CellRect window, double radius) {
   return {window.x0 - border, window.y0 - border, window.x1 + border, window.y1 + border};
 }
 
+// One coordinate of a fine point.
+struct Between {
+  int cell;   // that the point is in
+  int lower;  // cell whose centre is the last one at or before the point
+  double to;  // from there, in cells
+};
+
+std::vector<Between> points_between(int cells, int fine) {
+  std::vector<Between> points;
+  for (int i = 0; i < cells * fine; ++i) {
+    const double at = (i + 0.5) / fine - 0.5;
+    const int lower = static_cast<int>(std::floor(at));
+    points.push_back({i / fine, lower, at - lower});
+  }
+  return points;
+}
+
+// The gaps of a window's cells and of those around it.
+class Gaps {
+ public:
+  Gaps(const FreeRegions& places, const CellRect& window)
+      : around_{-1, -1, window.width() + 1, window.height() + 1} {
+    gaps_.reserve(around_.size());
+    for (int iy = around_.y0; iy < around_.y1; ++iy)
+      for (int ix = around_.x0; ix < around_.x1; ++ix)
+        gaps_.push_back(places.gap(window.x0 + ix, window.y0 + iy));
+  }
+
+  // Whether the gap at a point is at least `least`, by linear interpolation between cell centres,
+  // which is exact along a straight wall. At most points the four centres decide alone.
+  [[nodiscard]] bool reach(const Between& x, const Between& y, double least) const {
+    const float* row = &gaps_[around_.index(x.lower, y.lower)];
+    const float* above = row + around_.width();
+    const auto [min, max] = std::minmax({row[0], row[1], above[0], above[1]});
+    if (static_cast<double>(min) > least + kRounding) return true;
+    if (static_cast<double>(max) < least - kRounding) return false;
+    const double u = x.to, v = y.to;
+    return (1.0 - v) * ((1.0 - u) * static_cast<double>(row[0]) + u * static_cast<double>(row[1])) +
+               v * ((1.0 - u) * static_cast<double>(above[0]) +
+                    u * static_cast<double>(above[1])) >=
+           least;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-6;  // [cells]
+
+  CellRect around_;
+  std::vector<float> gaps_;
+};
+
 }  // namespace
 
 FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window,
@@ -73,10 +123,11 @@ void FreeSpace::find_passages(const Mask& places) {
   const auto to_wide = transform(far_from(other, window_, room));
   for (std::size_t i = 0; i < places.size(); ++i)
     narrow[i] = places[i] != 0 && to_wide[i] > room + 1.0 ? 1 : 0;
+  room_.assign(places.size(), Room::kOpen);
+  if (std::find(narrow.begin(), narrow.end(), 1) == narrow.end()) return;
   const auto to_narrow = transform(narrow);
-  room_.resize(places.size());
   for (std::size_t i = 0; i < places.size(); ++i)
-    room_[i] = to_narrow[i] <= radius_ ? Room::kNarrow : Room::kOpen;
+    if (to_narrow[i] <= radius_) room_[i] = Room::kNarrow;
 }
 
 bool FreeSpace::keep(const CellRect& window, const Mask& cells) {
@@ -99,28 +150,21 @@ void FreeSpace::sum_up(const FreeRegions& places, const Mask& own) {
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) beside[window_.index(ix + dx, iy + dy)] = 1;
     }
-  const int width = window_.width() * fine_, height = window_.height() * fine_;
-  sums_.reserve(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height));
-  for (int y = 0; y < height; ++y) {
-    sums_.push_back(0.0F);
-    for (int x = 0; x < width; ++x) {
-      const std::size_t cell = window_.index(window_.x0 + x / fine_, window_.y0 + y / fine_);
-      const bool is_place = beside[cell] != 0 && gap_at(places, x, y) >= radius_;
-      sums_.push_back(sums_.back() + (is_place ? 1.0F : 0.0F));
+  const Gaps gaps(places, window_);
+  const std::vector<Between> columns = points_between(window_.width(), fine_),
+                             rows = points_between(window_.height(), fine_);
+  sums_.resize((columns.size() + 1) * rows.size());
+  float* sum = sums_.data();
+  for (const Between& row : rows) {
+    *sum++ = 0.0F;
+    for (const Between& column : columns) {
+      const bool is_place =
+          beside[window_.index(window_.x0 + column.cell, window_.y0 + row.cell)] != 0 &&
+          gaps.reach(column, row, radius_);
+      *sum = sum[-1] + (is_place ? 1.0F : 0.0F);
+      ++sum;
     }
   }
-}
-
-// Linear interpolation between cell centres; exact along a straight wall.
-double FreeSpace::gap_at(const FreeRegions& places, int x, int y) const {
-  const double cx = (x + 0.5) / fine_ - 0.5, cy = (y + 0.5) / fine_ - 0.5;
-  const int ix = static_cast<int>(std::floor(cx)), iy = static_cast<int>(std::floor(cy));
-  const double u = cx - ix, v = cy - iy;
-  const auto gap = [&](int jx, int jy) {
-    return static_cast<double>(places.gap(window_.x0 + jx, window_.y0 + jy));
-  };
-  return (1.0 - v) * ((1.0 - u) * gap(ix, iy) + u * gap(ix + 1, iy)) +
-         v * ((1.0 - u) * gap(ix, iy + 1) + u * gap(ix + 1, iy + 1));
 }
 
 bool FreeSpace::is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const {

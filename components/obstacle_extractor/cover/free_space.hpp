@@ -54,7 +54,6 @@ class FreeSpace {
   [[nodiscard]] bool is_useless(const Eigen::Vector2d& p_MQ) const;
   void find_passages(const std::vector<std::uint8_t>& places);
   void sum_up(const FreeRegions& places, const std::vector<std::uint8_t>& own);
-  [[nodiscard]] double gap_at(const FreeRegions& places, int x, int y) const;
 
   double resolution_;
   double radius_;                 // of the disc, in cells
