@@ -192,9 +192,15 @@ void CandidateSearch::note(const Candidate& candidate) {
       {candidate.solution.point, std::min(kNear, kNearShare * travel(candidate.motion))});
 }
 
-// Solves again from the best solution with the verifier, which compares both solvers' results.
+// Unless the verifier confirms the best solution as it is, solves again from it with both solvers.
 void CandidateSearch::certify(const Cycle& cycle, Candidate& best) {
   if (!verifier_) return;
+  if (best.solution.status == SolveStatus::kConverged &&
+      verifier_->confirms(best.ocp, best.solution.point)) {
+    best.verdict = Verdict::kConfirmed;
+    ++effort_.confirmed;
+    return;
+  }
   Candidate verified = solve(*verifier_, cycle, best.ocp, best.solution.point);
   best.verdict = verified.verdict;
   if (is_clear(cycle, verified) || !is_clear(cycle, best)) best = std::move(verified);

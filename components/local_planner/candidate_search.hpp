@@ -19,7 +19,7 @@ inline constexpr double kReserve = 0.003;
 /// Work done in one cycle.
 struct SearchEffort {
   int iterations = 0, guesses = 0, solves = 0;
-  int confirmed = 0, disagreements = 0;  ///< solves by the second solver's verdict
+  int confirmed = 0, disagreements = 0;  ///< solves by the verifier's verdict
 };
 
 /// Solves each cycle's problem from the last solution and from other guesses. The budgets are those

@@ -54,7 +54,7 @@ struct Sent {
 struct Candidate {
   Solution solution = {};
   SolverKind solver = SolverKind::kIpopt;  ///< that found the solution
-  Verdict verdict = Verdict::kUnverified;  ///< the second solver's, on the solution
+  Verdict verdict = Verdict::kUnverified;  ///< the verifier's, on the solution
   Ocp ocp = {};
   Forecast motion = {};           ///< within all limits, along the model
   std::vector<double> gaps = {};  ///< N, see clearances()

@@ -81,8 +81,8 @@ struct NmpcParams {
           "and right of what blocks the path, the nominal trajectory and standing still; three "
           "times as many if none leads anywhere; 0: only the last plan");
     field("solver", solver, OneOf{{"ipopt", "structured", "certified"}},
-          "structured: Riccati interior point, far faster than ipopt; certified: structured, "
-          "confirmed by ipopt");
+          "structured: Riccati interior point, far faster than ipopt; certified: structured, with "
+          "its optimality checked, and ipopt where that fails");
     field("model", model, OneOf{{"arc", "euler"}},
           "discretization of the motion: exact arc, or Euler step");
     field("weight_x", weight_x, Range{0.0, 1e4},

@@ -84,7 +84,7 @@ struct Plan {
   PlanStatus status = PlanStatus::kRefused;  ///< how planning ended
   PlanSource source = PlanSource::kBraking;  ///< whose twists these are
   SolverKind solver = SolverKind::kIpopt;    ///< that found the solution, for kSolution
-  Verdict verdict = Verdict::kUnverified;    ///< the second solver's, for kSolution
+  Verdict verdict = Verdict::kUnverified;    ///< the verifier's, for kSolution
   Twist2 command = {};                       ///< to send now, reachable from the command in force
   double t0 = 0.0;                 ///< when the command acts: the request's t plus the delay [s]
   double dt = 0.25;                ///< [s]
@@ -99,8 +99,8 @@ struct Plan {
   int iterations = 0;              ///< of all solves of the cycle
   int guesses = 0;                 ///< initial guesses considered, including the last plan
   int solves = 0;                  ///< up to two per guess, plus the verifier's
-  int confirmed = 0;               ///< solves on which both solvers agree
-  int disagreements = 0;           ///< solves on which they disagree or the structured one failed
+  int confirmed = 0;               ///< solves that the verifier confirmed
+  int disagreements = 0;  ///< solves on which the solvers disagree or the structured one failed
 
   /// Twist in force at time t [s] on the request's clock: zero after the end, the first before t0.
   [[nodiscard]] Twist2 at(double t) const;

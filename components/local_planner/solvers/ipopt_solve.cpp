@@ -9,6 +9,7 @@
 #include "tandem/local_planner/solvers/ipopt_linear_solver.hpp"
 #include "tandem/local_planner/solvers/ipopt_options.hpp"
 #include "tandem/local_planner/solvers/ipopt_problem.hpp"
+#include "tandem/local_planner/solvers/optimality.hpp"
 
 namespace tandem {
 namespace {
@@ -24,11 +25,11 @@ void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
   options.SetStringValue("sb", "yes");
   options.SetIntegerValue("print_level", 0);
   options.SetStringValue("nlp_scaling_method", "none");
-  options.SetNumericValue("tol", 1e-4);
-  options.SetNumericValue("constr_viol_tol", 1e-4);
+  options.SetNumericValue("tol", kTolerance);
+  options.SetNumericValue("constr_viol_tol", kTolerance);
   options.SetNumericValue("acceptable_tol", 1e-3);
   options.SetIntegerValue("acceptable_iter", 5);
-  options.SetNumericValue("mu_target", 1e-4);
+  options.SetNumericValue("mu_target", kFinalBarrier);
   options.SetNumericValue("bound_relax_factor", 0.0);
   options.SetStringValue("linear_solver", linear == LinearSolver::kStages ? "ma27" : "mumps");
   if (linear == LinearSolver::kStages) {
@@ -46,7 +47,7 @@ void set_options(Ipopt::OptionsList& options, LinearSolver linear, bool warm) {
     return;
   }
   options.SetStringValue("warm_start_init_point", "yes");
-  options.SetNumericValue("mu_init", 1e-4);
+  options.SetNumericValue("mu_init", kFinalBarrier);
   // Small enough not to move an optimum, whose slacks are 1e-4 / multiplier.
   for (const char* push :
        {"warm_start_bound_push", "warm_start_bound_frac", "warm_start_slack_bound_push",

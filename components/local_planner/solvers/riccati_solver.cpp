@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "tandem/local_planner/solvers/kkt_system.hpp"
+#include "tandem/local_planner/solvers/optimality.hpp"
 
 namespace tandem {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kTarget = 1e-4;      // final barrier parameter, and optimality tolerance
 constexpr double kAcceptable = 1e-3;  // an optimality error below this suffices …
 constexpr int kAcceptableCount = 5;   // … for this many iterations in a row
 constexpr double kColdBarrier = 1e-2, kRaisedBarrier = 1e-3;  // times the slack weight
@@ -41,7 +41,7 @@ struct Chain {
   KktSystem<n> system;
   Step<n> step;
   LineSearchFilter filter;
-  double mu = kTarget;
+  double mu = kFinalBarrier;
   int short_steps = 0;  // in a row
   int at_end = 0;       // iterations in a row at the final barrier
   int recentrings = 0;
@@ -84,7 +84,7 @@ bool Chain<n>::start(const Ocp& ocp, const Iterate& guess) {
   const bool warm = guess.lambda.size() == equalities_of(n) * stages + pairs &&
                     guess.lower.size() == size && guess.upper.size() == size;
   if (warm) {
-    mu = kTarget;
+    mu = kFinalBarrier;
     push_inside(guess.z, kWarmPush);
     now.set_slacks(ocp, kWarmPush);
     take_multipliers(guess);
@@ -125,7 +125,7 @@ void Chain<n>::take_multipliers(const Iterate& guess) {
 // each product distance · multiplier is mu.
 template <int n>
 void Chain<n>::centre(const Ocp& ocp, double barrier) {
-  mu = std::max(kTarget, barrier);
+  mu = std::max(kFinalBarrier, barrier);
   push_inside(now.z, kColdPush);
   now.set_slacks(ocp, kColdPush);
   for (std::size_t i = 0; i < now.z.size(); ++i) {
@@ -158,8 +158,8 @@ bool Chain<n>::is_near(const Iterate& known, double distance) const {
 // iterations, at the iteration limit, or if two more iterations might miss the deadline.
 template <int n>
 bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
-  const double error = system.error(kTarget);
-  if (error <= kTarget && system.complementarity(kTarget) <= kTarget) {
+  const double error = system.error(kFinalBarrier);
+  if (error <= kTolerance && system.complementarity(kFinalBarrier) <= kTolerance) {
     out.status = SolveStatus::kConverged;
     return true;
   }
@@ -182,8 +182,8 @@ bool Chain<n>::is_done(const SolveLimits& limits, Clock::time_point started) {
 template <int n>
 void Chain<n>::lower_barrier(const Ocp& ocp) {
   const double before = mu;
-  while (mu > kTarget && system.error(mu) <= 10.0 * mu)
-    mu = std::max(kTarget, std::min(0.2 * mu, std::pow(mu, 1.5)));
+  while (mu > kFinalBarrier && system.error(mu) <= 10.0 * mu)
+    mu = std::max(kFinalBarrier, std::min(0.2 * mu, std::pow(mu, 1.5)));
   if (mu == before) return;
   filter.reset(now.infeasibility);
   system.condense(ocp, box, now, mu, multipliers);
@@ -199,7 +199,7 @@ bool Chain<n>::advance_point(const Ocp& ocp) {
   const bool moved = search_line(ocp);
   const bool is_short = !moved || std::min(step.alpha_primal, step.alpha_dual) < kShort;
   short_steps = is_short ? short_steps + 1 : 0;
-  at_end = mu == kTarget ? at_end + 1 : 0;
+  at_end = mu == kFinalBarrier ? at_end + 1 : 0;
   const bool is_stuck = !moved || short_steps == kShortCount || at_end > kMaxAtEnd;
   if (is_stuck && recentrings < kRecentrings) {
     ++recentrings;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tandem/local_planner/solvers/ipopt_solve.hpp"
+#include "tandem/local_planner/solvers/optimality.hpp"
 
 namespace tandem {
 namespace {
@@ -15,6 +16,7 @@ constexpr double kSameTwist = 5e-3;  // [m/s, rad/s] tolerance on the first stag
 constexpr double kSameCost = 1e-3;   // relative tolerance on the cost
 constexpr int kPerIpopt = 30;        // structured iterations in the time of one Ipopt iteration
 constexpr int kMaxStructured = 200;
+constexpr long kSpotCheck = 20;  // of so many optimal solutions Ipopt judges the first
 
 int effort(const Solution& structured) {
   return (structured.iterations + kPerIpopt - 1) / kPerIpopt;
@@ -106,11 +108,20 @@ const Solution& Solver::structured(const Ocp& ocp, const Iterate& guess,
   return structured_.solve(ocp, guess, own);
 }
 
+bool Solver::confirms(const Ocp& ocp, const Iterate& point) {
+  return is_optimal(optimality_error(ocp, point)) && optimal_++ % kSpotCheck != 0;
+}
+
 Answer Solver::certify(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits) {
   SolveLimits all = limits;
   all.known = {};  // a verdict needs both solutions
   const Solution& ours = structured(ocp, guess, all);
   const bool converged = ours.status == SolveStatus::kConverged;
+  if (converged && confirms(ocp, ours.point))
+    return {.solution = ours,
+            .by = SolverKind::kStructured,
+            .verdict = Verdict::kConfirmed,
+            .effort = effort(ours)};
   Answer answer{.solution = ipopt_solve(ocp, converged ? ours.point : guess, limits)};
   const Solution& theirs = answer.solution;
   const bool interrupted =

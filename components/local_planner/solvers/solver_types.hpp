@@ -51,14 +51,14 @@ struct Solution {
 enum class SolverKind {
   kIpopt,       ///< the reference
   kStructured,  ///< Riccati interior point, ten to a hundred times as fast
-  kCertified,   ///< structured, verified by Ipopt started from its solution
+  kCertified,   ///< structured, with its optimality checked, and Ipopt where that fails
 };
 
-/// Agreement of the two solvers of kCertified.
+/// What kCertified found out about a solution of the structured solver.
 enum class Verdict {
-  kUnverified,   ///< no second solver ran, or it was interrupted
-  kConfirmed,    ///< both found the same optimum
-  kDisagreement  ///< they did not, or the structured solver did not converge
+  kUnverified,   ///< neither checked nor solved again, or Ipopt was interrupted
+  kConfirmed,    ///< it satisfies the optimality conditions, or Ipopt found the same optimum
+  kDisagreement  ///< Ipopt found another one, or the structured solver did not converge
 };
 
 /// The solver as the parameter `solver` writes it.

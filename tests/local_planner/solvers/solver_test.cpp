@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "local_planner/optimality.hpp"
 #include "local_planner/planning_cases.hpp"
 #include "local_planner/requests.hpp"
 
@@ -64,6 +63,8 @@ TEST(Solver, AnAnswerInTimeIsNotHeldBackByALateConfirmation) {
   EXPECT_EQ(answer.verdict, Verdict::kUnverified);
   EXPECT_EQ(answer.by, SolverKind::kStructured);
   EXPECT_EQ(answer.solution.status, SolveStatus::kConverged);
+  // The next ones need no Ipopt.
+  EXPECT_EQ(certified.solve(start.ocp, start.guess, limits).verdict, Verdict::kConfirmed);
 }
 
 TEST(Solver, PlanTellsWhoseSolutionItIsAndWhetherItIsConfirmed) {
