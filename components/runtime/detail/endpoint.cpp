@@ -17,8 +17,10 @@ namespace {
 
 constexpr int kBatch = 32;               // maximum samples of one topic per turn
 constexpr std::size_t kMaxWriters = 64;  // maximum number of writers in transit_
-constexpr double kMaxBlocking = 0.010;   // maximum wait of a reliable write [s]
-constexpr double kHeartbeat = 0.1;       // [s] until a reader notices a lost sample
+// Maximum wait of a reliable write [s]; longer for what is written rarely and must not be lost,
+// such as a pressed emergency stop.
+constexpr double kMaxBlocking = 0.010, kMaxBlockingLatched = 0.1;
+constexpr double kHeartbeat = 0.1;  // [s] until a reader notices a lost sample
 // [s] until a new reader requests the samples it missed; doubles until it is answered. The default
 // of 0.07 s is too long for a program that publishes once and exits.
 constexpr double kFirstRequest = 0.005;
@@ -35,10 +37,10 @@ void set_common(DdsQos& dds, const Participant& participant, const Endpoint& end
   const bool reliable = qos.reliability == Reliability::kReliable;
   dds.reliability().kind =
       reliable ? fdds::RELIABLE_RELIABILITY_QOS : fdds::BEST_EFFORT_RELIABILITY_QOS;
-  dds.reliability().max_blocking_time = to_duration(kMaxBlocking);
-  dds.durability().kind = qos.durability == Durability::kTransientLocal
-                              ? fdds::TRANSIENT_LOCAL_DURABILITY_QOS
-                              : fdds::VOLATILE_DURABILITY_QOS;
+  const bool latched = qos.durability == Durability::kTransientLocal;
+  dds.reliability().max_blocking_time = to_duration(latched ? kMaxBlockingLatched : kMaxBlocking);
+  dds.durability().kind =
+      latched ? fdds::TRANSIENT_LOCAL_DURABILITY_QOS : fdds::VOLATILE_DURABILITY_QOS;
   dds.history().kind = fdds::KEEP_LAST_HISTORY_QOS;
   dds.history().depth = qos.depth;
   dds.resource_limits().max_samples_per_instance = std::max(400, qos.depth);
