@@ -52,10 +52,16 @@ void add(Permissions& permissions, const rt::NodeOptions& options, const rt::Int
 // "2026-11-26T20:00:00", in UTC.
 std::string iso_time(std::time_t time) { return fmt::format("{:%FT%T}", fmt::gmtime(time)); }
 
-// Whether a pattern among the topics matches the topic, or matches all that it matches.
+bool covers(const std::string& pattern, const std::string& topic) {
+  return fnmatch(pattern.c_str(), topic.c_str(), FNM_NOESCAPE) == 0;
+}
+
+// Whether a pattern among the topics matches the topic, or matches all that it matches. Of two
+// equal patterns, such as a* and a**, the first is not covered.
 bool is_covered(const std::string& topic, const std::set<std::string>& topics) {
   return std::any_of(topics.begin(), topics.end(), [&](const std::string& pattern) {
-    return pattern != topic && fnmatch(pattern.c_str(), topic.c_str(), FNM_NOESCAPE) == 0;
+    return pattern != topic && covers(pattern, topic) &&
+           (pattern < topic || !covers(topic, pattern));
   });
 }
 

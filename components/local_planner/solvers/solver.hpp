@@ -20,10 +20,10 @@ class Solver {
   explicit Solver(SolverKind kind) : kind_{kind} {}
 
   /// Does not throw. With kCertified, a solution of the structured solver is confirmed by its
-  /// optimality conditions, which Ipopt would check first and then stop: this takes a tenth of the
-  /// time. Where they do not hold, and for every 20th solution, Ipopt solves from the structured
-  /// solver's solution, or from the guess if that did not converge; if the two disagree, the better
-  /// point is returned.
+  /// optimality conditions, which Ipopt would check first and then stop: this takes an eighth of
+  /// the time. Where they do not hold, and for every 20th solution, Ipopt solves from the
+  /// structured solver's solution, or from the guess if that did not converge; if the two disagree,
+  /// the better point is returned.
   [[nodiscard]] Answer solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits);
 
   /// Whether kCertified confirms the point by its optimality conditions: false for every 20th.

@@ -151,6 +151,18 @@ TEST(PermissionNames, AreThoseOfRos2OnDds) {
   EXPECT_EQ(permissions.subscribe, (std::set<std::string>{"rt/c", "rq/n/sRequest", "rr/*Reply"}));
 }
 
+TEST(PermissionNames, ThatAPatternCoversAreLeftOutOfTheDocument) {
+  Permissions permissions;
+  for (const char* topic : {"/a/b", "/a/*", "/a/**", "/ab"}) allow_publish(permissions, topic);
+  const std::string text = permissions_document("/e", permissions, usual_validity(), 7);
+  int topics = 0;
+  for (auto at = text.find("<topic>"); at != std::string::npos; at = text.find("<topic>", at + 1))
+    ++topics;
+  EXPECT_EQ(topics, 2) << text;
+  EXPECT_NE(text.find("<topic>rt/a/*</topic>"), std::string::npos) << text;
+  EXPECT_NE(text.find("<topic>rt/ab</topic>"), std::string::npos) << text;
+}
+
 TEST(PermissionNames, FollowTheNodesNamespaceAndRemappings) {
   SystemNode node{"teleop", {.name = "stick", .ns = "/r1"}};
   node.options.remappings["cmd_vel_user"] = "/elsewhere";
