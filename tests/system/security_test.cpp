@@ -180,22 +180,6 @@ TEST(Security, AComposedSystemDrivesInOneEnclave) {
   EXPECT_TRUE(time_to_drive_by({"--enclave", "/robot"}));
 }
 
-// Fast DDS 3.1.2 cannot send longer ones.
-TEST(Security, ThePermissionsOfEachShippedSystemInOneEnclaveAreShort) {
-  const SecuredDomain domain;
-  int systems = 0;
-  for (const auto& entry : fs::directory_iterator{source_path("bringup/systems")}) {
-    if (entry.path().extension() != ".yaml") continue;
-    ++systems;
-    Permissions all;
-    for (const auto& node : load_system(entry.path().string()).nodes) all.add(permissions_of(node));
-    domain.add("/robot", all);
-    EXPECT_LE(file_size(domain.enclave("/robot") / "permissions.p7s"), kShortPermissions)
-        << entry.path();
-  }
-  EXPECT_GE(systems, 7);
-}
-
 TEST_F(SecuredSystem, AStrangerReceivesAndSendsNothing) {
   const auto stranger = probe({{"ROS_SECURITY_ENABLE", ""}}, &system_);
   EXPECT_EQ(stranger.status, 0) << stranger.log;

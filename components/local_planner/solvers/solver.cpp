@@ -16,7 +16,6 @@ constexpr double kSameTwist = 5e-3;  // [m/s, rad/s] tolerance on the first stag
 constexpr double kSameCost = 1e-3;   // relative tolerance on the cost
 constexpr int kPerIpopt = 30;        // structured iterations in the time of one Ipopt iteration
 constexpr int kMaxStructured = 200;
-constexpr long kSpotCheck = 20;  // of so many optimal solutions Ipopt judges the first
 
 int effort(const Solution& structured) {
   return (structured.iterations + kPerIpopt - 1) / kPerIpopt;
@@ -109,7 +108,9 @@ const Solution& Solver::structured(const Ocp& ocp, const Iterate& guess,
 }
 
 bool Solver::confirms(const Ocp& ocp, const Iterate& point) {
-  return is_optimal(optimality_error(ocp, point)) && optimal_++ % kSpotCheck != 0;
+  if (confirmed_ + 1 >= kSpotCheck || !is_optimal(optimality_error(ocp, point))) return false;
+  ++confirmed_;
+  return true;
 }
 
 Answer Solver::certify(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits) {
@@ -122,6 +123,7 @@ Answer Solver::certify(const Ocp& ocp, const Iterate& guess, const SolveLimits& 
             .by = SolverKind::kStructured,
             .verdict = Verdict::kConfirmed,
             .effort = effort(ours)};
+  confirmed_ = 0;
   Answer answer{.solution = ipopt_solve(ocp, converged ? ours.point : guess, limits)};
   const Solution& theirs = answer.solution;
   const bool interrupted =

@@ -26,7 +26,8 @@ class Solver {
   /// the better point is returned.
   [[nodiscard]] Answer solve(const Ocp& ocp, const Iterate& guess, const SolveLimits& limits);
 
-  /// Whether kCertified confirms the point by its optimality conditions: false for every 20th.
+  /// Whether kCertified confirms the point by its optimality conditions. False at first and after
+  /// 19 points, until Ipopt has solved.
   [[nodiscard]] bool confirms(const Ocp& ocp, const Iterate& point);
 
  private:
@@ -36,7 +37,8 @@ class Solver {
 
   SolverKind kind_;
   RiccatiSolver structured_;
-  long optimal_ = 0;  // points that satisfied the conditions
+  static constexpr int kSpotCheck = 20;  // of so many solutions Ipopt solves one
+  int confirmed_ = kSpotCheck;           // points since Ipopt solved; at first Ipopt is due
 };
 
 }  // namespace tandem

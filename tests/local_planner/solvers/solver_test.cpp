@@ -67,6 +67,22 @@ TEST(Solver, AnAnswerInTimeIsNotHeldBackByALateConfirmation) {
   EXPECT_EQ(certified.solve(start.ocp, start.guess, limits).verdict, Verdict::kConfirmed);
 }
 
+// Ipopt believes that it has no time, which shows that it was asked.
+TEST(Solver, IpoptIsAskedForTheFirstOfTwentySolutions) {
+  const StartingPoint start = first_problem(random_case(1), false);
+  RiccatiSolver structured;
+  const Iterate found = structured.solve(start.ocp, start.guess, {.iterations = 300}).point;
+  Solver certified{SolverKind::kCertified};
+  int asked = 0;
+  for (int i = 0; i < 60; ++i) {
+    if (certified.confirms(start.ocp, found)) continue;
+    const SolveLimits limits{.deadline = std::chrono::steady_clock::now() + std::chrono::seconds(5),
+                             .iteration_time = 60.0};
+    asked += certified.solve(start.ocp, found, limits).verdict == Verdict::kUnverified ? 1 : 0;
+  }
+  EXPECT_EQ(asked, 3);
+}
+
 TEST(Solver, PlanTellsWhoseSolutionItIsAndWhetherItIsConfirmed) {
   NmpcParams params = unlimited();
   for (const char* solver : {"ipopt", "structured", "certified"}) {
