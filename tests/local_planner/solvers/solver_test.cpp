@@ -67,7 +67,7 @@ TEST(Solver, AnAnswerInTimeIsNotHeldBackByALateConfirmation) {
   EXPECT_EQ(certified.solve(start.ocp, start.guess, limits).verdict, Verdict::kConfirmed);
 }
 
-// Ipopt believes that it has no time, which shows that it was asked.
+// Ipopt believes that it has no time; the verdict then shows that it was asked.
 TEST(Solver, IpoptIsAskedForTheFirstOfTwentySolutions) {
   const StartingPoint start = first_problem(random_case(1), false);
   RiccatiSolver structured;
