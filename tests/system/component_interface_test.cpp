@@ -132,6 +132,23 @@ std::set<Opened> opened_by(const std::string& node, const rt::DomainView& view) 
   return opened;
 }
 
+// What is known of each participant, for the message of a failure.
+std::string participants_in(const rt::DomainView& view) {
+  const rt::Domain domain = view.look();
+  std::string text;
+  for (const auto& participant : domain.participants) {
+    int endpoints = 0, of_nodes = 0;
+    for (const auto& endpoint : domain.endpoints) {
+      if (endpoint.participant != participant.id) continue;
+      ++endpoints;
+      of_nodes += !endpoint.node.empty();
+    }
+    text += fmt::format("; participant {}: {} endpoints, {} of a known node", participant.id,
+                        endpoints, of_nodes);
+  }
+  return text;
+}
+
 bool is_described(const Opened& opened, const Description& description) {
   const bool is_client =
       opened.topic.starts_with(opened.writes ? "rq/" : "rr/") && description.calls_all;
@@ -178,7 +195,7 @@ void run(SystemNode node, Uses& uses, const Enough& enough) {
     opened = opened_by(node.options.name, view);
     return missing(use.description, opened).empty() && enough(use.description, opened);
   };
-  EXPECT_TRUE(spin_until(is_done, 20.0, watcher)) << node.component;
+  EXPECT_TRUE(spin_until(is_done, 20.0, watcher)) << node.component << participants_in(view);
   for (const Opened& endpoint : missing(use.description, opened))
     ADD_FAILURE() << node.component << " describes, but does not open: " << endpoint;
   for (const Opened& endpoint : opened)

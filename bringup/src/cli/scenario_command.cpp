@@ -196,7 +196,9 @@ void add_scenario_command(CLI::App& app, int& status) {
       "full name of the recorded joystick topic, as /a/joy; needed if there are several");
   auto* seed = command->add_option("--seed", request->seed,
                                    "seed of the simulated person; default: the scenario's");
-  command->add_option("--seeds", request->seeds, "all seeds from A to B, as A-B")->excludes(seed);
+  command
+      ->add_option("--seeds", request->seeds, "all seeds from A to B, as A-B, or from 1 to N, as N")
+      ->excludes(seed);
   command->add_option("--map", request->map,
                       "map instead of the scenario's: a file (OctoMap or YAML), or the name of one "
                       "of Tandem's own");

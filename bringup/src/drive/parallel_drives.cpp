@@ -175,11 +175,12 @@ class Workers {
 }  // namespace
 
 SeedRange seed_range(const std::string& option, const std::string& text) {
+  const std::string range = text.find('-') == std::string::npos ? "1-" + text : text;
   unsigned first = 0, last = 0;
   char rest = '\0';
-  if (std::sscanf(text.c_str(), "%u-%u%c", &first, &last, &rest) != 2 || first == 0 ||
+  if (std::sscanf(range.c_str(), "%u-%u%c", &first, &last, &rest) != 2 || first == 0 ||
       last < first || last - first >= kMaxSeeds)
-    throw std::invalid_argument(option + " " + text + ": expected A-B with 1 <= A <= B, " +
+    throw std::invalid_argument(option + " " + text + ": expected N or A-B with 1 <= A <= B, " +
                                 std::to_string(kMaxSeeds) + " at most");
   return {first, last};
 }

@@ -21,8 +21,8 @@ struct SeedRange {
   unsigned first, last;
 };
 
-/// Parses "A-B". Throws std::invalid_argument naming the option unless 1 <= A <= B and the range
-/// has at most 100000 seeds.
+/// Parses "A-B", or "N" for 1-N. Throws std::invalid_argument naming the option unless 1 <= A <= B
+/// and the range has at most 100000 seeds.
 [[nodiscard]] SeedRange seed_range(const std::string& option, const std::string& text);
 
 /// Runs `work(0)` … `work(count − 1)` in `workers` processes rather than threads, because Ipopt's

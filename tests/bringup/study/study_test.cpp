@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"seeds_0", "1-3", "0", "`seeds` = 0: expected 20, 1-20 or [3, 5, 8]"},
         Mistake{"seeds_word", "1-3", "many", "`seeds` = many: expected"},
         Mistake{"seeds_minus", "1-3", "[-3]", "`seeds` = [-3]: expected"},
-        Mistake{"seeds_back", "1-3", "3-1", "seeds 3-1: expected A-B with 1 <= A <= B"},
+        Mistake{"seeds_back", "1-3", "3-1", "seeds 3-1: expected N or A-B with 1 <= A <= B"},
         Mistake{"no_seed", "1-3", "[]", "`seeds` = []: expected"},
         Mistake{"method", "leader", "magic", ":3: method `magic` is not one of manual, "},
         Mistake{"methods", "[manual, leader]", "some",

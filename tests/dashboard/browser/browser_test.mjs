@@ -108,8 +108,19 @@ const [page, watcher, testPage] = await Promise.all([
 
 async function step(name, run) {
   const start = Date.now();
-  await run();
+  try {
+    await run();
+  } catch (error) {
+    await Promise.all([page, watcher, testPage].filter((each) => !each.isClosed()).map(report));
+    throw new Error(name, { cause: error });
+  }
   console.log(`${name}: ${((Date.now() - start) / 1000).toFixed(1)} s`);
+}
+
+async function report(page) {
+  const texts = await page.evaluate(() =>
+    ["banner", "toast", "connection", "user-test"].map((id) => document.getElementById(id).textContent.trim()));
+  console.log(page.url(), texts);
 }
 
 // --- hands --------------------------------------------------------------------------------------
@@ -190,6 +201,8 @@ async function userTest(page) {
     return "key" in hands ? button.press("Enter", { timeout: LONG }) : button.click({ timeout: LONG });
   };
   assert.ok(distance(await pose(page), { x: START[0], y: START[1] }) < 0.01, "the page shows another robot");
+  for (const service of ["arbitration/set_policy", "local_planner/set_parameters", "diff_drive_sim/reset"])
+    await until(page, (name) => window.tandem.connection.has(name), `/robot1/${service}`);
   await page.locator("#user-test > summary").click();
   await page.locator("#person").fill("1");
   await page.getByRole("button", { name: "Start the test" }).click();
