@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -24,7 +26,7 @@ constexpr double kResolution = 0.05;  // [m]
   throw std::runtime_error(file.string() + ": " + what);
 }
 
-Json load(const std::filesystem::path& file) {
+Json parse(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!std::filesystem::is_regular_file(file) || !stream)
     fail(file, "no such file, or it is not readable; give the path of a BARN world file");
@@ -33,6 +35,23 @@ Json load(const std::filesystem::path& file) {
       !root["meta"].is_object() || !root["worlds"].is_object())
     fail(file, "not a BARN world file: expected JSON with 'meta' and 'worlds'");
   return root;
+}
+
+// A study reads the same file for each of its drives, and parsing takes a tenth of a short drive.
+std::shared_ptr<const Json> load(const std::filesystem::path& file) {
+  struct Parsed {
+    std::filesystem::path file;
+    std::filesystem::file_time_type written;
+    std::shared_ptr<const Json> root;
+  };
+  static std::mutex mutex;
+  static Parsed last;
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(file, error);
+  const std::lock_guard lock{mutex};
+  if (error || !last.root || last.file != file || last.written != written)
+    last = {file, written, std::make_shared<const Json>(parse(file))};
+  return last.root;
 }
 
 double coordinate(const Json& value) {
@@ -104,15 +123,16 @@ std::string nearest_to(int number, const std::vector<int>& numbers) {
 // Applies `read` to the file's meta data and the world of that number.
 template <class Read>
 auto of_world(const std::filesystem::path& file, int number, const Read& read) {
-  const Json root = load(file);
-  const auto entry = root["worlds"].find(std::to_string(number));
-  if (entry == root["worlds"].end()) {
+  const auto root = load(file);
+  const Json& worlds = root->at("worlds");
+  const auto entry = worlds.find(std::to_string(number));
+  if (entry == worlds.end()) {
     const auto numbers = barn_world_numbers(file);
     fail(file, "no world " + std::to_string(number) + "; it has " + std::to_string(numbers.size()) +
                    nearest_to(number, numbers));
   }
   try {
-    return read(root["meta"], *entry);
+    return read(root->at("meta"), *entry);
   } catch (const std::exception& error) {
     fail(file, "world " + std::to_string(number) + ": " + error.what());
   }
@@ -138,8 +158,8 @@ int barn_world_number(const std::filesystem::path& file, unsigned seed) {
 
 std::vector<int> barn_world_numbers(const std::filesystem::path& file) {
   std::vector<int> numbers;
-  const Json root = load(file);
-  for (const auto& [name, world] : root["worlds"].items()) {
+  const auto root = load(file);
+  for (const auto& [name, world] : root->at("worlds").items()) {
     if (name.empty() || name.size() > 6 || name.find_first_not_of("0123456789") != name.npos)
       fail(file, "world '" + name + "' has no number");
     numbers.push_back(std::stoi(name));

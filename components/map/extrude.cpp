@@ -2,16 +2,14 @@
 #include "tandem/map/extrude.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tandem/map/detail/octree_keys.hpp"
+#include "tandem/map/detail/octree_of_cubes.hpp"
 #include "tandem/map/overlay.hpp"
 
 namespace tandem {
@@ -19,16 +17,13 @@ namespace {
 
 constexpr double kAligned = 1e-3;  // of a cell; smaller offsets count as aligned
 
-// Contents of a square of voxels.
-enum class Square : std::uint8_t { kFree, kOccupied, kUnknown, kMixed };
-
 // Squares of 2^level voxels; (x, y) is the first, in units of their size.
 struct Level {
   int x = 0, y = 0, width = 0, height = 0;
-  std::vector<Square> squares;
+  std::vector<Cube> squares;
 
-  [[nodiscard]] Square at(int ix, int iy) const {
-    if (ix < x || iy < y || ix >= x + width || iy >= y + height) return Square::kUnknown;
+  [[nodiscard]] Cube at(int ix, int iy) const {
+    if (ix < x || iy < y || ix >= x + width || iy >= y + height) return Cube::kUnknown;
     return squares[static_cast<std::size_t>(iy - y) * static_cast<std::size_t>(width) +
                    static_cast<std::size_t>(ix - x)];
   }
@@ -40,16 +35,18 @@ Level voxels_of(const Grid& grid) {
   };
   Level level{key(grid.origin.x()), key(grid.origin.y()), grid.width, grid.height, {}};
   level.squares.resize(grid.cells.size());
-  std::transform(grid.cells.begin(), grid.cells.end(), level.squares.begin(),
-                 [](Cell cell) { return static_cast<Square>(cell); });
+  std::transform(grid.cells.begin(), grid.cells.end(), level.squares.begin(), [](Cell cell) {
+    if (cell == Cell::kUnknown) return Cube::kUnknown;
+    return cell == Cell::kOccupied ? Cube::kOccupied : Cube::kFree;
+  });
   return level;
 }
 
-Square together(const Level& fine, int x, int y) {
-  const Square first = fine.at(x, y);
+Cube together(const Level& fine, int x, int y) {
+  const Cube first = fine.at(x, y);
   const bool same =
       fine.at(x + 1, y) == first && fine.at(x, y + 1) == first && fine.at(x + 1, y + 1) == first;
-  return same ? first : Square::kMixed;
+  return same ? first : Cube::kMixed;
 }
 
 Level coarser(const Level& fine) {
@@ -64,54 +61,26 @@ Level coarser(const Level& fine) {
   return level;
 }
 
-// Writes the tree in the format of a .bt file: for each inner node two bits per child, then its
-// inner children one by one.
-class TreeWriter {
+// A grid whose cells are columns of `layers` voxels above z = 0.
+class Columns {
  public:
-  TreeWriter(Level voxels, int layers) : layers_{layers} {
+  Columns(Level voxels, int layers) : layers_{layers} {
     levels_.push_back(std::move(voxels));
     while (levels_.size() <= kTreeDepth) levels_.push_back(coarser(levels_.back()));
   }
 
-  [[nodiscard]] std::string bytes() {
-    write(kTreeDepth, {0, 0, 0});
-    return std::move(out_);
+  [[nodiscard]] Cube contents(int level, const CubeIndex& index) const {
+    const int low = index[2] << level, high = low + (1 << level);
+    const Cube square = levels_[static_cast<std::size_t>(level)].at(index[0], index[1]);
+    if (square == Cube::kUnknown || high <= kMiddleKey || low >= kMiddleKey + layers_)
+      return Cube::kUnknown;
+    const bool is_whole = low >= kMiddleKey && high <= kMiddleKey + layers_;
+    return is_whole ? square : Cube::kMixed;
   }
 
  private:
-  using Cube = std::array<int, 3>;  // position, in cubes of its own size
-  static constexpr unsigned kNone = 0, kFree = 1, kOccupied = 2, kInner = 3;  // kind of a child
-
-  [[nodiscard]] unsigned kind(int level, const Cube& cube) const {
-    const int low = cube[2] << level, high = low + (1 << level);
-    const Square square = levels_[static_cast<std::size_t>(level)].at(cube[0], cube[1]);
-    if (square == Square::kUnknown || high <= kMiddleKey || low >= kMiddleKey + layers_)
-      return kNone;
-    const bool is_whole = low >= kMiddleKey && high <= kMiddleKey + layers_;
-    if (square == Square::kMixed || !is_whole) return kInner;
-    return square == Square::kOccupied ? kOccupied : kFree;
-  }
-
-  static Cube child_of(const Cube& cube, int i) {
-    return {2 * cube[0] + (i & 1), 2 * cube[1] + (i >> 1 & 1), 2 * cube[2] + (i >> 2)};
-  }
-
-  void write(int level, const Cube& cube) {
-    std::array<unsigned, 8> kinds{};
-    unsigned record = 0;
-    for (int i = 0; i < 8; ++i) {
-      kinds[static_cast<std::size_t>(i)] = kind(level - 1, child_of(cube, i));
-      record |= kinds[static_cast<std::size_t>(i)] << (2 * i);
-    }
-    out_ += static_cast<char>(record & 0xffU);
-    out_ += static_cast<char>(record >> 8U);
-    for (int i = 0; i < 8; ++i)
-      if (kinds[static_cast<std::size_t>(i)] == kInner) write(level - 1, child_of(cube, i));
-  }
-
   int layers_;
   std::vector<Level> levels_;
-  std::string out_;
 };
 
 // The grid resampled onto OctoMap's voxels.
@@ -140,10 +109,10 @@ std::unique_ptr<octomap::OcTree> extrude(const Grid& grid, double height) {
     throw std::runtime_error("the map has no known cell");
   const int layers =
       std::clamp(static_cast<int>(std::lround(height / grid.resolution)), 1, kMiddleKey);
-  std::istringstream stream{TreeWriter{voxels_of(on_voxels(grid)), layers}.bytes()};
-  auto tree = std::make_unique<octomap::OcTree>(grid.resolution);
-  tree->readBinaryData(stream);
-  return tree;
+  const Columns columns{voxels_of(on_voxels(grid)), layers};
+  return octree_of_cubes(grid.resolution, [&](int level, const CubeIndex& index) {
+    return columns.contents(level, index);
+  });
 }
 
 }  // namespace tandem

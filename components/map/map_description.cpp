@@ -2,6 +2,7 @@
 #include "tandem/map/map_description.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +11,8 @@
 #include <utility>
 
 #include "tandem/config/yaml_reader.hpp"
+#include "tandem/map/detail/octree_keys.hpp"
+#include "tandem/map/detail/voxel_box.hpp"
 
 namespace tandem {
 namespace {
@@ -131,32 +134,61 @@ Voxels voxels_centered_within(double low, double high, double resolution) {
           static_cast<int>(std::floor(high / resolution - 0.5 + 1e-6)) + 1};
 }
 
-// Writes one state into many voxels of a tree; later states replace earlier ones.
+// Voxels along x, y and z.
+using Region = std::array<Voxels, 3>;
+
+// Voxels whose centres lie in the solid's bounding box.
+Region around(const Solid& solid, double resolution) {
+  const Eigen::Vector2d half = half_extent(solid);
+  const Eigen::Vector2d low = solid.p_MC - half, high = solid.p_MC + half;
+  return {voxels_centered_within(low.x(), high.x(), resolution),
+          voxels_centered_within(low.y(), high.y(), resolution),
+          voxels_centered_within(solid.z_low, solid.z_high, resolution)};
+}
+
+// The voxels that the description makes free or occupied lie within.
+Region extent(const MapDescription& description, const Region& bounds) {
+  Region extent = bounds;
+  if (description.floor) extent[2].begin = std::min(extent[2].begin, -1);
+  for (const Solid& solid : description.solids) {
+    const Region region = around(solid, description.resolution);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      extent[axis].begin = std::min(extent[axis].begin, region[axis].begin);
+      extent[axis].end = std::max(extent[axis].end, region[axis].end);
+    }
+  }
+  return extent;
+}
+
+// Sets voxels by their indices from 0 in M; later states replace earlier ones.
 class Painter {
  public:
-  explicit Painter(octomap::OcTree& tree) : tree_{tree} {}
+  explicit Painter(const Region& extent) : voxels_{low_key(extent), size(extent)} {}
 
   void paint(int ix, int iy, const Voxels& z, bool occupied) {
-    const float log_odds =
-        occupied ? tree_.getClampingThresMaxLog() : tree_.getClampingThresMinLog();
-    for (int iz = z.begin; iz < z.end; ++iz)
-      tree_.setNodeValue(octomap::OcTreeKey(key(ix), key(iy), key(iz)), log_odds, true);
+    voxels_.set_column(ix + kMiddleKey, iy + kMiddleKey, z.begin + kMiddleKey, z.end + kMiddleKey,
+                       occupied ? Cube::kOccupied : Cube::kFree);
+  }
+
+  [[nodiscard]] std::unique_ptr<octomap::OcTree> tree(double resolution) && {
+    return octree_of(std::move(voxels_), resolution);
   }
 
  private:
-  [[nodiscard]] static octomap::key_type key(int i) {
-    return static_cast<octomap::key_type>(i + 32768);
+  static CubeIndex low_key(const Region& extent) {
+    return {extent[0].begin + kMiddleKey, extent[1].begin + kMiddleKey,
+            extent[2].begin + kMiddleKey};
+  }
+  static CubeIndex size(const Region& extent) {
+    return {extent[0].end - extent[0].begin, extent[1].end - extent[1].begin,
+            extent[2].end - extent[2].begin};
   }
 
-  octomap::OcTree& tree_;
+  VoxelBox voxels_;
 };
 
 void paint_solid(Painter& painter, const Solid& solid, double resolution) {
-  const Eigen::Vector2d half = half_extent(solid);
-  const Eigen::Vector2d low = solid.p_MC - half, high = solid.p_MC + half;
-  const Voxels x = voxels_centered_within(low.x(), high.x(), resolution);
-  const Voxels y = voxels_centered_within(low.y(), high.y(), resolution);
-  const Voxels z = voxels_centered_within(solid.z_low, solid.z_high, resolution);
+  const auto [x, y, z] = around(solid, resolution);
   for (int iy = y.begin; iy < y.end; ++iy)
     for (int ix = x.begin; ix < x.end; ++ix)
       if (contains(solid, {resolution * (ix + 0.5), resolution * (iy + 0.5)}))
@@ -201,21 +233,19 @@ MapDescription load_map_description(const std::filesystem::path& file) {
 }
 
 std::unique_ptr<octomap::OcTree> build_octomap(const MapDescription& description) {
-  auto tree = std::make_unique<octomap::OcTree>(description.resolution);
-  Painter painter(*tree);
   const auto along = [&](int axis) {
     return voxels_within(description.low[axis], description.high[axis], description.resolution);
   };
-  const Voxels x = along(0), y = along(1), z = along(2);
-  for (int iy = y.begin; iy < y.end; ++iy)
-    for (int ix = x.begin; ix < x.end; ++ix) {
+  const Region bounds{along(0), along(1), along(2)};
+  const auto& [x, y, z] = bounds;
+  Painter painter{extent(description, bounds)};
+  for (int ix = x.begin; ix < x.end; ++ix)
+    for (int iy = y.begin; iy < y.end; ++iy) {
       if (description.free_space) painter.paint(ix, iy, z, false);
       if (description.floor) painter.paint(ix, iy, {-1, 0}, true);
     }
   for (const Solid& solid : description.solids) paint_solid(painter, solid, description.resolution);
-  tree->updateInnerOccupancy();
-  tree->prune();
-  return tree;
+  return std::move(painter).tree(description.resolution);
 }
 
 }  // namespace tandem

@@ -236,9 +236,13 @@ std::string bt_file_bytes(const octomap::OcTree& tree) {
 }
 
 void save_octomap(const octomap::OcTree& tree, const std::filesystem::path& file) {
+  save_bt_file(bt_file_bytes(tree), file);
+}
+
+void save_bt_file(const std::string& bytes, const std::filesystem::path& file) {
   const std::filesystem::path part = file.string() + ".part";  // so that no truncated map is left
   std::ofstream stream(part, std::ios::binary);
-  stream << bt_file_bytes(tree);
+  stream << bytes;
   stream.close();
   std::error_code error;
   if (stream) std::filesystem::rename(part, file, error);

@@ -45,7 +45,11 @@ struct DecodedOctomap {
 /// The bytes of a .bt file. Equal trees give equal bytes.
 [[nodiscard]] std::string bt_file_bytes(const octomap::OcTree& tree);
 
-/// Writes a .bt file. Throws std::runtime_error naming the file.
+/// Writes what bt_file_bytes() gave, so that no truncated file is left. Throws std::runtime_error
+/// naming the file.
+void save_bt_file(const std::string& bytes, const std::filesystem::path& file);
+
+/// save_bt_file() for a tree.
 void save_octomap(const octomap::OcTree& tree, const std::filesystem::path& file);
 
 }  // namespace tandem

@@ -21,7 +21,8 @@ class Search {
         grid_{map.grid()},
         radius_{radius},
         narrow_cost_{narrow_cost},
-        cost_(grid_.cells.size(), kInfinity) {
+        cost_(grid_.cells.size(), kInfinity),
+        metre_(grid_.cells.size(), 0.0) {
     from_.resize(grid_.cells.size(), kNone);
   }
 
@@ -44,6 +45,24 @@ class Search {
     return points;
   }
 
+  // Whether way() is not empty, without the cheapest.
+  [[nodiscard]] bool connects(const Eigen::Vector2d& p_MA, const Eigen::Vector2d& p_MZ) {
+    const std::size_t start = cell_at(p_MA), goal = cell_at(p_MZ);
+    if (start == kNone || goal == kNone) return false;
+    std::vector<std::size_t> open{start};
+    cost_[start] = 0.0;
+    while (!open.empty() && cost_[goal] == kInfinity) {
+      const std::size_t cell = open.back();
+      open.pop_back();
+      for_each_neighbour(cell, [&](std::size_t next, double) {
+        if (cost_[next] == 0.0 || metre(next) == kInfinity) return;
+        cost_[next] = 0.0;  // seen
+        open.push_back(next);
+      });
+    }
+    return cost_[goal] == 0.0;
+  }
+
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
@@ -64,6 +83,13 @@ class Search {
                                               static_cast<double>(cell / width) + 0.5};
   }
 
+  // A cell has up to eight neighbours that ask.
+  double metre(std::size_t cell) {
+    if (metre_[cell] == 0.0)
+      metre_[cell] = cost_of_a_metre(map_, center(cell), radius_, narrow_cost_);
+    return metre_[cell];
+  }
+
   void reach(std::size_t cell, double cost, std::size_t from) {
     if (cost >= cost_[cell]) return;
     cost_[cell] = cost;
@@ -72,22 +98,26 @@ class Search {
   }
 
   void expand(std::size_t cell) {
+    for_each_neighbour(cell, [&](std::size_t next, double length) {
+      reach(next, cost_[cell] + length * metre(next), cell);
+    });
+  }
+
+  // Calls `visit(neighbour, distance [m])` for the cells around one.
+  template <class Visit>
+  void for_each_neighbour(std::size_t cell, const Visit& visit) {
     const int x = static_cast<int>(cell % static_cast<std::size_t>(grid_.width));
     const int y = static_cast<int>(cell / static_cast<std::size_t>(grid_.width));
     for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        if ((dx == 0 && dy == 0) || !grid_.contains(x + dx, y + dy)) continue;
-        const std::size_t next = index(x + dx, y + dy);
-        const double length = grid_.resolution * std::hypot(dx, dy);
-        const double each = cost_of_a_metre(map_, center(next), radius_, narrow_cost_);
-        reach(next, cost_[cell] + length * each, cell);
-      }
+      for (int dx = -1; dx <= 1; ++dx)
+        if ((dx != 0 || dy != 0) && grid_.contains(x + dx, y + dy))
+          visit(index(x + dx, y + dy), grid_.resolution * std::hypot(dx, dy));
   }
 
   const StaticMap& map_;
   const Grid& grid_;
   double radius_, narrow_cost_;
-  std::vector<double> cost_;
+  std::vector<double> cost_, metre_;  // metre_: cost of a metre there; 0: not known yet
   std::vector<std::size_t> from_;
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
@@ -101,6 +131,11 @@ double cost_of_a_metre(const StaticMap& map, const Eigen::Vector2d& p_MC, double
   if (room < 0.0) return std::numeric_limits<double>::infinity();
   const double narrow = std::max(0.0, 1.0 - room / kWide);
   return 1.0 + narrow_cost * narrow * narrow;
+}
+
+bool has_path(const StaticMap& map, const Eigen::Vector2d& p_MA, const Eigen::Vector2d& p_MZ,
+              double radius) {
+  return Search{map, radius, 0.0}.connects(p_MA, p_MZ);
 }
 
 std::vector<Eigen::Vector2d> find_path(const StaticMap& map, const Eigen::Vector2d& p_MA,

@@ -25,4 +25,8 @@ inline constexpr double kWide = 0.5, kNarrowCost = 8.0;  ///< [m], [1] for path 
                                                      const Eigen::Vector2d& p_MZ, double radius,
                                                      double narrow_cost = kNarrowCost);
 
+/// Whether find_path() finds one, in a fraction of its time.
+[[nodiscard]] bool has_path(const StaticMap& map, const Eigen::Vector2d& p_MA,
+                            const Eigen::Vector2d& p_MZ, double radius);
+
 }  // namespace tandem

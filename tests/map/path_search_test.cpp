@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 namespace tandem {
 namespace {
 
@@ -44,6 +46,25 @@ TEST(Way, TakesTheWideOpeningIfOnlyThatIsWideEnough) {
 
 TEST(Way, IsEmptyFromOutsideTheMap) {
   EXPECT_TRUE(find_path(two_openings(), {-1.0, 1.0}, {3.3, 1.0}, 0.1).empty());
+}
+
+TEST(Way, ExistsWhereOneIsFound) {
+  std::mt19937 random{1};
+  int found = 0, tried = 0;
+  for (int n = 0; n < 40; ++n) {
+    Grid grid{0.1, {0.0, 0.0}, 30, 30, std::vector<Cell>(900, Cell::kFree)};
+    for (auto& cell : grid.cells)
+      if (random() % 24 == 0) cell = Cell::kOccupied;
+    const StaticMap map{std::move(grid), true};
+    for (const double radius : {0.0, 0.05, 0.1, 0.15, 0.2, 0.3}) {
+      const bool is_found = !find_path(map, {0.05, 0.05}, {2.95, 2.95}, radius).empty();
+      EXPECT_EQ(has_path(map, {0.05, 0.05}, {2.95, 2.95}, radius), is_found);
+      found += is_found;
+      ++tried;
+    }
+  }
+  EXPECT_GT(found, tried / 5);
+  EXPECT_LT(found, 4 * tried / 5);
 }
 
 }  // namespace

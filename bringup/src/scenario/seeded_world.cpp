@@ -50,23 +50,35 @@ World world_of(const std::string& family, unsigned seed) {
 // Renames atomically, because other processes may be reading the file. The name contains a checksum
 // of the content: generators may share a name, and worlds are identified by their files.
 fs::path save(const octomap::OcTree& tree, const std::string& world) {
-  const auto sum = static_cast<std::uint32_t>(checksum(bt_file_bytes(tree)));
-  const std::string name = fmt::format("{}_{:08x}", world, sum);
+  const std::string bytes = bt_file_bytes(tree);
+  const std::string name =
+      fmt::format("{}_{:08x}", world, static_cast<std::uint32_t>(checksum(bytes)));
   const fs::path folder = fs::temp_directory_path() / fmt::format("tandem_worlds_{}", geteuid());
+  const fs::path file = folder / (name + ".bt");
+  std::error_code none;
+  if (fs::file_size(file, none) == bytes.size()) return file;
   fs::create_directories(folder);
   const fs::path part = folder / fmt::format("{}.{}.part", name, getpid());
-  const fs::path file = folder / (name + ".bt");
-  save_octomap(tree, part);
+  save_bt_file(bytes, part);
   fs::rename(part, file);
   return file;
+}
+
+// The path for the largest of some radii that fits; empty if none does. A disc fits wherever a
+// larger one does, so a bisection finds that radius.
+std::vector<Eigen::Vector2d> widest_path(const StaticMap& map, const Eigen::Vector2d& from,
+                                         const Eigen::Vector2d& to) {
+  std::vector<double> radii;
+  for (double radius = 0.5; radius > 0.0; radius -= kRadiusStep) radii.push_back(radius);
+  const auto widest = std::partition_point(
+      radii.begin(), radii.end(), [&](double radius) { return !has_path(map, from, to, radius); });
+  return widest == radii.end() ? std::vector<Eigen::Vector2d>{} : find_path(map, from, to, *widest);
 }
 
 std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
   const auto place = place_of(goal);
   if (!place) throw std::invalid_argument("a world by seed needs a goal with a place");
-  std::vector<Eigen::Vector2d> way;
-  for (double radius = 0.5; way.empty() && radius > 0.0; radius -= kRadiusStep)
-    way = find_path(map, start.position(), *place, radius);
+  const auto way = widest_path(map, start.position(), *place);
   if (way.empty()) throw std::runtime_error("no way from start to goal");
   std::string text;
   for (const auto& p : way)
