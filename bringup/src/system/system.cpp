@@ -13,6 +13,7 @@
 #include "tandem/config/yaml_reader.hpp"
 #include "tandem/runtime/arguments.hpp"
 #include "tandem/runtime/dds_security.hpp"
+#include "tandem/runtime/environment.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/parameter_files.hpp"
 #include "tandem/runtime/shutdown.hpp"
@@ -61,8 +62,15 @@ bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
   return only.empty() || std::find(only.begin(), only.end(), node.options.name) != only.end();
 }
 
+// Without it, a system in which all is well would print nothing.
+void announce(const System& system) {
+  rt::Logger{"tandem"}.info("running the {} nodes of {} in domain {}; Ctrl-C stops them",
+                            system.nodes.size(), system.path, rt::read_environment().domain);
+}
+
 int run_here(const System& system, const std::vector<std::string>& only) {
   RunningSystem running{system, only};
+  if (only.empty()) announce(system);
   if (only.empty())  // a separate process does not know the other processes' parameters
     for (const auto& key : rt::unused_wildcard_keys())
       rt::Logger{"tandem"}.warn("{}: unknown parameter; no component of {} has it", key,
@@ -213,6 +221,7 @@ int run_system(const std::string& path, const std::vector<std::string>& only,
   if (separate_processes) {
     warn_of_unknown(arguments);
     check_parameters(system, only, arguments);
+    if (only.empty()) announce(system);
     Processes processes;
     for (const auto& node : system.nodes)
       if (wanted(node, only))
