@@ -14,6 +14,7 @@
 #include "bringup/drive/drive_observer.hpp"
 #include "bringup/drive/summary_table.hpp"
 #include "bringup/scenario/seeded_world.hpp"
+#include "bringup/system/shared_files.hpp"
 #include "tandem/driver/driver.hpp"
 #include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
@@ -236,9 +237,9 @@ void add_metrics_command(CLI::App& app) {
       ->check(CLI::ExistingPath);
   command
       ->add_option("--scenario", request->scenario,
-                   "scenario file, which gives map, robot, goal and time limit")
-      ->required()
-      ->check(CLI::ExistingFile);
+                   "scenario file, or name of one that comes with Tandem, which gives map, robot, "
+                   "goal and time limit")
+      ->required();
   command->add_option("--method", request->method,
                       "method's name in the result; default: the scenario's");
   command->add_option("--driver", request->driver,
@@ -247,14 +248,19 @@ void add_metrics_command(CLI::App& app) {
       ->add_option("--seed", request->seed,
                    "seed of the drive; required if the scenario has several worlds or goals")
       ->check(CLI::PositiveNumber);
-  command->add_option("--map", request->map, "map file of the drive, if it was not the scenario's")
-      ->check(CLI::ExistingFile);
+  command->add_option("--map", request->map,
+                      "map of the drive, a file or the name of one that comes with Tandem, if it "
+                      "was not the scenario's");
   command->add_option("--namespace", request->name_space, "namespace of the robot, as /a");
   command->add_option("--json", request->json, "also write the measures to this file");
   command->footer(
       "Measures that compare with other drives, such as time_ratio and barn_score, are null; see "
       "`tandem study`. The exit status reports only whether the drive could be measured.");
-  command->callback([request] { run(*request); });
+  command->callback([request] {
+    request->scenario = find_file(request->scenario, "scenarios");
+    if (!request->map.empty()) request->map = find_file(request->map, "maps");
+    run(*request);
+  });
 }
 
 }  // namespace tandem

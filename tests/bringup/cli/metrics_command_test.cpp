@@ -148,6 +148,7 @@ TEST_F(MetricsProgram, MeasuresARecordingAsTheDriveWasMeasured) {
               recorded)
         << name(storage);
   }
+  EXPECT_EQ(run({"metrics", file("bag"), "--scenario", "forest_task2"}), 0);
 }
 
 TEST_F(MetricsProgram, MeasuresInTheWorldThatBelongsToTheSeed) {
@@ -207,6 +208,8 @@ TEST_F(MetricsProgram, ErrorsNameWhatIsWrongWithARecording) {
     EXPECT_EQ(log.lines("tandem: "), ++errors) << log.text();
   }
   EXPECT_EQ(run({"metrics", "/nowhere", "--scenario", kScenario}), 1);
+  EXPECT_EQ(run({"metrics", file("none.mcap"), "--scenario", "forest_task9"}), 1);
+  EXPECT_EQ(log.lines("forest_task9"), 1) << log.text();
 }
 
 }  // namespace
