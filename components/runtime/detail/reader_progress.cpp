@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "tandem/runtime/detail/rtps_payload.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -32,6 +34,18 @@ void say_as_heartbeat(std::uint8_t* body, std::int64_t first, std::uint32_t coun
   put_u32(body + 24, count, little);
 }
 
+// Whether the writer announces endpoints or participants for a server of ROS_DISCOVERY_SERVER,
+// whose GUID prefixes begin so but for the server's number.
+bool is_of_server(const GuidPrefix& prefix, const std::uint8_t* entity) {
+  constexpr GuidPrefix kServer{0x44, 0x53, 0x00, 0x5f, 0x45, 0x50,
+                               0x52, 0x4f, 0x53, 0x49, 0x4d, 0x41};
+  constexpr std::size_t kNumber = 2;
+  const auto of_number = prefix.begin() + kNumber;
+  return announces(rtps_message::entity(entity), 0) &&
+         std::equal(prefix.begin(), of_number, kServer.begin()) &&
+         std::equal(of_number + 1, prefix.end(), kServer.begin() + kNumber + 1);
+}
+
 bool in_window(std::int64_t number, std::int64_t least) {
   return least == 0 || number - ReaderProgress::kWindow <= least;
 }
@@ -42,12 +56,12 @@ bool in_window(std::int64_t number, std::int64_t least) {
 
 bool WriterReach::believes(std::int64_t number, double now) {
   if (number >= kEnd) return false;
-  if (top_ < 0 || number - kLeap <= top_) {
+  if (top_ < 0 || number - leap_ <= top_) {
     claims_ = 0;
     know(number, now);
     return true;
   }
-  if (static_cast<double>(number - kLeap - top_) > kFastest * (now - risen_)) return false;
+  if (static_cast<double>(number - leap_ - top_) > kFastest * (now - risen_)) return false;
   if (claims_ == 0 || std::abs(number - claimed_) >= kWindow) {
     claims_ = 0;
     first_claim_ = now;
@@ -109,7 +123,8 @@ ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::
   const auto key = key_of(prefix, entity);
   if (const auto known = writers_.find(key); known != writers_.end()) return known->second;
   if (writers_.size() >= kMaxWriters) forget_one();
-  return writers_[key];
+  const std::int64_t leap = is_of_server(prefix, entity) ? kWindow : WriterReach::kLeap;
+  return writers_.try_emplace(key, leap).first->second;
 }
 
 // Forgets the least used of a few writers, and one that a reader of this process has answered only
@@ -190,7 +205,7 @@ bool ReaderProgress::passes_heartbeat(const Submessage& heartbeat, std::uint8_t*
   const std::uint32_t reader = heartbeat.entity(0);
   std::int64_t first = heartbeat.sequence_number(8), last = heartbeat.sequence_number(16);
   if (!source.reach.believes(last, now)) {
-    last = source.reach.top() + WriterReach::kLeap;
+    last = source.reach.top() + source.reach.leap();
     if (first - 1 > last) return false;
   }
   ++source.messages;

@@ -16,13 +16,15 @@ namespace tandem::runtime {
 /// How far a writer has come, judged by what its messages claim.
 class WriterReach {
  public:
-  static constexpr std::int64_t kLeap = 32;      ///< numbers skipped at once that need no proof
+  static constexpr std::int64_t kLeap = 32;      ///< of a writer, unless said otherwise
   static constexpr std::int64_t kWindow = 2048;  ///< claims this close to each other agree
   static constexpr int kClaims = 3;              ///< agreeing claims that prove a leap, over at
   static constexpr double kProofTime = 0.1;      ///< least this time [s]
   static constexpr double kFastest = 1e5;        ///< [1/s]; no writer counts faster than this
   static constexpr std::int64_t kEnd = std::int64_t{1} << 40;  ///< no writer reaches this number
 
+  /// `leap`: numbers skipped at once that need no proof.
+  explicit WriterReach(std::int64_t leap = kLeap) : leap_{leap} {}
   /// Whether the writer can have reached `number` at time `now` [s]. The first claim is believed,
   /// as are small steps. A leap is believed if the time since the last progress suffices for it
   /// and it is claimed repeatedly without a message in between that contradicts it.
@@ -31,8 +33,10 @@ class WriterReach {
   void know(std::int64_t number, double now);
   /// The largest number believed so far; -1: none.
   [[nodiscard]] std::int64_t top() const { return top_; }
+  [[nodiscard]] std::int64_t leap() const { return leap_; }
 
  private:
+  std::int64_t leap_;
   std::int64_t top_ = -1;
   double risen_ = 0.0;        // when top_ last rose [s]
   std::int64_t claimed_ = 0;  // the claim that is being proved
@@ -45,7 +49,9 @@ using ReaderProgressKey = std::array<std::uint8_t, 16>;  ///< a writer's GUID
 /// Tracks the progress of each reliable reader of this process with each writer: its last ACKNACK
 /// and what has arrived in order since. Fast DDS 2.9.1 keeps a list entry for each sequence number
 /// that is farther ahead, and counts through those that a HEARTBEAT or GAP skips while it holds the
-/// reader's lock; either may skip 2⁶³. Times are of a steady clock [s]. Not thread-safe.
+/// reader's lock; either may skip 2⁶³. A discovery server passes on to each participant only the
+/// announcements that it needs, so its numbers leap farther than those of other writers. Times are
+/// of a steady clock [s]. Not thread-safe.
 class ReaderProgress {
  public:
   static constexpr std::int64_t kWindow = 2048;  ///< numbers accepted ahead of the first missing
@@ -67,6 +73,7 @@ class ReaderProgress {
     std::int64_t next;  // the first missing number
   };
   struct Source {
+    explicit Source(std::int64_t leap) : reach{leap} {}
     /// The lowest first missing number of the readers that `reader` addresses; 0 if unknown.
     [[nodiscard]] std::int64_t least(std::uint32_t reader) const;
     /// Records that [from, to) has arrived or will never arrive.

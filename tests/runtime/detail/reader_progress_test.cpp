@@ -122,6 +122,25 @@ TEST_P(Progress, LeavesUsualTrafficUnchanged) {
   EXPECT_TRUE(passes(sample(20)));
 }
 
+// A server has announced others' endpoints to others in between.
+TEST_P(Progress, TheNumbersOfADiscoveryServerLeap) {
+  constexpr std::uint32_t kUsersWriter = 0x00001203, kPublicationsWriter = 0x000003c2;
+  const Octets server{0x44, 0x53, 1, 0x5f, 0x45, 0x50, 0x52, 0x4f, 0x53, 0x49, 0x4d, 0x41};
+  const auto sample = [&](const Octets& prefix, std::uint32_t writer, std::int64_t number) {
+    const Octets payload = Datagram::list_payload({{0x5a, Octets(16, 1)}}, GetParam());
+    return std::move(
+        from_peer().prefix(prefix).add_data({.writer = writer, .number = number}, payload));
+  };
+  for (const Octets& prefix : {server, Octets(kPeer)})
+    for (const std::uint32_t writer : {kUsersWriter, kPublicationsWriter}) {
+      const bool leaps = prefix == server && writer == kPublicationsWriter;
+      ASSERT_TRUE(passes(sample(prefix, writer, 256)));
+      EXPECT_EQ(passes(sample(prefix, writer, 307)), leaps);
+      EXPECT_EQ(passes(sample(prefix, writer, 307 + ReaderProgress::kWindow)), leaps);
+      EXPECT_FALSE(passes(sample(prefix, writer, 308 + 2 * ReaderProgress::kWindow)));
+    }
+}
+
 TEST_P(Progress, LeavesTheFirstMessagesOfAWriterAlone) {
   acknowledge(0);
   EXPECT_TRUE(passes(heartbeat(100'000, 100'009)));
