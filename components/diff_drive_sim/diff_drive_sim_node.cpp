@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tandem/config/parameter_text.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/map/map_file.hpp"
 #include "tandem/model/frame_tree.hpp"
@@ -20,11 +21,19 @@ Pose2 start_of(const DiffDriveSimNodeParams& params) {
   return {params.start[0], params.start[1], params.start[2]};
 }
 
-DiffDriveSim simulation(const DiffDriveSimNodeParams& params) {
+std::shared_ptr<const StaticMap> world(rt::Node& node, const DiffDriveSimNodeParams& params) {
   if (params.map.empty())
     throw std::invalid_argument("map: give the path of an OctoMap (.bt, .ot) or of a map's YAML");
-  auto map = std::make_shared<const StaticMap>(slice(*load_map(params.map), params.slice),
-                                               params.unknown_is_obstacle);
+  const std::string key = file_key(params.map) + parameter_text(params.slice) +
+                          (params.unknown_is_obstacle ? "!" : "?");
+  return node.cached<const StaticMap>(key, [&] {
+    return std::make_shared<const StaticMap>(slice(*load_map(params.map), params.slice),
+                                             params.unknown_is_obstacle);
+  });
+}
+
+DiffDriveSim simulation(const DiffDriveSimNodeParams& params,
+                        std::shared_ptr<const StaticMap> map) {
   DiffDriveSim sim{params.sim, params.robot, std::move(map), static_cast<unsigned>(params.seed)};
   sim.put(people_of(params));
   sim.reset(start_of(params), static_cast<unsigned>(params.seed));
@@ -51,7 +60,7 @@ rt::Interface DiffDriveSimNode::interface() {
 DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<Params>()},
-      sim_{simulation(*params_)},
+      sim_{simulation(*params_, world(node, *params_))},
       source_{source_timeout(params_->robot)},
       scan_random_{static_cast<unsigned>(params_->seed)},
       clock_{node.create_publisher(topics::clock)},

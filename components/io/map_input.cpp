@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tandem/config/parameter_text.hpp"
 #include "tandem/io/conversions.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/map/octomap_file.hpp"
@@ -38,9 +39,7 @@ std::string key_of(const Grid& grid, bool unknown_is_obstacle) {
 
 std::string key_of(const octomap_msgs::msg::Octomap& msg, const SliceParams& heights) {
   std::string key = fmt::format("{} {} {}", msg.id(), msg.binary(), msg.resolution());
-  SliceParams all = heights;
-  all.visit([&](const char*, double value, const auto&...) { key += fmt::format(" {}", value); });
-  key += ' ';
+  key += parameter_text(heights);
   return key.append(reinterpret_cast<const char*>(msg.data().data()), msg.data().size());
 }
 

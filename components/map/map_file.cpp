@@ -23,6 +23,12 @@ std::unique_ptr<octomap::OcTree> load_walls(const std::filesystem::path& file, d
 
 }  // namespace
 
+std::string file_key(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(file, error).time_since_epoch().count();
+  return file.string() + '@' + std::to_string(error ? 0 : written) + ' ';
+}
+
 bool is_yaml(const std::filesystem::path& file) {
   return file.extension() == ".yaml" || file.extension() == ".yml";
 }

@@ -32,12 +32,16 @@ class MapServerNode {
   [[nodiscard]] static rt::Interface interface();
 
  private:
+  struct Messages {
+    octomap_msgs::msg::Octomap octomap;
+    nav_msgs::msg::OccupancyGrid map;
+  };
+  [[nodiscard]] static Messages load(const MapServerParams& params);
   void publish();
 
   rt::Node& node_;
   rt::Parameters<MapServerParams> params_;
-  octomap_msgs::msg::Octomap octomap_msg_;  // empty once published
-  nav_msgs::msg::OccupancyGrid map_msg_;    // likewise
+  std::shared_ptr<const Messages> messages_;  // without headers; null once published
   rt::Publisher<octomap_msgs::msg::Octomap> octomap_;
   rt::Publisher<nav_msgs::msg::OccupancyGrid> map_;
   rt::Timer clock_begins_;

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "tandem/config/parameter_text.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/model/reasons.hpp"
 #include "tandem/runtime/component.hpp"
@@ -40,10 +41,8 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
 // As long as its map stays, an extractor only adds tiles, which are the same for all drives in it.
 std::shared_ptr<Extractor> ObstacleExtractorNode::extractor_of(
     const std::shared_ptr<const StaticMap>& map, const ExtractorParams& params) const {
-  std::string key = fmt::format("{} {}", fmt::ptr(map.get()), params.width);
-  ExtractorParams all = params;
-  all.visit(
-      [&](const char*, const auto& value, const auto&...) { key += fmt::format(" {}", value); });
+  const std::string key =
+      fmt::format("{} {} {}", fmt::ptr(map.get()), params.width, parameter_text(params));
   return node_.cached<Extractor>(key, [&] { return std::make_shared<Extractor>(map, params); });
 }
 

@@ -2,12 +2,12 @@
 #include "bringup/drive/drive_world.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <stdexcept>
 
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/scenario/shortest_path.hpp"
+#include "tandem/config/parameter_text.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
 #include "tandem/map/map_file.hpp"
 
@@ -16,19 +16,6 @@ namespace {
 
 DiffDriveSimNodeParams simulator_in(const System& system) {
   return parameters_of<DiffDriveSimNodeParams>(system, "diff_drive_sim");
-}
-
-// Names and values of all parameters, as part of a world's key.
-template <class P>
-std::string text_of(P params) {
-  std::string text;
-  params.visit([&](const char* name, const auto& value, const auto&...) {
-    if constexpr (std::ranges::range<decltype(value)>)
-      text += fmt::format("{}={};", name, fmt::join(value, ","));
-    else
-      text += fmt::format("{}={};", name, value);
-  });
-  return text;
 }
 
 std::string text_of_place(const Scenario& scenario) {
@@ -85,7 +72,7 @@ void check_places(const Scenario& scenario, const System& system, const StaticMa
 
 DriveWorld DriveWorlds::of(const Scenario& scenario, const System& system) {
   const auto sim = simulator_in(system);
-  const std::string key = sim.map + text_of(sim.slice) + text_of(sim.robot) +
+  const std::string key = sim.map + parameter_text(sim.slice) + parameter_text(sim.robot) +
                           text_of_place(scenario) + fmt::format(";{}", sim.unknown_is_obstacle);
   const auto known = std::find_if(worlds_.begin(), worlds_.end(),
                                   [&](const Kept& kept) { return kept.key == key; });

@@ -60,7 +60,8 @@ void Lockstep::check(const Scenario& scenario, const DriveOptions& options) {
   try {
     const System system = system_of(drive, options);
     check_places(drive, system, *worlds_->of(drive, system).map);
-    const RunningSystem constructed{on_bus(system, std::make_shared<rt::LocalBus>())};
+    const auto bus = std::make_shared<rt::LocalBus>(drive.seed, cache_);
+    const RunningSystem constructed{on_bus(system, bus)};
   } catch (const std::exception& error) {
     const std::string what = error.what();
     if (what.starts_with(drive.path)) throw;
