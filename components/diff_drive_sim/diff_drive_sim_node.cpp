@@ -5,9 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tandem/config/parameter_text.hpp"
 #include "tandem/io/topics.hpp"
-#include "tandem/map/map_file.hpp"
 #include "tandem/model/frame_tree.hpp"
 #include "tandem/model/urdf.hpp"
 #include "tandem/runtime/component.hpp"
@@ -22,14 +20,8 @@ Pose2 start_of(const DiffDriveSimNodeParams& params) {
 }
 
 std::shared_ptr<const StaticMap> world(rt::Node& node, const DiffDriveSimNodeParams& params) {
-  if (params.map.empty())
-    throw std::invalid_argument("map: give the path of an OctoMap (.bt, .ot) or of a map's YAML");
-  const std::string key = file_key(params.map) + parameter_text(params.slice) +
-                          (params.unknown_is_obstacle ? "!" : "?");
-  return node.cached<const StaticMap>(key, [&] {
-    return std::make_shared<const StaticMap>(slice(*load_map(params.map), params.slice),
-                                             params.unknown_is_obstacle);
-  });
+  return node.cached<const StaticMap>(key_of_world(params),
+                                      [&] { return simulated_world(params); });
 }
 
 DiffDriveSim simulation(const DiffDriveSimNodeParams& params,

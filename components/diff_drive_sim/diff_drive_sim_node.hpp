@@ -2,15 +2,21 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <random>
+#include <stdexcept>
+#include <string>
 
+#include "tandem/config/parameter_text.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim.hpp"
 #include "tandem/diff_drive_sim/single_source.hpp"
 #include "tandem/io/conversions.hpp"
 #include "tandem/io/robot_description.hpp"
 #include "tandem/io/twist_input.hpp"
+#include "tandem/map/map_file.hpp"
 #include "tandem/map/slice.hpp"
+#include "tandem/map/static_map.hpp"
 #include "tandem/runtime/node.hpp"
 
 namespace tandem {
@@ -90,6 +96,22 @@ struct DiffDriveSimNodeParams {
 /// The people of the parameters. Throws std::invalid_argument as walkers_of does.
 [[nodiscard]] inline People people_of(const DiffDriveSimNodeParams& params) {
   return {walkers_of(params.people), People::kAcceleration};
+}
+
+/// The map in which the simulator drives. Throws std::invalid_argument without a map file, and what
+/// load_map and slice throw.
+[[nodiscard]] inline std::shared_ptr<const StaticMap> simulated_world(
+    const DiffDriveSimNodeParams& params) {
+  if (params.map.empty())
+    throw std::invalid_argument("map: give the path of an OctoMap (.bt, .ot) or of a map's YAML");
+  return std::make_shared<const StaticMap>(slice(*load_map(params.map), params.slice),
+                                           params.unknown_is_obstacle);
+}
+
+/// The key under which a rt::ResultCache holds simulated_world().
+[[nodiscard]] inline std::string key_of_world(const DiffDriveSimNodeParams& params) {
+  return fmt::format("{} {}; {}", file_key(params.map), parameter_text(params.slice),
+                     params.unknown_is_obstacle);
 }
 
 /// cmd_vel, initialpose → odom, tf, tf_static, ground_truth/odom, people, scan, collision, /clock.

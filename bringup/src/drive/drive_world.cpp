@@ -7,9 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "bringup/scenario/shortest_path.hpp"
-#include "tandem/config/parameter_text.hpp"
 #include "tandem/diff_drive_sim/diff_drive_sim_node.hpp"
-#include "tandem/map/map_file.hpp"
 
 namespace tandem {
 namespace {
@@ -42,12 +40,16 @@ void require_on_map(const char* key, const Eigen::Vector2d& p_M, const Scenario&
 
 }  // namespace
 
-DriveWorld drive_world(const Scenario& scenario, const System& system) {
+DriveWorld drive_world(const Scenario& scenario, const System& system, rt::ResultCache& cache) {
   const auto sim = simulator_in(system);
-  auto map = std::make_shared<const StaticMap>(slice(*load_map(sim.map), sim.slice),
-                                               sim.unknown_is_obstacle);
+  auto map = cache.get<const StaticMap>(key_of_world(sim), [&] { return simulated_world(sim); });
   const auto length = shortest_path(*map, footprint_of(sim.robot), scenario.start, scenario.goal);
   return {std::move(map), length};
+}
+
+DriveWorld drive_world(const Scenario& scenario, const System& system) {
+  rt::ResultCache none{1};
+  return drive_world(scenario, system, none);
 }
 
 void check_places(const Scenario& scenario, const System& system, const StaticMap& world) {
@@ -72,8 +74,7 @@ void check_places(const Scenario& scenario, const System& system, const StaticMa
 
 DriveWorld DriveWorlds::of(const Scenario& scenario, const System& system) {
   const auto sim = simulator_in(system);
-  const std::string key = sim.map + parameter_text(sim.slice) + parameter_text(sim.robot) +
-                          text_of_place(scenario) + fmt::format(";{}", sim.unknown_is_obstacle);
+  const std::string key = key_of_world(sim) + parameter_text(sim.robot) + text_of_place(scenario);
   const auto known = std::find_if(worlds_.begin(), worlds_.end(),
                                   [&](const Kept& kept) { return kept.key == key; });
   if (known != worlds_.end()) {
@@ -81,7 +82,7 @@ DriveWorld DriveWorlds::of(const Scenario& scenario, const System& system) {
     return worlds_.back().world;
   }
   if (worlds_.size() >= kMaxWorlds) worlds_.erase(worlds_.begin());
-  worlds_.push_back({key, drive_world(scenario, system)});
+  worlds_.push_back({key, drive_world(scenario, system, *cache_)});
   return worlds_.back().world;
 }
 

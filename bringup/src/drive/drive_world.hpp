@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bringup/scenario/scenario.hpp"
 #include "tandem/map/static_map.hpp"
+#include "tandem/runtime/result_cache.hpp"
 
 namespace tandem {
 
@@ -20,6 +22,9 @@ struct DriveWorld {
 
 /// The world of a drive. Throws what load_map and slice throw.
 [[nodiscard]] DriveWorld drive_world(const Scenario& scenario, const System& system);
+/// The same; the map is shared with the simulators on the buses of that cache.
+[[nodiscard]] DriveWorld drive_world(const Scenario& scenario, const System& system,
+                                     rt::ResultCache& cache);
 
 /// Throws std::invalid_argument if the start or the goal (of a region, the centre) is outside the
 /// map, if the start is in an obstacle, or if the map's slice has no occupied cell, which hints at
@@ -29,6 +34,7 @@ void check_places(const Scenario& scenario, const System& system, const StaticMa
 /// Keeps the most recently used worlds, which speeds up repeated drives in one of them.
 class DriveWorlds {
  public:
+  explicit DriveWorlds(std::shared_ptr<rt::ResultCache> cache) : cache_{std::move(cache)} {}
   /// As drive_world().
   [[nodiscard]] DriveWorld of(const Scenario& scenario, const System& system);
 
@@ -38,6 +44,7 @@ class DriveWorlds {
     std::string key;  // every input that the world depends on
     DriveWorld world;
   };
+  std::shared_ptr<rt::ResultCache> cache_;
   std::vector<Kept> worlds_;
 };
 

@@ -70,8 +70,8 @@ void Lockstep::check(const Scenario& scenario, const DriveOptions& options) {
 }
 
 Lockstep::Lockstep()
-    : worlds_{std::make_unique<DriveWorlds>()},
-      cache_{std::make_shared<rt::ResultCache>(kMaxResults)} {}
+    : cache_{std::make_shared<rt::ResultCache>(kMaxResults)},
+      worlds_{std::make_unique<DriveWorlds>(cache_)} {}
 Lockstep::~Lockstep() = default;
 
 DriveLog drive_in_lockstep(const Scenario& scenario, const DriveOptions& options,

@@ -41,8 +41,8 @@ class Lockstep {
                                const Prepare& prepare);
 
  private:
-  std::unique_ptr<class DriveWorlds> worlds_;
   std::shared_ptr<rt::ResultCache> cache_;
+  std::unique_ptr<class DriveWorlds> worlds_;
 };
 
 /// Runs a single drive in lockstep; see Lockstep.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <mutex>
 #include <stdexcept>
 
 #include <spdlog/fmt/fmt.h>
@@ -16,6 +17,7 @@
 #include "tandem/map/octomap_file.hpp"
 #include "tandem/map/path_search.hpp"
 #include "tandem/map/slice.hpp"
+#include "tandem/runtime/result_cache.hpp"
 
 namespace tandem {
 namespace {
@@ -23,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kRadiusStep = 0.02;  // [m] between the radii tried for the widest path
+constexpr std::size_t kKeptWorlds = 64;
 
 const char* const kClutter = "clutter";
 
@@ -86,11 +89,39 @@ std::string route(const StaticMap& map, const Pose2& start, const Goal& goal) {
   return text + "]";
 }
 
-// Gives the driver the widest path, unless the scenario sets a route.
-void tell_the_way(Scenario& scenario, const StaticMap& map) {
-  auto& driver = scenario.parameters["driver"];
-  if (!driver.contains("route"))
-    driver["route"] = {route(map, scenario.start, scenario.goal), scenario.path};
+// A world of a family as a file. `route`, as the driver's parameter, is the widest path through it,
+// or empty if the scenario sets one.
+struct SavedWorld {
+  std::string file, route;
+};
+
+bool needs_route(const Scenario& scenario) {
+  const auto driver = scenario.parameters.find("driver");
+  return driver == scenario.parameters.end() || !driver->second.contains("route");
+}
+
+SavedWorld make_world(const Scenario& scenario) {
+  const World world = world_of(scenario.map, scenario.seed);
+  const auto tree = build_octomap(world.description);
+  const std::string file = save(*tree, world.name).string();
+  if (!needs_route(scenario)) return {file, {}};
+  return {file, route(StaticMap{slice(*tree, {})}, scenario.start, scenario.goal)};
+}
+
+// Each drive asks several times, and those by other methods ask for the same world.
+SavedWorld saved_world(const Scenario& scenario) {
+  static std::mutex mutex;
+  static rt::ResultCache worlds{kKeptWorlds};
+  const Pose2& X = scenario.start;
+  const Eigen::Vector2d goal = place_of(scenario.goal).value_or(Eigen::Vector2d::Zero());
+  const std::string key =
+      fmt::format("{} {} {} {} {} {} {} {}", file_key(scenario.map), scenario.seed, X.x, X.y,
+                  X.theta, goal.x(), goal.y(), needs_route(scenario));
+  const std::lock_guard lock{mutex};
+  const auto make = [&] { return std::make_shared<SavedWorld>(make_world(scenario)); };
+  auto world = worlds.get<SavedWorld>(key, make);
+  if (!fs::exists(world->file)) *world = make_world(scenario);
+  return *world;
 }
 
 }  // namespace
@@ -104,10 +135,9 @@ void check_seed(const std::string& map, unsigned seed) {
 }
 
 Scenario in_its_world(Scenario scenario) {
-  const World world = world_of(scenario.map, scenario.seed);
-  const auto tree = build_octomap(world.description);
-  scenario.map = save(*tree, world.name).string();
-  tell_the_way(scenario, StaticMap{slice(*tree, {})});
+  const SavedWorld world = saved_world(scenario);
+  if (needs_route(scenario)) scenario.parameters["driver"]["route"] = {world.route, scenario.path};
+  scenario.map = world.file;
   return scenario;
 }
 
@@ -130,7 +160,10 @@ Scenario with_its_goal(Scenario scenario) {
   SliceParams params;
   rt::ParameterStore store{"/slice", {.values = scenario.slice}};
   params.visit(store);
-  tell_the_way(scenario, StaticMap{slice(*load_map(scenario.map), params)});
+  if (!needs_route(scenario)) return scenario;
+  const StaticMap map{slice(*load_map(scenario.map), params)};
+  scenario.parameters["driver"]["route"] = {route(map, scenario.start, scenario.goal),
+                                            scenario.path};
   return scenario;
 }
 
