@@ -34,8 +34,9 @@ void write(int level, const CubeIndex& index, const CubeContents& contents, std:
 std::unique_ptr<octomap::OcTree> octree_of_cubes(double resolution, const CubeContents& contents) {
   std::string bytes;
   write(kTreeDepth, {0, 0, 0}, contents, bytes);
-  std::istringstream stream{std::move(bytes)};
   auto tree = std::make_unique<octomap::OcTree>(resolution);
+  if (bytes == std::string(2, '\0')) return tree;  // a root without children would be a leaf
+  std::istringstream stream{std::move(bytes)};
   tree->readBinaryData(stream);
   tree->getRoot()->updateOccupancyChildren();  // OctoMap leaves the root occupied
   return tree;

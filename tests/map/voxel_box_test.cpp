@@ -61,6 +61,12 @@ TEST(VoxelBox, GivesTheTreeThatOctoMapBuildsVoxelByVoxel) {
   }
 }
 
+TEST(VoxelBox, GivesAnEmptyTreeIfNothingIsKnown) {
+  const auto tree = octree_of(VoxelBox{{32768, 32768, 32768}, {3, 4, 5}}, 0.1);
+  EXPECT_EQ(tree->size(), 0U);
+  EXPECT_EQ(tree->getRoot(), nullptr);
+}
+
 TEST(VoxelBox, WhatIsOutsideIsUnknown) {
   VoxelBox box{{10, 20, 30}, {2, 2, 2}};
   box.set_column(10, 20, 30, 32, Cube::kFree);

@@ -21,7 +21,7 @@ using CubeIndex = std::array<int, 3>;
 using CubeContents = std::function<Cube(int level, const CubeIndex& index)>;
 
 /// The tree with these contents, its free and occupied leaves at the clamping thresholds as in a
-/// .bt file. At least one voxel must be known.
+/// .bt file; empty if no voxel is known.
 [[nodiscard]] std::unique_ptr<octomap::OcTree> octree_of_cubes(double resolution,
                                                                const CubeContents& contents);
 

@@ -36,7 +36,7 @@ class VoxelBox {
   std::vector<Cube> cubes_;  // z varies fastest
 };
 
-/// The pruned tree of the voxels, of which one at least must be known. Indices are OctoMap's keys.
+/// The pruned tree of the voxels, empty if none is known. Indices are OctoMap's keys.
 [[nodiscard]] std::unique_ptr<octomap::OcTree> octree_of(VoxelBox voxels, double resolution);
 
 }  // namespace tandem
