@@ -14,6 +14,11 @@
 
 #include "tandem/runtime/detail/dds.hpp"
 #include "tandem/runtime/environment.hpp"
+#if TANDEM_FASTDDS_3
+#include <fastdds/LibrarySettings.hpp>
+#else
+#include <fastrtps/xmlparser/XMLProfileManager.h>
+#endif
 
 namespace tandem::runtime {
 namespace {
@@ -95,6 +100,24 @@ void check_dds_settings() {
       !file.empty() && !std::filesystem::is_regular_file(file))
     refuse(kEnvironmentFileVariable, file, "no such file; correct the path or unset the variable");
   check_profiles();
+}
+
+void announce_by_network() {
+#if TANDEM_FASTDDS_3
+  using namespace eprosima::fastdds;
+  auto* factory = fdds::DomainParticipantFactory::get_instance();
+  LibrarySettings settings;
+  factory->get_library_settings(settings);
+  if (settings.intraprocess_delivery != INTRAPROCESS_FULL) return;
+  settings.intraprocess_delivery = INTRAPROCESS_USER_DATA_ONLY;
+  (void)factory->set_library_settings(settings);  // refused if a program's own participant exists
+#else
+  using eprosima::fastrtps::xmlparser::XMLProfileManager;
+  auto settings = XMLProfileManager::library_settings();
+  if (settings.intraprocess_delivery != eprosima::fastrtps::INTRAPROCESS_FULL) return;
+  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_USER_DATA_ONLY;
+  XMLProfileManager::library_settings(settings);
+#endif
 }
 
 // Without a server, a super client would find nobody. Fast DDS 3 reads the variable itself.

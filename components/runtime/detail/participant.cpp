@@ -174,6 +174,7 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
   fdds::DomainParticipantQos qos;
   auto* factory = fdds::DomainParticipantFactory::get_instance();
   factory->load_profiles();
+  announce_by_network();
   factory->get_default_participant_qos(qos);
   qos.name(enclave());
   const std::string user_data = "enclave=" + enclave() + ";";
