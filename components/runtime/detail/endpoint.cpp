@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 #include "tandem/runtime/detail/codec.hpp"
@@ -93,8 +94,14 @@ auto created(const SharedTopic& topic, const std::string& what, Create create) {
                                           : ""));
 }
 
+// Fast DDS 2.9.1 removes a reader from a list of its participant without the lock under which it
+// adds one (WLP::remove_local_reader), but nodes open and close subscriptions on threads of their
+// own.
+std::mutex readers_of_process;
+
 fdds::DataReader* make_reader(const SharedTopic& topic, const Participant& participant,
                               const Endpoint& endpoint) {
+  const std::lock_guard lock{readers_of_process};
   return created(topic, "a subscription to " + ros_name(endpoint.topic), [&] {
     return topic.participant().subscriber().create_datareader(
         topic.dds(), reader_qos(participant, endpoint), nullptr, fdds::StatusMask::none());
@@ -145,7 +152,10 @@ Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliv
   dds_->get_statuscondition().set_enabled_statuses(fdds::StatusMask::data_available());
 }
 
-Reader::~Reader() { topic_.participant().subscriber().delete_datareader(dds_); }
+Reader::~Reader() {
+  const std::lock_guard lock{readers_of_process};
+  topic_.participant().subscriber().delete_datareader(dds_);
+}
 
 bool Reader::is_due() const {
   return waiting_ ||
