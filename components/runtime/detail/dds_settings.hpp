@@ -23,8 +23,9 @@ TANDEM_EXPORT_FOR_TESTS void check_discovery_servers(const std::string& servers)
 
 /// Has the participants of this process announce endpoints to each other by the network, as to
 /// those of other processes. By Fast DDS's direct calls they now and then stayed without each
-/// other's endpoints for good (2.9.1: in 4 of 435 starts while endpoints came and went). Keeps what
-/// a profile sets. Call it before a participant is created and after profiles are loaded.
+/// other's endpoints for good (2.9.1: in about one of a hundred starts while endpoints came and
+/// went). Does not change another setting of a profile. Call it before a participant is created and
+/// after profiles are loaded.
 void announce_by_network();
 
 /// Makes the participant learn of everything behind a discovery server if ROS_SUPER_CLIENT is TRUE,
