@@ -16,7 +16,7 @@ namespace tandem::runtime {
 /// How far a writer has come, judged by what its messages claim.
 class WriterReach {
  public:
-  static constexpr std::int64_t kLeap = 32;      ///< of a writer, unless said otherwise
+  static constexpr std::int64_t kLeap = 32;      ///< `leap` of most writers
   static constexpr std::int64_t kWindow = 2048;  ///< claims this close to each other agree
   static constexpr int kClaims = 3;              ///< agreeing claims that prove a leap, over at
   static constexpr double kProofTime = 0.1;      ///< least this time [s]

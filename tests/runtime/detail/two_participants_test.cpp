@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <atomic>
-#include <chrono>
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -32,10 +30,11 @@ std::vector<rt::Publisher<M>> publishers_on_all(rt::Node& node) {
   return all;
 }
 
-// Makes nodes with endpoints in both participants and destroys them, until stopped.
-void come_and_go(const std::string& name, unsigned seed, const std::atomic<bool>& stop) {
+// Makes nodes with endpoints in both participants and destroys them.
+void come_and_go(const std::string& name, unsigned seed) {
+  constexpr int kNodes = 6;
   std::mt19937 random{seed};
-  while (!stop) {
+  for (int n = 0; n < kNodes; ++n) {
     rt::Node node{name};
     std::vector<rt::Publisher<Twist>> plain;
     std::vector<rt::Publisher<TwistStamped>> stamped;
@@ -43,7 +42,6 @@ void come_and_go(const std::string& name, unsigned seed, const std::atomic<bool>
       plain.push_back(node.create_publisher(rt::Topic<Twist>{kNames[random() % 5], {}}));
       stamped.push_back(node.create_publisher(rt::Topic<TwistStamped>{kNames[random() % 5], {}}));
     }
-    std::this_thread::sleep_for(std::chrono::microseconds{random() % 3000});
   }
 }
 
@@ -61,11 +59,8 @@ void meet(unsigned seed) {
   const auto stamped = publishers_on_all<TwistStamped>(first);
   rt::Node watcher{"watcher"};
   const rt::DomainView view{watcher};
-  std::atomic<bool> stop = false;
-  std::thread one{[&] { come_and_go("one", 2 * seed, stop); }};
-  std::thread two{[&] { come_and_go("two", 2 * seed + 1, stop); }};
-  std::this_thread::sleep_for(std::chrono::milliseconds{10});
-  stop = true;
+  std::thread one{come_and_go, "one", 2 * seed};
+  std::thread two{come_and_go, "two", 2 * seed + 1};
   one.join();
   two.join();
   rt::Node late{"late"};
