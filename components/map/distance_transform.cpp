@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/map/distance_transform.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -89,6 +90,44 @@ std::vector<double> distance_transform(const std::vector<std::uint8_t>& is_obsta
                 std::min(row[x], x + 1 < columns ? row[x + 1] : kUnbounded));
     edges.lower(row, columns);
     for (std::size_t x = 0; x < columns; ++x) row[x] = std::sqrt(row[x]);  // (1)
+  }
+  return result;
+}
+
+// All sums are multiples of ¼ far below 2²², which floats represent exactly.
+std::vector<float> distance_transform(const std::vector<std::uint8_t>& is_obstacle, int width,
+                                      int height, int most) {
+  using Row = Eigen::ArrayXf;
+  using Plane = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto far = static_cast<float>(most) + 1.0F;
+  const Eigen::Map<
+      const Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
+      obstacle{is_obstacle.data(), height, width};
+  Plane steps(height, width);  // along the column to the nearest obstacle cell, at most `far`
+  Row last = Row::Constant(width, far);
+  const auto step = [&](int y) {
+    last = (1.0F - obstacle.row(y).cast<float>().transpose()) * (last + 1.0F).min(far);
+  };
+  for (int y = 0; y < height; ++y) {
+    step(y);
+    steps.row(y) = last.transpose();
+  }
+  last.setConstant(far);
+  std::vector<float> result(is_obstacle.size());
+  Row padded = Row::Constant(width + 2 * most, far * far);
+  for (int y = height - 1; y >= 0; --y) {
+    step(y);
+    auto own = padded.segment(most, width);
+    own = (last.min(steps.row(y).transpose()) - 0.5F).max(0.0F).square();
+    Eigen::Map<Row> row{result.data() + static_cast<std::ptrdiff_t>(y) * width, width};
+    row = own;
+    for (int k = 1; k <= most; ++k) {
+      const float gap = (static_cast<float>(k) - 0.5F) * (static_cast<float>(k) - 0.5F);
+      row =
+          row.min(padded.segment(most - k, width) + gap).min(padded.segment(most + k, width) + gap);
+    }
+    // (1); Eigen's square root of floats is an approximation
+    row = row.cast<double>().sqrt().cast<float>().min(static_cast<float>(most));
   }
   return result;
 }

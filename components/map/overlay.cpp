@@ -41,6 +41,7 @@ Cell stronger(Cell a, Cell b) {
 }  // namespace
 
 void lay_over(Grid& out, const Grid& in) {
+  if (in.cells.empty()) return;
   const auto columns =
       overlaps(out.origin.x(), out.resolution, out.width, in.origin.x(), in.resolution, in.width);
   const auto rows =

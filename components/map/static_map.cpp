@@ -2,6 +2,7 @@
 #include "tandem/map/static_map.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -30,10 +31,12 @@ bool counts(Cell cell, bool unknown_is_obstacle) {
   return cell == Cell::kOccupied || (unknown_is_obstacle && cell == Cell::kUnknown);
 }
 
-// The largest float that does not exceed the value.
+// The largest float that does not exceed the value, which is not negative. Without a call, so that
+// the compiler can do several at once.
 float round_down(double value) {
   const auto rounded = static_cast<float>(value);
-  return static_cast<double>(rounded) <= value ? rounded : std::nextafter(rounded, 0.0F);
+  const auto bits = std::bit_cast<std::uint32_t>(rounded);
+  return std::bit_cast<float>(bits - (static_cast<double>(rounded) > value ? 1U : 0U));
 }
 
 // Axis-parallel box.
@@ -160,12 +163,18 @@ StaticMap::StaticMap(Grid grid, bool unknown_is_obstacle)
     obstacles[i] = counts(grid_.cells[i], unknown_is_obstacle) ? 1 : 0;
   const std::vector<double> cells = distance_transform(obstacles, grid_.width, grid_.height);
   distance_.resize(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    distance_[i] = round_down(grid_.resolution * cells[i]);
+  if (unknown_is_obstacle_) limit_to_border();
+}
+
+// Outside the grid everything is unknown.
+void StaticMap::limit_to_border() {
   std::size_t i = 0;
   for (int iy = 0; iy < grid_.height; ++iy)
     for (int ix = 0; ix < grid_.width; ++ix, ++i) {
       const int to_border = std::min({ix, iy, grid_.width - 1 - ix, grid_.height - 1 - iy});
-      const double outside = unknown_is_obstacle_ ? to_border + 0.5 : kInfinity;
-      distance_[i] = round_down(grid_.resolution * std::min(cells[i], outside));
+      distance_[i] = std::min(distance_[i], round_down(grid_.resolution * (to_border + 0.5)));
     }
 }
 

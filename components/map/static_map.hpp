@@ -61,6 +61,7 @@ class StaticMap {
                               double radius) const;
 
  private:
+  void limit_to_border();
   [[nodiscard]] float field(int ix, int iy) const;
   // Includes `ring` rows and columns beyond each side of the grid.
   [[nodiscard]] std::vector<Eigen::Vector2d> cells_near(const Eigen::Vector2d& p_MQ, double radius,
