@@ -58,7 +58,8 @@ struct MapInputParams {
                                                           const MapInputParams& params,
                                                           const VirtualFixtures& fixtures);
 
-/// Ground unknown to both maps, as obstacles; everything outside the grid counts as unknown.
+/// Ground unknown to both maps, as obstacles, within 5 m of the robot or `local_reach`; everything
+/// farther away counts as unknown.
 [[nodiscard]] std::shared_ptr<const StaticMap> unseen_ground_over(const Grid& known,
                                                                   const Grid& local,
                                                                   const Eigen::Vector2d& p_MB,

@@ -22,6 +22,7 @@ constexpr std::size_t kColor = 3;                   // [bytes]
 constexpr std::uintmax_t kLargestFile = 1U << 30U;  // [bytes]
 constexpr double kFinest = 1e-3, kCoarsest = 10.0;  // resolution [m]
 const std::string kWrongContent = "the data are truncated or damaged";
+const std::string kNothingOccupied = "the map has no occupied voxel";
 
 struct Header {
   OctomapFormat format;
@@ -182,8 +183,22 @@ DecodedOctomap decode(const OctomapFormat& format, std::string_view data,
   }
   auto tree = read_tree(format, data);
   if (!tree) return {nullptr, kWrongContent};
-  if (!may_be_empty && !has_occupied(*tree)) return {nullptr, "the map has no occupied voxel"};
+  if (!may_be_empty && !has_occupied(*tree)) return {nullptr, kNothingOccupied};
   return {std::move(tree), {}};
+}
+
+bool has_occupied(std::string_view data) {
+  bool found = false;
+  for_binary_leaves(data,
+                    [&](const auto&, int, bool is_occupied) { found = found || is_occupied; });
+  return found;
+}
+
+// Of binary data that are not empty; the error is empty where there is a slice.
+std::string slice_error(const OctomapFormat& format, std::string_view data, bool may_be_empty) {
+  if (std::string error = format_error(format); !error.empty()) return error;
+  if (!count_binary_nodes(data)) return kWrongContent;
+  return may_be_empty || has_occupied(data) ? "" : kNothingOccupied;
 }
 
 bool has_promised_size(const Header& header, const octomap::OcTree& tree) {
@@ -195,6 +210,19 @@ bool has_promised_size(const Header& header, const octomap::OcTree& tree) {
 DecodedOctomap decode_octomap(const OctomapFormat& format, std::span<const std::int8_t> data,
                               bool may_be_empty) {
   return decode(format, {reinterpret_cast<const char*>(data.data()), data.size()}, may_be_empty);
+}
+
+Grid slice_octomap(const OctomapFormat& format, std::span<const std::int8_t> data,
+                   const SliceParams& params, bool may_be_empty) {
+  if (format.binary && !data.empty()) {
+    const std::string_view bytes{reinterpret_cast<const char*>(data.data()), data.size()};
+    if (const std::string error = slice_error(format, bytes, may_be_empty); !error.empty())
+      throw std::runtime_error(error);
+    return slice_binary(bytes, format.resolution, params);
+  }
+  const DecodedOctomap decoded = decode_octomap(format, data, may_be_empty);
+  if (!decoded.tree) throw std::runtime_error(decoded.error);
+  return slice(*decoded.tree, params);
 }
 
 std::vector<std::int8_t> encode_octomap(const octomap::OcTree& tree) {

@@ -11,6 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "tandem/map/grid.hpp"
+#include "tandem/map/slice.hpp"
+
 namespace tandem {
 
 /// The fields of an octomap_msgs/Octomap that describe its bytes.
@@ -33,6 +36,11 @@ struct DecodedOctomap {
 [[nodiscard]] DecodedOctomap decode_octomap(const OctomapFormat& format,
                                             std::span<const std::int8_t> data,
                                             bool may_be_empty = false);
+
+/// The slice of the map that decode_octomap reads; binary data are sliced without building a tree.
+/// Throws std::runtime_error with the error in the bytes, and as slice().
+[[nodiscard]] Grid slice_octomap(const OctomapFormat& format, std::span<const std::int8_t> data,
+                                 const SliceParams& params, bool may_be_empty = false);
 
 /// The `data` of a binary octomap_msgs/Octomap (id "OcTree").
 [[nodiscard]] std::vector<std::int8_t> encode_octomap(const octomap::OcTree& tree);

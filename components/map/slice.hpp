@@ -5,6 +5,8 @@
 
 #include <octomap/OcTree.h>
 
+#include <string_view>
+
 #include "tandem/config/params.hpp"
 #include "tandem/map/grid.hpp"
 
@@ -38,5 +40,10 @@ struct SliceParams {
 /// std::invalid_argument if z_min ≥ z_max, or with a drop_off if z_min ≤ −drop_off;
 /// std::runtime_error if the plane would have more than 10⁸ cells.
 [[nodiscard]] Grid slice(const octomap::OcTree& tree, const SliceParams& params);
+
+/// The same for the data of a binary map (see count_binary_nodes, which must accept them) at this
+/// resolution [m], without building its tree.
+[[nodiscard]] Grid slice_binary(std::string_view data, double resolution,
+                                const SliceParams& params);
 
 }  // namespace tandem

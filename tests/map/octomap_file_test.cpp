@@ -303,8 +303,16 @@ TEST(OctomapMessage, SurvivesAnyDamage) {
     auto data = good;
     for (int k = 0; k <= i % 4; ++k) data[at(random)] = static_cast<std::int8_t>(byte(random));
     if (i % 3 == 0) data.resize(at(random));
-    const DecodedOctomap decoded = decode_octomap({.binary = i % 5 != 0, .resolution = 0.1}, data);
+    const OctomapFormat format{.binary = i % 5 != 0, .resolution = 0.1};
+    const DecodedOctomap decoded = decode_octomap(format, data);
     ASSERT_NE(decoded.tree == nullptr, decoded.error.empty());
+    if (decoded.tree) continue;
+    try {
+      (void)slice_octomap(format, data, {});
+      FAIL() << "sliced although " << decoded.error;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), decoded.error);
+    }
   }
 }
 

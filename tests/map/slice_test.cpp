@@ -56,6 +56,21 @@ TEST(Slice, MatchesTheStateOfEveryVoxelInTheBand) {
   }
 }
 
+TEST(Slice, OfAMessagesBytesIsThatOfItsTree) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const octomap::OcTree tree = random_tree(seed, 0.1);
+    const auto bytes = encode_octomap(tree);
+    const SliceParams params{
+        .z_min = -0.3 + 0.05 * (seed % 5), .z_max = 0.45, .drop_off = seed % 2 == 0 ? 0.0 : 0.5};
+    const Grid of_tree = slice(tree, params),
+               of_bytes = slice_octomap({.resolution = 0.1}, bytes, params);
+    EXPECT_EQ(of_bytes.resolution, of_tree.resolution);
+    EXPECT_EQ(of_bytes.origin, of_tree.origin);
+    EXPECT_EQ(of_bytes.width, of_tree.width);
+    EXPECT_EQ(of_bytes.cells, of_tree.cells);
+  }
+}
+
 TEST(Slice, SpansTheTreesBoundingBox) {
   const octomap::OcTree tree = random_tree(3, 0.1);
   const Grid grid = slice(tree, {});
