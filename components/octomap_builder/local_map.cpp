@@ -115,13 +115,26 @@ bool LocalMap::insert(std::span<const Look> looks, double t) {
   free_.clear();
   occupied_.clear();
   for (const Look& each : looks) look(each);
+  for (const octomap::OcTreeKey& key : occupied_) {
+    tree_.updateNode(key, true, true);
+    auto [covered, is_settled] = covered_.at(key);
+    covered = t;
+    is_settled = false;
+  }
   for (const octomap::OcTreeKey& key : free_)
-    if (occupied_.count(key) == 0) tree_.updateNode(key, false, true);
-  for (const octomap::OcTreeKey& key : occupied_) tree_.updateNode(key, true, true);
-  for (const auto* keys : {&free_, &occupied_})
-    for (const octomap::OcTreeKey& key : *keys) covered_.set(key, t);
+    if (occupied_.count(key) == 0) clear(key, t);
   forget_old(t);
   return true;
+}
+
+// Once its log-odds are at their limit, another beam changes nothing: most voxels of a scan need no
+// look into the tree.
+void LocalMap::clear(const octomap::OcTreeKey& key, double t) {
+  auto [covered, is_settled] = covered_.at(key);
+  covered = t;
+  if (is_settled) return;
+  const Node* node = tree_.updateNode(key, false, true);
+  is_settled = node->getLogOdds() <= tree_.getClampingThresMinLog();
 }
 
 // Adds the look's returns to `occupied_` and the voxels along its beams to `free_`.
@@ -194,7 +207,7 @@ void LocalMap::cover(const Footprint& outline, const Pose2& X_MB, double z, doub
         continue;
       const Node* node = tree_.search(key);
       if (node == nullptr) tree_.setNodeValue(key, kUnsure, true);
-      if (node == nullptr || !tree_.isNodeOccupied(node)) covered_.set(key, t);
+      if (node == nullptr || !tree_.isNodeOccupied(node)) covered_.at(key).t = t;
     }
 }
 

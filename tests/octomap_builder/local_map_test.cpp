@@ -211,6 +211,16 @@ TEST(LocalMap, StartsOverWhenTheRobotIsMovedElsewhere) {
   EXPECT_LT(grid.width, 50);  // nothing is left of the first place
 }
 
+TEST(LocalMap, LearnsAgainWhatHadLeftItsWindow) {
+  LocalMap map({.window = 8.0});
+  const auto covered = [&](double x) { return is_free(map, {x, 0.0, kHeight}); };
+  for (int i = 0; i < 20; ++i) insert(map, one_echo(-3.9, 0.0), {}, 0.1 * i);
+  insert(map, one_echo(1.0, 0.0), {2.5, 0.0, 0.0}, 2.0);  // the window is now -2 … 6 m
+  for (double x = -3.8; x < -2.1; x += 0.05) EXPECT_FALSE(covered(x)) << x;
+  insert(map, one_echo(-3.9, 0.0), {}, 2.1);
+  for (double x = -3.8; x < -0.1; x += 0.05) EXPECT_TRUE(covered(x)) << x;
+}
+
 TEST(LocalMap, ForgetsAllWhenToldTo) {
   LocalMap map({.decay = 1.0});
   insert(map, one_echo(2.0, 0.0), {}, 0.0);
