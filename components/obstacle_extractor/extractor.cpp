@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -19,11 +20,44 @@ constexpr double kWhole = 1.0;  // [m] clusters up to this size are never split 
 constexpr double kNarrow = 0.05, kKept = 0.10;
 
 constexpr double kHalfRate = 1.0;  // [m] from the robot, at which a tile is refitted half as often
-constexpr std::size_t kPatches = 6;  // with more new cells the tile is refitted at once
-constexpr double kOffRaster = 1e-3;  // [cells] maximum offset of two grids that share a raster
+constexpr std::size_t kPatches = 6;    // with more strips of new cells the tile is refitted at once
+constexpr double kWider = 1.0 + 1e-9;  // margin so that rounding leaves no corner outside
+constexpr double kOffRaster = 1e-3;    // [cells] maximum offset of two grids that share a raster
 
 int cells(double length, const Grid& grid) {
   return std::max(1, static_cast<int>(std::ceil(length / grid.resolution - 1e-9)));
+}
+
+// Whether the whole square lies in the shape.
+bool covers(const Obstacle& shape, const Eigen::Vector2d& p_MC, double half) {
+  for (const auto& [x, y] : {std::pair{-half, -half}, {half, -half}, {half, half}, {-half, half}})
+    if (!contains(shape, p_MC + Eigen::Vector2d{x, y})) return false;
+  return true;
+}
+
+// The cells as strips one cell wide along `along`.
+std::vector<CellRect> strips_along(std::vector<CellIndex> cells, int CellIndex::*along,
+                                   int CellIndex::*across) {
+  std::sort(cells.begin(), cells.end(), [&](const CellIndex& a, const CellIndex& b) {
+    return a.*across != b.*across ? a.*across < b.*across : a.*along < b.*along;
+  });
+  std::vector<CellRect> strips;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const CellIndex& cell = cells[i];
+    const bool goes_on =
+        i > 0 && cells[i - 1].*across == cell.*across && cells[i - 1].*along + 1 == cell.*along;
+    if (!goes_on) strips.push_back({cell.ix, cell.iy, 0, 0});
+    strips.back().x1 = cell.ix + 1;
+    strips.back().y1 = cell.iy + 1;
+  }
+  return strips;
+}
+
+// The cells as strips along x or along y, whichever are fewer.
+std::vector<CellRect> strips_of(const std::vector<CellIndex>& cells) {
+  auto rows = strips_along(cells, &CellIndex::ix, &CellIndex::iy);
+  auto columns = strips_along(cells, &CellIndex::iy, &CellIndex::ix);
+  return rows.size() <= columns.size() ? rows : columns;
 }
 
 const ExtractorParams& checked(const ExtractorParams& params) {
@@ -151,41 +185,46 @@ const Extractor::Tile& Extractor::tile_at(int tx, int ty) {
   return tile;
 }
 
-// Keeps the shapes that still have cells and adds a square for each of up to kPatches new cells.
-// Returns false if that does not cover all cells.
+// Keeps the shapes that still have cells and covers new cells by up to kPatches strips. Returns
+// false if that does not cover all cells.
 bool Extractor::patch(Tile& tile) const {
-  const Grid& grid = map_->grid();
-  const double side = grid.resolution;
-  std::vector<CoverShape> alone;  // every cell as a shape of its own
+  std::vector<CellIndex> cells;
   for (const auto& cluster : tile.clusters)
-    for (const CellIndex& cell : cluster) {
-      const Eigen::Vector2d p_MC = grid.center(cell.ix - shift_.x(), cell.iy - shift_.y());
-      const double half = 0.5 * side * (1.0 + 1e-9);
-      alone.push_back({Obstacle{.id = id_of(cell, p_MC),
-                                .p_MO = p_MC,
-                                .a = half,
-                                .b = half,
-                                .shape = ObstacleShape::kRectangle},
-                       p_MC.array() - 0.5 * side, p_MC.array() + 0.5 * side});
-    }
+    for (const CellIndex& cell : cluster)
+      cells.push_back({cell.ix - shift_.x(), cell.iy - shift_.y()});
+  const Grid& grid = map_->grid();
+  const auto center = [&](const CellIndex& cell) { return grid.center(cell.ix, cell.iy); };
   std::erase_if(tile.shapes, [&](const CoverShape& shape) {
-    return std::none_of(alone.begin(), alone.end(), [&](const CoverShape& cell) {
-      return distance_to_cells(shape, cell.obstacle.p_MO) <= 0.0;
+    return std::none_of(cells.begin(), cells.end(), [&](const CellIndex& cell) {
+      return distance_to_cells(shape, center(cell)) <= 0.0;
     });
   });
-  const auto covers = [](const CoverShape& shape, const CoverShape& cell) {
-    return contains(shape.obstacle, cell.low) && contains(shape.obstacle, cell.high) &&
-           contains(shape.obstacle, {cell.low.x(), cell.high.y()}) &&
-           contains(shape.obstacle, {cell.high.x(), cell.low.y()});
-  };
-  std::erase_if(alone, [&](const CoverShape& cell) {
+  std::erase_if(cells, [&](const CellIndex& cell) {
     return std::any_of(tile.shapes.begin(), tile.shapes.end(), [&](const CoverShape& shape) {
-      return distance_to_cells(shape, cell.obstacle.p_MO) <= side && covers(shape, cell);
+      return distance_to_cells(shape, center(cell)) <= grid.resolution &&
+             covers(shape.obstacle, center(cell), 0.5 * grid.resolution);
     });
   });
-  if (alone.size() > kPatches) return false;
-  tile.shapes.insert(tile.shapes.end(), alone.begin(), alone.end());
+  const std::vector<CellRect> strips = strips_of(cells);
+  if (strips.size() > kPatches) return false;
+  for (const CellRect& strip : strips) tile.shapes.push_back(shape_of(strip));
   return true;
+}
+
+// A rectangle around the cells.
+CoverShape Extractor::shape_of(const CellRect& cells) const {
+  const Grid& grid = map_->grid();
+  const Eigen::Vector2d low = grid.origin + grid.resolution * Eigen::Vector2d(cells.x0, cells.y0);
+  const Eigen::Vector2d high = grid.origin + grid.resolution * Eigen::Vector2d(cells.x1, cells.y1);
+  const Eigen::Vector2d half = 0.5 * kWider * (high - low), p_MO = 0.5 * (low + high);
+  const bool is_upright = half.y() > half.x();
+  return {Obstacle{.id = id_of({cells.x0 + shift_.x(), cells.y0 + shift_.y()}, p_MO),
+                   .p_MO = p_MO,
+                   .a = half.maxCoeff(),
+                   .b = half.minCoeff(),
+                   .angle = is_upright ? 0.5 * std::numbers::pi : 0.0,
+                   .shape = ObstacleShape::kRectangle},
+          low, high};
 }
 
 // FNV-1a hash of a shape's lowest cell, which is unique to it, and of its centre in half cells. The
@@ -214,7 +253,7 @@ void Extractor::fit(Tile& tile, int tx, int ty) const {
     for (CellIndex& cell : cluster) cell = {cell.ix - shift_.x(), cell.iy - shift_.y()};
   const int margin = 2 * cells(kWhole, grid);
   const CellRect window{rect.x0 - margin, rect.y0 - margin, rect.x1 + margin, rect.y1 + margin};
-  const FreeSpace space(*map_, places_, window, region_);
+  const FreeSpace space(*map_, places_, window, region_, params_.max_excess);
   tile.space = space_round(rect);
   const Passages ways(*map_, places_, window, region_, params_.width, clusters);
   tile.shapes = cover(grid, clusters, space, ways,

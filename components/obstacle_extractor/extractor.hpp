@@ -55,8 +55,8 @@ struct ExtractorParams {
 /// robot can drive in, so tiles are refitted when the robot is relocalized into another region.
 ///
 /// When the map changes, a tile keeps its shapes as long as they cover its obstacle cells; a few
-/// new cells get their own squares, and shapes without cells are removed. The kept shapes may no
-/// longer be the best; refresh_near refits them when there is time.
+/// new cells get rectangles of their own, and shapes without cells are removed. The kept shapes may
+/// no longer be the best; refresh_near refits them when there is time.
 class Extractor {
  public:
   /// Throws std::invalid_argument on parameters out of their ranges.
@@ -102,6 +102,7 @@ class Extractor {
   [[nodiscard]] const Tile& tile_at(int tx, int ty);
   void fit(Tile& tile, int tx, int ty) const;
   [[nodiscard]] bool patch(Tile& tile) const;
+  [[nodiscard]] CoverShape shape_of(const CellRect& cells) const;
   [[nodiscard]] std::uint32_t id_of(const CellIndex& lowest, const Eigen::Vector2d& p_MO) const;
   [[nodiscard]] std::uint64_t space_round(const CellRect& cells) const;
   void enter_region(const Eigen::Vector2d& p_MB);

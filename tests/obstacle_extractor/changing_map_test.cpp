@@ -138,6 +138,27 @@ TEST(ChangingMap, ARemovedObjectIsNotAnObstacle) {
   }
 }
 
+TEST(ChangingMap, NewCellsInARowGetOneRectangleUntilTheirTileIsFittedAgain) {
+  for (const bool is_upright : {false, true}) {
+    Grid grid{0.05, {0.0, 0.0}, 200, 200, std::vector<Cell>(40000, Cell::kFree)};
+    for (int i = 0; i < 10; ++i) grid.cells[grid.index(100 + i, 120)] = Cell::kOccupied;
+    Extractor extractor(std::make_shared<const StaticMap>(grid), {});
+    const auto before = extractor.near({5.0, 5.0});
+    for (int i = 0; i < 20; ++i)
+      grid.cells[is_upright ? grid.index(90, 110 + i) : grid.index(100 + i, 90)] = Cell::kOccupied;
+    const auto map = std::make_shared<const StaticMap>(grid);
+    extractor.update(map);
+    const auto after = extractor.near({5.0, 5.0});
+    ASSERT_EQ(after.size(), before.size() + 1);
+    EXPECT_EQ(after[0].id, before[0].id);
+    EXPECT_TRUE(is_rectangle(after.back()));
+    EXPECT_NEAR(after.back().a, 0.5, 1e-6);
+    EXPECT_NEAR(after.back().b, 0.025, 1e-6);
+    EXPECT_EQ(uncovered_cells(*map, {5.0, 5.0}, 4.0, after), 0);
+    EXPECT_TRUE(extractor.refresh_near({5.0, 5.0}, 4.0, 0));
+  }
+}
+
 // How often the tile of a flickering bar at p_MQ is refitted in 48 updates.
 int refits_of_bar_at(const Eigen::Vector2d& p_MQ) {
   const Eigen::Vector2d p_MB{5.0, 5.0};

@@ -52,7 +52,7 @@ double deepest_point(const std::shared_ptr<const StaticMap>& map, const Extracto
   const Grid& grid = map->grid();
   const Eigen::Vector2d middle = grid.center(grid.width / 2, grid.height / 2);
   const FreeRegions places(*map, params.smallest_gap);
-  const FreeSpace space(*map, places, {-50, -50, grid.width + 50, grid.height + 50}, 0);
+  const FreeSpace space(*map, places, {-50, -50, grid.width + 50, grid.height + 50}, 0, 1.0);
   const double size = grid.resolution * (grid.width + grid.height);
   ExtractorParams everywhere = params;
   everywhere.range = 50.0;

@@ -53,7 +53,7 @@ class Coverer {
       parts_.push_back(std::move(part));
       return;
     }
-    const auto middle = fitter_.cut(part.cells, part.fit.length_angle, 0.5);
+    const auto middle = fitter_.cut(part.cells, smallest_box(part.hull).angle, 0.5);
     split({part.cells.begin(), middle});
     split({middle, part.cells.end()});
   }
@@ -173,10 +173,14 @@ class Coverer {
       for (int k = 1; k < kFractions; ++k) {
         const auto middle = fitter_.cut(cells, angle + turn * std::numbers::pi / kTurns,
                                         static_cast<double>(k) / kFractions);
-        CoverPart one = fitter_.fit({cells.begin(), middle}, least - PartFitter::kLeastCost);
+        CoverPart one = fitter_.outline({cells.begin(), middle}, least - PartFitter::kLeastCost);
+        if (one.least > least - PartFitter::kLeastCost) continue;
+        CoverPart two = fitter_.outline({middle, cells.end()}, least - one.least);
+        if (two.least > least - one.least) continue;
+        fitter_.fit(one, least - two.least);
         if (!one.fit.found) continue;
         const double rest = least - fitter_.cost(one);
-        CoverPart two = fitter_.fit({middle, cells.end()}, rest);
+        fitter_.fit(two, rest);
         if (!two.fit.found || fitter_.cost(two) >= rest) continue;
         least = fitter_.cost(one) + fitter_.cost(two);
         one.changed = two.changed = round_ + 1;

@@ -28,23 +28,38 @@ void PartFitter::coarsen() {
   excess.narrow = std::min(excess.narrow + kMoreReach, excess.open);
 }
 
-CoverPart PartFitter::fit(Cells cells, double most) const {
+CoverPart PartFitter::outline(Cells cells, double most) const {
   Points hull = convex_hull(corners_of_rows(cells));
-  return make(std::move(cells), std::move(hull), most);
+  return of_hull(std::move(cells), std::move(hull), most);
+}
+
+CoverPart PartFitter::fit(Cells cells, double most) const {
+  CoverPart part = outline(std::move(cells), most);
+  fit(part, most);
+  return part;
 }
 
 CoverPart PartFitter::fit_both(const CoverPart& p, const CoverPart& q, double most) const {
   Points points = p.hull;
   points.insert(points.end(), q.hull.begin(), q.hull.end());
-  return make({}, convex_hull(std::move(points)), most);
+  CoverPart both = of_hull({}, convex_hull(std::move(points)), most);
+  fit(both, most);
+  return both;
 }
 
-CoverPart PartFitter::make(Cells cells, Points hull, double most) const {
-  CoverPart part{std::move(cells), std::move(hull), {}, {}, {}, 0};
+void PartFitter::fit(CoverPart& part, double most) const {
+  part.fit = {};
+  if (part.least > most && part.cells.size() != 1) return;
   part.fit = fit_shape(part.hull, space_,
                        {.excess = params_.excess,
                         .price = (most - 1.0) * params_.space_per_shape,
                         .circle_bonus = (1.0 - kLeastCost) * params_.space_per_shape});
+}
+
+CoverPart PartFitter::of_hull(Cells cells, Points hull, double most) const {
+  CoverPart part{std::move(cells), std::move(hull), 0.0, {}, {}, {}, 0};
+  const double worth = params_.space_per_shape;
+  part.least = kLeastCost + space_.taken_by(part.hull, (most - kLeastCost) * worth) / worth;
   part.low = part.high = part.hull[0];
   for (const auto& p : part.hull) {
     part.low = part.low.cwiseMin(p);

@@ -17,7 +17,8 @@ using Cells = std::vector<CellIndex>;
 struct CoverPart {
   Cells cells;  ///< empty: joined into another part
   Points hull;
-  ShapeFit fit;
+  double least = 0.0;         ///< no shape around the hull costs less (in units of one shape)
+  ShapeFit fit;               ///< not `found` before PartFitter::fit
   Eigen::Vector2d low, high;  ///< of the hull [m]
   int changed = 0;            ///< the rearrangement round in which it last changed
 };
@@ -40,8 +41,12 @@ class PartFitter {
   /// Allows shapes to take more free space: the next coarseness level of cover.hpp.
   void coarsen();
 
-  /// Fits these cells. `fit.found` is false if the shape would cost more than `most` (in units of
-  /// one shape).
+  /// These cells without a shape. `least` is exact up to `most`, both in units of one shape.
+  [[nodiscard]] CoverPart outline(Cells cells, double most) const;
+  /// Fits the part. `fit.found` is false if the shape would cost more than `most`; the shape of a
+  /// single cell is then a circle, others have none.
+  void fit(CoverPart& part, double most) const;
+  /// outline() and fit().
   [[nodiscard]] CoverPart fit(Cells cells, double most) const;
   /// The joined part of two, with an empty cell list.
   [[nodiscard]] CoverPart fit_both(const CoverPart& p, const CoverPart& q, double most) const;
@@ -57,7 +62,7 @@ class PartFitter {
   [[nodiscard]] CoverShape shape(const CoverPart& part) const;
 
  private:
-  [[nodiscard]] CoverPart make(Cells cells, Points hull, double most) const;
+  [[nodiscard]] CoverPart of_hull(Cells cells, Points hull, double most) const;
   [[nodiscard]] Points corners_of_rows(const Cells& cells) const;
 
   const Grid& grid_;

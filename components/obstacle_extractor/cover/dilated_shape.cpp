@@ -3,10 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
 namespace tandem {
+namespace {
+
+bool is_lower(const Eigen::Vector2d& p, const Eigen::Vector2d& q) { return p.y() < q.y(); }
+
+// Of a line with ascending y, between its ends.
+double x_at(const Points& line, double y) {
+  const auto above = std::find_if(line.begin() + 1, line.end() - 1,
+                                  [y](const Eigen::Vector2d& p) { return p.y() >= y; });
+  const Eigen::Vector2d &p = *(above - 1), &q = *above;
+  return q.y() > p.y() ? p.x() + (y - p.y()) / (q.y() - p.y()) * (q.x() - p.x()) : q.x();
+}
+
+}  // namespace
 
 DilatedEllipse::DilatedEllipse(const Obstacle& shape, double radius, double step) {
   const double a = (shape.a + radius) / step, b = (shape.b + radius) / step;
@@ -46,6 +60,38 @@ RowExtent DilatedRectangle::row(double y) const {
       include(p.x() + (y - p.y()) / (q.y() - p.y()) * (q.x() - p.x()));
   }
   return row;
+}
+
+DilatedHull::DilatedHull(const Points& hull, double radius, double step) {
+  const auto [low, high] = std::minmax_element(hull.begin(), hull.end(), is_lower);
+  p_MC_ = {hull[0].x(), 0.5 * (low->y() + high->y())};
+  reach_ = (0.5 * (high->y() - low->y()) + radius) / step;
+  const std::size_t corners = hull.size();
+  const auto normal = [&](std::size_t i) {  // of the edge from corner i on, outwards
+    const Eigen::Vector2d edge = hull[i + 1 < corners ? i + 1 : 0] - hull[i];
+    return Eigen::Vector2d{Eigen::Vector2d{edge.y(), -edge.x()}.normalized()};
+  };
+  Points outline;
+  outline.reserve(3 * corners);
+  Eigen::Vector2d before = normal(corners - 1);
+  for (std::size_t i = 0; i < corners; ++i) {
+    const Eigen::Vector2d p = (hull[i] - p_MC_) / step, after = normal(i);
+    for (const Eigen::Vector2d& to :
+         {before, Eigen::Vector2d{(before + after).normalized()}, after})
+      outline.push_back(p + radius / step * to);
+    before = after;
+  }
+  std::rotate(outline.begin(), std::min_element(outline.begin(), outline.end(), is_lower),
+              outline.end());
+  const auto top = std::max_element(outline.begin(), outline.end(), is_lower);
+  right_.assign(outline.begin(), top + 1);
+  left_.assign(outline.rbegin(), std::make_reverse_iterator(top));
+  left_.insert(left_.begin(), outline.front());
+}
+
+RowExtent DilatedHull::row(double y) const {
+  if (y < right_.front().y() || y > right_.back().y()) return {0.0, -1.0};
+  return {x_at(left_, y), x_at(right_, y)};
 }
 
 std::variant<DilatedEllipse, DilatedRectangle> dilated(const Obstacle& shape, double radius,

@@ -6,8 +6,10 @@
 #include <array>
 #include <cstddef>
 #include <variant>
+#include <vector>
 
 #include "tandem/model/obstacle.hpp"
+#include "tandem/obstacle_extractor/cover/bounding_shapes.hpp"
 
 namespace tandem {
 
@@ -47,6 +49,23 @@ class DilatedRectangle {
 
  private:
   std::array<Eigen::Vector2d, 12> vertices_;
+  double reach_;
+};
+
+/// A polygon inside the dilated convex hull of at least three points, counter-clockwise: two chords
+/// replace the arc at each corner.
+class DilatedHull {
+ public:
+  DilatedHull(const Points& hull, double radius, double step);
+
+  /// What `row` is relative to, the middle of the hull's height, in metres.
+  [[nodiscard]] const Eigen::Vector2d& p_MC() const { return p_MC_; }
+  [[nodiscard]] double reach() const { return reach_; }
+  [[nodiscard]] RowExtent row(double y) const;
+
+ private:
+  Eigen::Vector2d p_MC_;
+  std::vector<Eigen::Vector2d> left_, right_;  // its sides, upwards
   double reach_;
 };
 

@@ -32,20 +32,19 @@ FreeRegions::FreeRegions(const StaticMap& map, double smallest_gap)
   const bool unknown_is_free = !has_free_cell(grid);
   const int around = unknown_is_free ? static_cast<int>(kAround / resolution_) : 0;
   area_ = {-around, -around, grid.width + around, grid.height + around};
-  std::vector<std::uint8_t> useless;
-  useless.reserve(area_.size());
-  for (int iy = area_.y0; iy < area_.y1; ++iy)
-    for (int ix = area_.x0; ix < area_.x1; ++ix) {
-      const bool known_free = grid.contains(ix, iy) && grid.at(ix, iy) == Cell::kFree;
-      useless.push_back(map.is_obstacle(ix, iy) || !(known_free || unknown_is_free) ? 1 : 0);
-    }
-  const double most = area_.width() + area_.height();  // finite substitute for infinity
-  gaps_.reserve(useless.size());
-  regions_.reserve(useless.size());
-  for (const double gap : distance_transform(useless, area_.width(), area_.height())) {
-    gaps_.push_back(static_cast<float>(std::min(gap, most)));
-    regions_.push_back(gap >= std::max(0.5, radius_) ? -1 : 0);
+  const std::uint8_t unknown = unknown_is_free && !map.is_obstacle(-1, -1) ? 0 : 1;
+  std::vector<std::uint8_t> useless(area_.size(), unknown);
+  const Cell* cell = grid.cells.data();
+  for (int iy = 0; iy < grid.height; ++iy) {
+    std::uint8_t* const row = useless.data() + area_.index(0, iy);
+    for (int ix = 0; ix < grid.width; ++ix, ++cell)
+      row[ix] = *cell == Cell::kFree ? 0 : *cell == Cell::kOccupied ? 1 : unknown;
   }
+  gaps_ = distance_transform(useless, area_.width(), area_.height(),
+                             static_cast<int>(std::ceil(radius_)) + kBeyond);
+  regions_.reserve(useless.size());
+  for (const float gap : gaps_)
+    regions_.push_back(static_cast<double>(gap) >= std::max(0.5, radius_) ? -1 : 0);
   label_regions();
 }
 

@@ -53,8 +53,8 @@ class FreeRegions {
   [[nodiscard]] int region(int ix, int iy) const {
     return area_.contains(ix, iy) ? regions_[area_.index(ix, iy)] : 0;
   }
-  /// Distance from the cell's centre to the nearest cell that is not free, in cells; 0 outside the
-  /// known area.
+  /// Distance from the cell's centre to the nearest cell that is not free, in cells, exact up to
+  /// radius() + kBeyond; 0 outside the known area.
   [[nodiscard]] float gap(int ix, int iy) const {
     return area_.contains(ix, iy) ? gaps_[area_.index(ix, iy)] : 0.0F;
   }
@@ -66,6 +66,7 @@ class FreeRegions {
   [[nodiscard]] double radius() const { return radius_; }
 
   static constexpr double kBeside = 0.5;  ///< [m]
+  static constexpr int kBeyond = 4;       ///< [cells]
 
  private:
   void label_regions();

@@ -17,11 +17,18 @@ constexpr double kFine = 0.027;    // [m] maximum spacing of the fine points
 constexpr int kRows = 40;          // rows sampled of a long shape
 constexpr double kPassage = 0.30;  // [m] a passage with less sideways room for the disc is narrow
 
+// Distances to the mask's cells, in cells; larger than `most`, but no more, where they are.
+std::vector<float> distance_up_to(double most, const Mask& mask, const CellRect& window) {
+  return distance_transform(mask, window.width(), window.height(),
+                            static_cast<int>(std::ceil(most)) + 1);
+}
+
 // Cells at least `radius` (in cells) away from all cells of the mask.
 Mask far_from(const Mask& mask, const CellRect& window, double radius) {
-  const auto gap = distance_transform(mask, window.width(), window.height());
+  const auto gap = distance_up_to(radius, mask, window);
   Mask far(mask.size());
-  for (std::size_t i = 0; i < gap.size(); ++i) far[i] = gap[i] >= radius ? 1 : 0;
+  for (std::size_t i = 0; i < gap.size(); ++i)
+    far[i] = static_cast<double>(gap[i]) >= radius ? 1 : 0;
   return far;
 }
 
@@ -84,7 +91,7 @@ class Gaps {
 }  // namespace
 
 FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window,
-                     int region)
+                     int region, double deepest)
     : resolution_{map.grid().resolution},
       radius_{places.radius()},
       window_{with_border(window, radius_)},
@@ -103,9 +110,9 @@ FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const Cell
   // Maximum reach of a disc. Along a straight wall the disc centres are this far from its foot.
   const double least = radius_ > 0.5 ? std::ceil(radius_ + 0.5) - 1.5 : 0.0;
   const Mask useless = far_from(all, window_, least + 1e-6);
-  const double most = window_.width() + window_.height();  // finite substitute for infinity
-  for (const double depth : distance_transform(useless, window_.width(), window_.height()))
-    depth_.push_back(static_cast<float>(resolution_ * std::min(depth, most)));
+  // The depth at a point is interpolated between cells, whose depths differ by at most √2.
+  depth_ = distance_up_to(deepest / resolution_ + 2.0, useless, window_);
+  for (float& depth : depth_) depth *= static_cast<float>(resolution_);
   find_useless();
   find_passages(own);
   sum_up(places, own);
@@ -115,19 +122,16 @@ FreeSpace::FreeSpace(const StaticMap& map, const FreeRegions& places, const Cell
 // that the disc covers there.
 void FreeSpace::find_passages(const Mask& places) {
   const double room = kPassage / resolution_;
-  const auto transform = [&](const Mask& mask) {
-    return distance_transform(mask, window_.width(), window_.height());
-  };
   Mask other(places.size()), narrow(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) other[i] = places[i] == 0 ? 1 : 0;
-  const auto to_wide = transform(far_from(other, window_, room));
+  const auto to_wide = distance_up_to(room + 1.0, far_from(other, window_, room), window_);
   for (std::size_t i = 0; i < places.size(); ++i)
-    narrow[i] = places[i] != 0 && to_wide[i] > room + 1.0 ? 1 : 0;
+    narrow[i] = places[i] != 0 && static_cast<double>(to_wide[i]) > room + 1.0 ? 1 : 0;
   room_.assign(places.size(), Room::kOpen);
   if (std::find(narrow.begin(), narrow.end(), 1) == narrow.end()) return;
-  const auto to_narrow = transform(narrow);
+  const auto to_narrow = distance_up_to(radius_, narrow, window_);
   for (std::size_t i = 0; i < places.size(); ++i)
-    if (to_narrow[i] <= radius_) room_[i] = Room::kNarrow;
+    if (static_cast<double>(to_narrow[i]) <= radius_) room_[i] = Room::kNarrow;
 }
 
 bool FreeSpace::keep(const CellRect& window, const Mask& cells) {
@@ -176,6 +180,12 @@ double FreeSpace::taken_by(const Obstacle& shape, double most) const {
   return std::visit(
       [&](const auto& all) { return area_of(all, (shape.p_MO - first_point_) / step, most); },
       dilated(shape, radius_ * resolution_, step));
+}
+
+double FreeSpace::taken_by(const std::vector<Eigen::Vector2d>& hull, double most) const {
+  const double step = resolution_ / fine_;
+  const DilatedHull all(hull, radius_ * resolution_, step);
+  return area_of(all, (all.p_MC() - first_point_) / step, most);
 }
 
 // Sums row by row. `m`: the shape's centre, in fine points.

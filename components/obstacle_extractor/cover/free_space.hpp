@@ -24,12 +24,14 @@ class FreeSpace {
  public:
   static constexpr double kAll = 1e9;  ///< [m²] larger than any shape's area
 
-  /// `region`: the free region that the robot can reach; 0: all.
-  FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region);
+  /// `region`: the free region that the robot can reach; 0: all. `deepest`: the largest reach into
+  /// free space that will be asked about [m].
+  FreeSpace(const StaticMap& map, const FreeRegions& places, const CellRect& window, int region,
+            double deepest);
 
   /// Depth of the point in the usable space: its distance to the nearest point that no disc at a
   /// place of the map reaches [m], interpolated linearly between cell centres; 0 outside the usable
-  /// space.
+  /// space. Somewhere above `deepest` where it is larger.
   [[nodiscard]] double depth(const Eigen::Vector2d& p_MQ) const;
 
   /// Whether a shape may contain the point: its depth is within the limit that applies there.
@@ -43,6 +45,10 @@ class FreeSpace {
   /// it. Exact up to `most`; a larger area may be underestimated, but the result stays above
   /// `most`.
   [[nodiscard]] double taken_by(const Obstacle& shape, double most = kAll) const;
+
+  /// Like taken_by for the convex hull of at least three points, counter-clockwise. A shape that
+  /// contains it takes no less, up to the precision of both.
+  [[nodiscard]] double taken_by(const std::vector<Eigen::Vector2d>& hull, double most = kAll) const;
 
   /// Whether the box lies in the window; outside of it the free space is not known.
   [[nodiscard]] bool is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high) const;

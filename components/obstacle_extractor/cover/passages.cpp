@@ -100,16 +100,24 @@ Mask Passages::covered(const std::vector<Obstacle>& shapes) const {
   return mask;
 }
 
+// In cells, exact as far as the disc with its spare room reaches.
+std::vector<float> Passages::distances_to(const Mask& mask) const {
+  const double most = radius_ + std::max(kBefore, kAfter) / grid_.resolution;
+  return distance_transform(mask, window_.width(), window_.height(),
+                            static_cast<int>(std::ceil(most)) + 1);
+}
+
 // Labels the connected parts where a disc with `spare` [m] on either side fits. `to_others`:
 // distance to the other occupied cells, in cells.
-Labels Passages::parts(const std::vector<Obstacle>& shapes, const std::vector<double>& to_others,
+Labels Passages::parts(const std::vector<Obstacle>& shapes, const std::vector<float>& to_others,
                        double spare) const {
-  const auto to_shapes = distance_transform(covered(shapes), window_.width(), window_.height());
+  const auto to_shapes = distances_to(covered(shapes));
   const double least = radius_ + spare / grid_.resolution;
   constexpr int kOpen = -1;  // not labelled yet
   Labels labels(window_.size());
   for (std::size_t i = 0; i < labels.size(); ++i)
-    if (is_place_[i] != 0 && std::min(to_shapes[i], to_others[i]) >= least) labels[i] = kOpen;
+    if (is_place_[i] != 0 && static_cast<double>(std::min(to_shapes[i], to_others[i])) >= least)
+      labels[i] = kOpen;
   int last = 0;
   std::vector<std::size_t> cells;
   for (std::size_t start = 0; start < labels.size(); ++start) {
@@ -128,16 +136,16 @@ Labels Passages::parts(const std::vector<Obstacle>& shapes, const std::vector<do
 
 // Cells that the disc covers along the path, including its spare room.
 Mask Passages::swept(const Mask& way) const {
-  const auto to_way = distance_transform(way, window_.width(), window_.height());
+  const auto to_way = distances_to(way);
   Mask mask(way.size());
   for (std::size_t i = 0; i < mask.size(); ++i)
-    mask[i] = to_way[i] <= radius_ + kAfter / grid_.resolution ? 1 : 0;
+    mask[i] = static_cast<double>(to_way[i]) <= radius_ + kAfter / grid_.resolution ? 1 : 0;
   return mask;
 }
 
 Mask Passages::closed(const std::vector<Obstacle>& fine,
                       const std::vector<Obstacle>& coarse) const {
-  const auto to_others = distance_transform(others_, window_.width(), window_.height());
+  const auto to_others = distances_to(others_);
   const Labels before = parts(fine, to_others, kBefore), after = parts(coarse, to_others, kAfter);
   const auto divided = divisions(before, after, kLeastRoom / (grid_.resolution * grid_.resolution));
   if (divided.empty()) return {};

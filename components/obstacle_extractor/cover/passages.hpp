@@ -36,7 +36,8 @@ class Passages {
   using Labels = std::vector<int>;  // connected part of each cell of the window, from 1; 0: none
 
   [[nodiscard]] Labels parts(const std::vector<Obstacle>& shapes,
-                             const std::vector<double>& to_others, double spare) const;
+                             const std::vector<float>& to_others, double spare) const;
+  [[nodiscard]] std::vector<float> distances_to(const std::vector<std::uint8_t>& mask) const;
   [[nodiscard]] std::vector<std::uint8_t> covered(const std::vector<Obstacle>& shapes) const;
   [[nodiscard]] std::vector<std::uint8_t> swept(const std::vector<std::uint8_t>& way) const;
 

@@ -73,6 +73,21 @@ TEST(PartFitter, FindsNoShapeThatWouldCostTooMuch) {
   EXPECT_TRUE(fitter.fit(block(50, 50, 20, 2), kAnyCost).fit.found);
 }
 
+TEST(PartFitter, NoFitCostsLessThanItsOutlineMust) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    const auto cells = random_wall(seed);
+    const Room room(cells);
+    const PartFitter fitter(room.map->grid(), *room.space, kLimits);
+    const double least = fitter.outline(cells, kAnyCost).least;
+    const CoverPart part = fitter.fit(cells, kAnyCost);
+    ASSERT_TRUE(part.fit.found) << seed;
+    EXPECT_LE(least, fitter.cost(part)) << seed;
+    EXPECT_GE(least, PartFitter::kLeastCost) << seed;
+    const bool is_found = fitter.fit(cells, fitter.cost(part) + 1e-6).fit.found;
+    EXPECT_TRUE(is_found) << seed << ": the bound hides a shape";
+  }
+}
+
 TEST(PartFitter, CutsAtAFractionOfTheExtentAcrossTheGivenAngle) {
   const Room room(block(40, 40, 20, 6));
   const PartFitter fitter(room.map->grid(), *room.space, kLimits);

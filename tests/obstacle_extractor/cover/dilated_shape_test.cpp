@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <random>
+#include <utility>
 
 #include "tandem/local_planner/ocp/signed_distance.hpp"
 
@@ -54,6 +56,29 @@ TEST_P(DilatedShape, RowsEndWhereTheDiscStopsTouching) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, DilatedShape,
                          testing::Values(ObstacleShape::kEllipse, ObstacleShape::kRectangle));
+
+TEST(DilatedHull, RowsEndWhereTheDiscStopsTouching) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 300; ++i) {
+    const Obstacle shape = random_shape(random, ObstacleShape::kRectangle);
+    Points corners;
+    for (const auto& [x, y] : {std::pair{1.0, 1.0}, {-1.0, 1.0}, {-1.0, -1.0}, {1.0, -1.0}})
+      corners.push_back(shape.p_MO + Eigen::Rotation2Dd(shape.angle) *
+                                         Eigen::Vector2d{x * shape.a, y * shape.b});
+    const DilatedHull hull(convex_hull(corners), kRadius, kStep);
+    EXPECT_GT(hull.row(1.01 * hull.reach()).left, hull.row(1.01 * hull.reach()).right);
+    for (double y = -0.95; y < 1.0; y += 0.1) {
+      const RowExtent row = hull.row(y * hull.reach());
+      ASSERT_LT(row.left, row.right);
+      for (const double x : {row.left, row.right}) {
+        const Eigen::Vector2d p = hull.p_MC() + kStep * Eigen::Vector2d{x, y * hull.reach()};
+        const double distance = signed_distance(shape, p).value;
+        EXPECT_LE(distance, kRadius + 1e-9);
+        EXPECT_GE(distance, 0.92 * kRadius);
+      }
+    }
+  }
+}
 
 }  // namespace
 }  // namespace tandem::test

@@ -108,9 +108,13 @@ TEST(FreeRegions, KnowTheDistanceToTheNearestCellThatIsNotFree) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     const Grid grid = random_grid(seed);
     const FreeRegions regions{StaticMap{grid}, 0.4};
+    const double exact = regions.radius() + FreeRegions::kBeyond;
     for (int iy = 0; iy < grid.height; ++iy)
-      for (int ix = 0; ix < grid.width; ++ix)
-        ASSERT_NEAR(regions.gap(ix, iy), gap_of(grid, ix, iy), 1e-4) << seed;
+      for (int ix = 0; ix < grid.width; ++ix) {
+        const double gap = regions.gap(ix, iy), right = gap_of(grid, ix, iy);
+        ASSERT_NEAR(std::min(gap, exact), std::min(right, exact), 1e-4) << seed;
+        ASSERT_LT(gap, right + 1e-4) << seed;
+      }
     EXPECT_EQ(regions.gap(-1, 0), 0.0F) << "outside";
     EXPECT_EQ(regions.region(grid.width, 0), 0) << "outside";
   }

@@ -31,7 +31,7 @@ struct Room {
     hull = convex_hull(corners);
     map = std::make_unique<StaticMap>(std::move(grid));
     places = std::make_unique<FreeRegions>(*map, 0.42);
-    space = std::make_unique<FreeSpace>(*map, *places, kWindow, 0);
+    space = std::make_unique<FreeSpace>(*map, *places, kWindow, 0, 1.0);
   }
 
   Points hull;
