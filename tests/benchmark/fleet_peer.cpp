@@ -70,6 +70,13 @@ int push(const std::string& ns, int pushes) {
   return 0;
 }
 
+// As `fleet` remaps the topics with absolute names for real robots.
+std::string in_namespace(std::string topic) {
+  for (const char* absolute : {"/tf", "/tf_static", "/clock", "/diagnostics"})
+    if (topic == absolute) topic.erase(0, 1);
+  return topic;
+}
+
 // One node of the model: the endpoints that its component's interface describes.
 struct ModelNode {
   ModelNode(const std::string& component, const std::string& ns)
@@ -77,11 +84,12 @@ struct ModelNode {
     const rt::Interface interface = rt::description_of(component).interface;
     for (const auto& use : interface.publishes)
       if (use.name != "*")
-        publishers.push_back(node.create_generic_publisher(use.name, use.type, use.qos));
+        publishers.push_back(
+            node.create_generic_publisher(in_namespace(use.name), use.type, use.qos));
     for (const auto& use : interface.subscribes)
       if (use.name != "*")
-        subscriptions.push_back(
-            node.create_generic_subscription(use.name, use.type, use.qos, [](const auto&) {}));
+        subscriptions.push_back(node.create_generic_subscription(in_namespace(use.name), use.type,
+                                                                 use.qos, [](const auto&) {}));
   }
   rt::Node node;
   std::vector<rt::GenericPublisher> publishers;

@@ -46,8 +46,8 @@ bool is_of_server(const GuidPrefix& prefix, const std::uint8_t* entity) {
          std::equal(of_number + 1, prefix.end(), kServer.begin() + kNumber + 1);
 }
 
-bool in_window(std::int64_t number, std::int64_t least) {
-  return least == 0 || number - ReaderProgress::kWindow <= least;
+bool in_window(std::int64_t number, std::int64_t least, std::int64_t window) {
+  return least == 0 || number - window <= least;
 }
 
 }  // namespace
@@ -123,8 +123,9 @@ ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::
   const auto key = key_of(prefix, entity);
   if (const auto known = writers_.find(key); known != writers_.end()) return known->second;
   if (writers_.size() >= kMaxWriters) forget_one();
-  const std::int64_t leap = is_of_server(prefix, entity) ? kWindow : WriterReach::kLeap;
-  return writers_.try_emplace(key, leap).first->second;
+  if (is_of_server(prefix, entity))
+    return writers_.try_emplace(key, kServerWindow, kServerWindow).first->second;
+  return writers_.try_emplace(key, WriterReach::kLeap, kWindow).first->second;
 }
 
 // Forgets the least used of a few writers, and one that a reader of this process has answered only
@@ -189,7 +190,7 @@ bool ReaderProgress::passes_data(const Submessage& data, std::uint8_t* body, Sou
   const std::int64_t number = data.sequence_number(12);
   const std::uint32_t reader = data.entity(4);
   if (!source.reach.believes(number, now)) return false;
-  if (!in_window(number, source.least(reader))) {
+  if (!in_window(number, source.least(reader), source.window)) {
     if (!source.catching_up) return false;
     mark_removed(body);  // no sign of an attack, so not counted
     return true;
@@ -233,7 +234,7 @@ bool ReaderProgress::passes_gap(const Submessage& gap, std::uint8_t* body, Sourc
     return true;
   }
   const std::int64_t end = base - first > kWide ? first + kWide : base;
-  if (!in_window(end, least)) return false;
+  if (!in_window(end, least, source.window)) return false;
   if (end < base) {  // pass only the first part, without the bitmap; the reader requests the rest
     put_sequence_number(body + 16, end, little);
     put_u32(body + 24, 0, little);

@@ -55,7 +55,10 @@ using ReaderProgressKey = std::array<std::uint8_t, 16>;  ///< a writer's GUID
 class ReaderProgress {
  public:
   static constexpr std::int64_t kWindow = 2048;  ///< numbers accepted ahead of the first missing
-  static constexpr std::int64_t kWide = 256;     ///< maximum width of a GAP that passes unchanged
+  /// The same for what a discovery server announces, also in one leap: some hundred endpoints of
+  /// each robot. A list of as many entries takes about 3 MB.
+  static constexpr std::int64_t kServerWindow = std::int64_t{1} << 16;
+  static constexpr std::int64_t kWide = 256;  ///< maximum width of a GAP that passes unchanged
   /// Numbers that one HEARTBEAT may skip; counting through them takes Fast DDS about 10 ms.
   static constexpr std::int64_t kStep = std::int64_t{1} << 22;
 
@@ -73,7 +76,7 @@ class ReaderProgress {
     std::int64_t next;  // the first missing number
   };
   struct Source {
-    explicit Source(std::int64_t leap) : reach{leap} {}
+    Source(std::int64_t leap, std::int64_t farthest) : reach{leap}, window{farthest} {}
     /// The lowest first missing number of the readers that `reader` addresses; 0 if unknown.
     [[nodiscard]] std::int64_t least(std::uint32_t reader) const;
     /// Records that [from, to) has arrived or will never arrive.
@@ -84,6 +87,7 @@ class ReaderProgress {
 
     std::vector<Progress> readers;
     WriterReach reach;
+    std::int64_t window;         // numbers accepted ahead of the first missing
     std::uint32_t count = 0;     // of the writer's last HEARTBEAT
     std::uint32_t passed = 0;    // count of the last HEARTBEAT that was passed on; 0: none
     std::uint32_t messages = 0;  // believed ones; the least used source is forgotten first

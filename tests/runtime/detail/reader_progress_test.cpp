@@ -135,10 +135,27 @@ TEST_P(Progress, TheNumbersOfADiscoveryServerLeap) {
     for (const std::uint32_t writer : {kUsersWriter, kPublicationsWriter}) {
       const bool leaps = prefix == server && writer == kPublicationsWriter;
       ASSERT_TRUE(passes(sample(prefix, writer, 256)));
+      constexpr std::int64_t kFar = 307 + ReaderProgress::kServerWindow;
       EXPECT_EQ(passes(sample(prefix, writer, 307)), leaps);
-      EXPECT_EQ(passes(sample(prefix, writer, 307 + ReaderProgress::kWindow)), leaps);
-      EXPECT_FALSE(passes(sample(prefix, writer, 308 + 2 * ReaderProgress::kWindow)));
+      EXPECT_EQ(passes(sample(prefix, writer, kFar)), leaps);
+      EXPECT_FALSE(passes(sample(prefix, writer, kFar + 1 + ReaderProgress::kServerWindow)));
     }
+}
+
+// With a hundred robots, most of what a server has announced was for others. A client that has the
+// beginning must not lose what is for it.
+TEST_P(Progress, AClientOfADiscoveryServerTakesWhatIsFarAheadOfWhatItMisses) {
+  constexpr std::uint32_t kPublicationsWriter = 0x000003c2, kPublicationsReader = 0x000003c7;
+  const Octets server{0x44, 0x53, 0, 0x5f, 0x45, 0x50, 0x52, 0x4f, 0x53, 0x49, 0x4d, 0x41};
+  const Octets payload = Datagram::list_payload({{0x5a, Octets(16, 1)}}, GetParam());
+  const auto acknack = std::move(Datagram{GetParam()}.add_destination(server).add_acknack(
+      5, 0, -1, kPublicationsReader, kPublicationsWriter));
+  progress_.sent(acknack.octets(), now_);
+  for (std::int64_t number = 6; number < 30'000; number += 1999)
+    EXPECT_TRUE(passes(std::move(from_peer().prefix(server).add_data(
+        {.reader = kPublicationsReader, .writer = kPublicationsWriter, .number = number},
+        payload))))
+        << number;
 }
 
 TEST_P(Progress, LeavesTheFirstMessagesOfAWriterAlone) {
