@@ -122,14 +122,14 @@ bool LocalMap::insert(std::span<const Look> looks, double t) {
     is_settled = false;
   }
   for (const octomap::OcTreeKey& key : free_)
-    if (occupied_.count(key) == 0) clear(key, t);
+    if (occupied_.count(key) == 0) set_free(key, t);
   forget_old(t);
   return true;
 }
 
 // Once its log-odds are at their limit, another beam changes nothing: most voxels of a scan need no
 // look into the tree.
-void LocalMap::clear(const octomap::OcTreeKey& key, double t) {
+void LocalMap::set_free(const octomap::OcTreeKey& key, double t) {
   auto [covered, is_settled] = covered_.at(key);
   covered = t;
   if (is_settled) return;

@@ -109,7 +109,7 @@ class LocalMap {
 
   [[nodiscard]] double farthest() const;
   void look(const Look& look);
-  void clear(const octomap::OcTreeKey& key, double t);
+  void set_free(const octomap::OcTreeKey& key, double t);
   void follow(const Eigen::Vector3d& p_MS);
   [[nodiscard]] Box box_around(const Eigen::Vector3d& p_MC) const;
   void clear_way(const Eigen::Vector3d& p_MS, const Eigen::Vector3d& p_MQ);

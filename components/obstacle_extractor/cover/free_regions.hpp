@@ -66,7 +66,7 @@ class FreeRegions {
   [[nodiscard]] double radius() const { return radius_; }
 
   static constexpr double kBeside = 0.5;  ///< [m]
-  static constexpr int kBeyond = 4;       ///< [cells]
+  static constexpr int kBeyond = 4;       ///< [cells] to which gap() is exact beyond radius()
 
  private:
   void label_regions();
