@@ -28,11 +28,12 @@ class VoxelTimes {
  public:
   /// What is kept of a voxel.
   struct Voxel {
-    double& t;                                   ///< [s]
-    std::bitset<kVoxels>::reference is_settled;  ///< false at first
+    double& t;  ///< [s]
+    std::bitset<kVoxels>::reference
+        is_settled;  ///< whether another beam through it changes nothing
   };
 
-  /// A voxel, to read and to set; its time is NaN if it has none.
+  /// A voxel, to read and to set: at first its time is NaN and its mark false.
   Voxel at(const octomap::OcTreeKey& key) {
     Block& block = blocks_[block_of(key)];
     const std::size_t place = place_of(key);

@@ -87,9 +87,8 @@ void drive(const char* name, const StaticMap& world, const std::vector<Eigen::Ve
       const auto bytes = encode_octomap(local.tree());
       clock.lap("2 encode [ms]");
       clock.add("0 message [kB]", 1e-3 * static_cast<double>(bytes.size()));
-      const auto tree = decode_octomap({}, bytes, true).tree;
-      const Grid seen = slice(*tree, {});
-      clock.lap("3 decode and slice [ms]");
+      const Grid seen = slice_octomap({}, bytes, {}, true);
+      clock.lap("3 slice [ms]");
       const auto map = std::make_shared<const StaticMap>(overlay({}, seen, p, 10.0));
       clock.lap("4 overlay and field [ms]");
       if (extractor)
@@ -127,9 +126,8 @@ void look_by_camera() {
     const auto bytes = encode_octomap(local.tree());
     clock.lap("2 encode [ms]");
     clock.add("0 message [kB]", 1e-3 * static_cast<double>(bytes.size()));
-    const auto tree = decode_octomap({}, bytes, true).tree;
-    (void)slice(*tree, {});
-    clock.lap("3 decode and slice [ms]");
+    (void)slice_octomap({}, bytes, {}, true);
+    clock.lap("3 slice [ms]");
   }
   std::printf("depth camera, 307200 points\n");
   clock.print();

@@ -20,10 +20,9 @@
 namespace tandem::test {
 namespace {
 
-constexpr std::size_t kNodes = 10;  // of a robot
-constexpr double kWindow = 2.0;     // [s]
-constexpr double kFewPerSecond =
-    20.0;  // two standing robots send about 2, 346 with such HEARTBEATs
+constexpr std::size_t kNodes = 10;      // of a robot
+constexpr double kWindow = 2.0;         // [s]
+constexpr double kFewPerSecond = 20.0;  // five robots with such HEARTBEATs sent 346
 
 // UDP datagrams that this thread's network namespace has received.
 long datagrams() {
