@@ -12,7 +12,7 @@ namespace {
 constexpr double kBudget = 35.0;  // [ms] of a planning cycle, the default
 
 TEST_F(ScenarioProgram, LeaderReachesTheRegionOverDds) {
-  ASSERT_EQ(run("forest_task2", {"--dds", "--picture", folder_.string()}), 0);
+  ASSERT_EQ(run("forest_task2", {"--dds", "--speed", "2", "--picture", folder_.string()}), 0);
   const auto drive = json().at(0);
   EXPECT_EQ(drive.at("reached"), true);
   EXPECT_EQ(drive.at("collisions"), 0);
@@ -63,9 +63,9 @@ INSTANTIATE_TEST_SUITE_P(Sanitized, OverDds,
 #else
 INSTANTIATE_TEST_SUITE_P(
     Scenarios, OverDds,
-    ::testing::Values(Drive{"forest_task2", "intention", "1"}, Drive{"forest_task2", "blend", "2"},
+    ::testing::Values(Drive{"forest_task2", "intention", "2"}, Drive{"forest_task2", "blend", "4"},
                       Drive{"forest_task1", "leader", "4"}, Drive{"corridor", "leader", "1"},
-                      Drive{"corridor", "safety_filter", "2"}, Drive{"slalom", "leader", "2"},
+                      Drive{"corridor", "safety_filter", "4"}, Drive{"slalom", "leader", "4"},
                       Drive{"table_3_1", "goal", "4"}, Drive{"table_3_2", "goal", "4"}),
     [](const auto& test) { return std::string(test.param.scenario) + "_" + test.param.method; });
 #endif
@@ -75,7 +75,7 @@ TEST_F(ScenarioProgram, OtherMethodsAndDriversDriveOverDds) {
                                                         {"adaptive", "pointer+dropouts"}};
   for (const auto& [method, driver] : drives) {
     EXPECT_EQ(
-        run("forest_task2", {"--dds", "--method", method, "--driver", driver, "--speed", "2"}), 0)
+        run("forest_task2", {"--dds", "--method", method, "--driver", driver, "--speed", "4"}), 0)
         << method;
     const auto drive = json().at(0);
     EXPECT_EQ(drive.at("collisions"), 0) << method;
@@ -85,7 +85,7 @@ TEST_F(ScenarioProgram, OtherMethodsAndDriversDriveOverDds) {
 }
 
 TEST_F(ScenarioProgram, HindsightDrivesOverDdsThroughANodeOfItsOwn) {
-  ASSERT_EQ(run("ward_goals", {"--dds", "--seed", "6", "--speed", "2"}), 0);
+  ASSERT_EQ(run("ward_goals", {"--dds", "--seed", "6", "--speed", "4"}), 0);
   const auto drive = json().at(0);
   EXPECT_EQ(drive.at("collisions"), 0);
   EXPECT_GT(drive.at("plans"), 50);
