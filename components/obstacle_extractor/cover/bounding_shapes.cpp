@@ -37,10 +37,9 @@ Circle around(const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::V
   return {p + d, d.norm()};
 }
 
-}  // namespace
-
-TurnedBox box_along(const Points& hull, double angle) {
-  const Eigen::Vector2d along{std::cos(angle), std::sin(angle)}, across{-along.y(), along.x()};
+// The rectangle with a side along this unit vector, without its angle.
+TurnedBox box_beside(const Points& hull, const Eigen::Vector2d& along) {
+  const Eigen::Vector2d across{-along.y(), along.x()};
   Eigen::Vector2d low{along.dot(hull[0]), across.dot(hull[0])}, high = low;
   for (const auto& p : hull) {
     const Eigen::Vector2d q{along.dot(p), across.dot(p)};
@@ -48,22 +47,31 @@ TurnedBox box_along(const Points& hull, double angle) {
     high = high.cwiseMax(q);
   }
   const Eigen::Vector2d middle = 0.5 * (low + high);
-  return {angle, middle.x() * along + middle.y() * across, 0.5 * (high - low)};
+  return {0.0, along, middle.x() * along + middle.y() * across, 0.5 * (high - low)};
+}
+
+}  // namespace
+
+TurnedBox box_along(const Points& hull, double angle) {
+  TurnedBox box = box_beside(hull, {std::cos(angle), std::sin(angle)});
+  box.angle = angle;
+  return box;
 }
 
 TurnedBox smallest_box(const Points& hull) {
   TurnedBox best;
   best.half.setConstant(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Eigen::Vector2d edge = hull[(i + 1) % hull.size()] - hull[i];
-    const TurnedBox box = box_along(hull, std::atan2(edge.y(), edge.x()));
+    const Eigen::Vector2d edge = hull[i + 1 < hull.size() ? i + 1 : 0] - hull[i];
+    const TurnedBox box = box_beside(hull, edge.normalized());
     if (box.area() < best.area() * (1.0 - 1e-9)) best = box;
   }
   if (best.half.x() < best.half.y()) {
-    best.angle += 0.5 * std::numbers::pi;
+    best.along = {-best.along.y(), best.along.x()};
     std::swap(best.half.x(), best.half.y());
   }
-  best.angle = std::remainder(best.angle, std::numbers::pi);  // symmetric under half a turn
+  if (best.along.x() < 0.0) best.along = -best.along;  // symmetric under half a turn
+  best.angle = std::atan2(best.along.y(), best.along.x());
   return best;
 }
 

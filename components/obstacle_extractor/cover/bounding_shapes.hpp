@@ -14,8 +14,9 @@ using Points = std::vector<Eigen::Vector2d>;  // in M [m]; a `hull` is the resul
 /// Rectangle around points, turned by `angle` [rad].
 struct TurnedBox {
   double angle = 0.0;
-  Eigen::Vector2d p_MC{0.0, 0.0};  ///< centre [m]
-  Eigen::Vector2d half{0.0, 0.0};  ///< [m]
+  Eigen::Vector2d along{1.0, 0.0};  ///< unit vector at that angle
+  Eigen::Vector2d p_MC{0.0, 0.0};   ///< centre [m]
+  Eigen::Vector2d half{0.0, 0.0};   ///< [m]
 
   [[nodiscard]] double area() const { return half.x() * half.y(); }
 };

@@ -53,7 +53,7 @@ class Coverer {
       parts_.push_back(std::move(part));
       return;
     }
-    const auto middle = fitter_.cut(part.cells, smallest_box(part.hull).angle, 0.5);
+    const auto middle = fitter_.cut(part.cells, smallest_box(part.outline->hull).angle, 0.5);
     split({part.cells.begin(), middle});
     split({middle, part.cells.end()});
   }

@@ -14,10 +14,8 @@ constexpr double kJoinGap = 0.8;  // [m] maximum distance of two parts that are 
 // Increase per coarseness level.
 constexpr double kMoreSpace = 1.15, kMoreReach = 0.03;  // [-], [m]
 
-Points corners(const Grid& grid, const CellIndex& cell) {
-  const Eigen::Vector2d low = grid.origin + grid.resolution * Eigen::Vector2d(cell.ix, cell.iy);
-  const double r = grid.resolution;
-  return {low, {low.x() + r, low.y()}, {low.x() + r, low.y() + r}, {low.x(), low.y() + r}};
+Eigen::Vector2d lower_left(const Grid& grid, const CellIndex& cell) {
+  return grid.origin + grid.resolution * Eigen::Vector2d(cell.ix, cell.iy);
 }
 
 }  // namespace
@@ -26,11 +24,12 @@ void PartFitter::coarsen() {
   params_.space_per_shape *= kMoreSpace;
   Excess& excess = params_.excess;
   excess.narrow = std::min(excess.narrow + kMoreReach, excess.open);
+  outlines_.clear();
 }
 
 CoverPart PartFitter::outline(Cells cells, double most) const {
-  Points hull = convex_hull(corners_of_rows(cells));
-  return of_hull(std::move(cells), std::move(hull), most);
+  const CellCorners corners = hull_of(cells);
+  return with_outline(std::move(cells), corners, most);
 }
 
 CoverPart PartFitter::fit(Cells cells, double most) const {
@@ -40,57 +39,54 @@ CoverPart PartFitter::fit(Cells cells, double most) const {
 }
 
 CoverPart PartFitter::fit_both(const CoverPart& p, const CoverPart& q, double most) const {
-  Points points = p.hull;
-  points.insert(points.end(), q.hull.begin(), q.hull.end());
-  CoverPart both = of_hull({}, convex_hull(std::move(points)), most);
+  CoverPart both = with_outline({}, hull_of_both(p.outline->corners, q.outline->corners), most);
   fit(both, most);
   return both;
 }
 
 void PartFitter::fit(CoverPart& part, double most) const {
   part.fit = {};
-  if (part.least > most && part.cells.size() != 1) return;
-  part.fit = fit_shape(part.hull, space_,
-                       {.excess = params_.excess,
-                        .price = (most - 1.0) * params_.space_per_shape,
-                        .circle_bonus = (1.0 - kLeastCost) * params_.space_per_shape});
+  const bool needs_one = part.cells.size() == 1;
+  if (part.least > most && !needs_one) return;
+  Outline& known = *part.outline;
+  const FitLimits limits{.excess = params_.excess,
+                         .price = (most - 1.0) * params_.space_per_shape,
+                         .circle_bonus = (1.0 - kLeastCost) * params_.space_per_shape};
+  if (known.fit.found && limits.price >= known.fit.first_price) {
+    part.fit = known.fit;
+    return;
+  }
+  const bool is_in_vain = known.fit.found || limits.price <= known.vain_limit;
+  if (is_in_vain && !needs_one) return;
+  part.fit = fit_shape(known.hull, space_, limits);
+  if (part.fit.found)
+    known.fit = part.fit;
+  else
+    known.vain_limit = std::max(known.vain_limit, limits.price);
 }
 
-CoverPart PartFitter::of_hull(Cells cells, Points hull, double most) const {
-  CoverPart part{std::move(cells), std::move(hull), 0.0, {}, {}, {}, 0};
-  const double worth = params_.space_per_shape;
-  part.least = kLeastCost + space_.taken_by(part.hull, (most - kLeastCost) * worth) / worth;
-  part.low = part.high = part.hull[0];
-  for (const auto& p : part.hull) {
-    part.low = part.low.cwiseMin(p);
-    part.high = part.high.cwiseMax(p);
+CoverPart PartFitter::with_outline(Cells cells, const CellCorners& corners, double most) const {
+  std::shared_ptr<Outline>& known = outlines_[corners];
+  if (!known) known = make_outline(corners);
+  const double limit = (most - kLeastCost) * params_.space_per_shape;
+  if (known->taken > known->taken_limit && known->taken <= limit) {
+    known->taken = space_.taken_by(known->hull, limit);
+    known->taken_limit = limit;
   }
-  return part;
+  return {std::move(cells), known, kLeastCost + known->taken / params_.space_per_shape, {}, 0};
 }
 
-// Corners of the first and last cell of each row; only these can be on the hull.
-Points PartFitter::corners_of_rows(const Cells& cells) const {
-  const auto [low, high] = std::minmax_element(
-      cells.begin(), cells.end(), [](const auto& a, const auto& b) { return a.iy < b.iy; });
-  struct Row {
-    int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
-  };
-  const int bottom = low->iy;
-  std::vector<Row> rows(static_cast<std::size_t>(high->iy - bottom + 1));
-  for (const CellIndex& cell : cells) {
-    Row& row = rows[static_cast<std::size_t>(cell.iy - bottom)];
-    row.first = std::min(row.first, cell.ix);
-    row.last = std::max(row.last, cell.ix);
+std::shared_ptr<Outline> PartFitter::make_outline(const CellCorners& corners) const {
+  auto outline = std::make_shared<Outline>();
+  outline->corners = corners;
+  outline->hull.reserve(corners.size());
+  for (const CellIndex& corner : corners) outline->hull.push_back(lower_left(grid_, corner));
+  outline->low = outline->high = outline->hull[0];
+  for (const auto& p : outline->hull) {
+    outline->low = outline->low.cwiseMin(p);
+    outline->high = outline->high.cwiseMax(p);
   }
-  Points points;
-  points.reserve(8 * rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].first > rows[i].last) continue;
-    const int iy = bottom + static_cast<int>(i);
-    for (const int ix : {rows[i].first, rows[i].last})
-      for (const auto& p : corners(grid_, {ix, iy})) points.push_back(p);
-  }
-  return points;
+  return outline;
 }
 
 Cells::iterator PartFitter::cut(Cells& cells, double angle, double fraction) const {
@@ -109,14 +105,17 @@ Cells::iterator PartFitter::cut(Cells& cells, double angle, double fraction) con
 }
 
 bool PartFitter::neighbours(const CoverPart& p, const CoverPart& q) {
-  return (p.low.array() <= q.high.array() + kJoinGap).all() &&
-         (q.low.array() <= p.high.array() + kJoinGap).all();
+  return (p.outline->low.array() <= q.outline->high.array() + kJoinGap).all() &&
+         (q.outline->low.array() <= p.outline->high.array() + kJoinGap).all();
 }
 
 bool PartFitter::contains(const CoverPart& part, const CellIndex& cell) const {
-  const Points square = corners(grid_, cell);
-  return std::all_of(square.begin(), square.end(),
-                     [&](const Eigen::Vector2d& p) { return tandem::contains(part.fit.shape, p); });
+  const Eigen::Vector2d low = lower_left(grid_, cell);
+  const double r = grid_.resolution;
+  return tandem::contains(part.fit.shape, low) &&
+         tandem::contains(part.fit.shape, {low.x() + r, low.y()}) &&
+         tandem::contains(part.fit.shape, {low.x() + r, low.y() + r}) &&
+         tandem::contains(part.fit.shape, {low.x(), low.y() + r});
 }
 
 CoverShape PartFitter::shape(const CoverPart& part) const {

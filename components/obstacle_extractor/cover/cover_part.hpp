@@ -3,27 +3,41 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <limits>
+#include <memory>
+#include <unordered_map>
 
 #include "tandem/map/grid.hpp"
+#include "tandem/obstacle_extractor/cover/cell_hull.hpp"
 #include "tandem/obstacle_extractor/cover/cover.hpp"
 #include "tandem/obstacle_extractor/cover/shape_fit.hpp"
 
 namespace tandem {
 
-using Cells = std::vector<CellIndex>;
+/// The convex hull of a part's cells, and what a fitter has computed of it: rearranging comes back to two of
+/// three hulls.
+struct Outline {
+  static constexpr double kNone = -std::numeric_limits<double>::infinity();
+
+  CellCorners corners;
+  Points hull;                 ///< the same [m]
+  Eigen::Vector2d low, high;   ///< of the hull [m]
+  double taken = 0.0;          ///< free space that the hull takes [m²], exact up to `taken_limit`
+  double taken_limit = kNone;  ///< [m²]
+  ShapeFit fit;                ///< the best shape, once one was found
+  double vain_limit = kNone;   ///< of the price, with which none was found [m²]
+};
 
 /// Cells that one shape covers.
 struct CoverPart {
   Cells cells;  ///< empty: joined into another part
-  Points hull;
-  double least = 0.0;         ///< no shape around the hull costs less (in units of one shape)
-  ShapeFit fit;               ///< not `found` before PartFitter::fit
-  Eigen::Vector2d low, high;  ///< of the hull [m]
-  int changed = 0;            ///< the rearrangement round in which it last changed
+  std::shared_ptr<Outline> outline;
+  double least = 0.0;  ///< no shape around the hull costs less (in units of one shape)
+  ShapeFit fit;        ///< not `found` before PartFitter::fit
+  int changed = 0;     ///< the rearrangement round in which it last changed
 };
 
-/// Fits parts; `grid` and `space` must outlive it.
+/// Fits parts; `grid` and `space` must outlive it. Keeps what it has computed; for one thread.
 class PartFitter {
  public:
   PartFitter(const Grid& grid, const FreeSpace& space, const CoverParams& params)
@@ -62,12 +76,13 @@ class PartFitter {
   [[nodiscard]] CoverShape shape(const CoverPart& part) const;
 
  private:
-  [[nodiscard]] CoverPart of_hull(Cells cells, Points hull, double most) const;
-  [[nodiscard]] Points corners_of_rows(const Cells& cells) const;
+  [[nodiscard]] CoverPart with_outline(Cells cells, const CellCorners& corners, double most) const;
+  [[nodiscard]] std::shared_ptr<Outline> make_outline(const CellCorners& corners) const;
 
   const Grid& grid_;
   const FreeSpace& space_;
   CoverParams params_;
+  mutable std::unordered_map<CellCorners, std::shared_ptr<Outline>, HashOfCorners> outlines_;
 };
 
 }  // namespace tandem

@@ -12,36 +12,37 @@ namespace {
 
 bool is_lower(const Eigen::Vector2d& p, const Eigen::Vector2d& q) { return p.y() < q.y(); }
 
-// Of a line with ascending y, between its ends.
-double x_at(const Points& line, double y) {
-  const auto above = std::find_if(line.begin() + 1, line.end() - 1,
-                                  [y](const Eigen::Vector2d& p) { return p.y() >= y; });
-  const Eigen::Vector2d &p = *(above - 1), &q = *above;
-  return q.y() > p.y() ? p.x() + (y - p.y()) / (q.y() - p.y()) * (q.x() - p.x()) : q.x();
-}
-
 }  // namespace
 
-DilatedEllipse::DilatedEllipse(const Obstacle& shape, double radius, double step) {
+DilatedEllipse::DilatedEllipse(const Obstacle& shape, const Eigen::Vector2d& along, double radius,
+                               double step) {
   const double a = (shape.a + radius) / step, b = (shape.b + radius) / step;
-  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
+  const double c = along.x(), s = along.y();
   qxx_ = c * c / (a * a) + s * s / (b * b);
   qyy_ = s * s / (a * a) + c * c / (b * b);
   qxy_ = c * s * (1.0 / (a * a) - 1.0 / (b * b));
   per_ = 1.0 / qxx_;
-  reach_ = std::hypot(s * a, c * b);
+  reach_ = std::sqrt(s * s * a * a + c * c * b * b);
 }
 
-DilatedRectangle::DilatedRectangle(const Obstacle& shape, double radius, double step) {
+DilatedRectangle::DilatedRectangle(const Obstacle& shape, const Eigen::Vector2d& along,
+                                   double radius, double step) {
   const double a = shape.a / step, b = shape.b / step, r = radius / step;
   const std::array<Eigen::Vector2d, 4> corners{{{a, b}, {-a, b}, {-a, -b}, {a, -b}}};
-  const double c = std::cos(shape.angle), s = std::sin(shape.angle);
+  const double c = along.x(), s = along.y();
+  constexpr double kDiagonal = 0.5 * std::numbers::sqrt2;
+  const std::array<Eigen::Vector2d, 8> turns{{{1, 0},
+                                              {kDiagonal, kDiagonal},
+                                              {0, 1},
+                                              {-kDiagonal, kDiagonal},
+                                              {-1, 0},
+                                              {-kDiagonal, -kDiagonal},
+                                              {0, -1},
+                                              {kDiagonal, -kDiagonal}}};
   reach_ = 0.0;
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const std::size_t corner = i / 3;
-    const double turn = 0.5 * std::numbers::pi * static_cast<double>(corner) +
-                        0.25 * std::numbers::pi * static_cast<double>(i % 3);
-    const Eigen::Vector2d p = corners[corner] + r * Eigen::Vector2d{std::cos(turn), std::sin(turn)};
+    const Eigen::Vector2d p = corners[corner] + r * turns[(2 * corner + i % 3) % turns.size()];
     vertices_[i] = {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
     reach_ = std::max(reach_, vertices_[i].y());
   }
@@ -84,20 +85,20 @@ DilatedHull::DilatedHull(const Points& hull, double radius, double step) {
   std::rotate(outline.begin(), std::min_element(outline.begin(), outline.end(), is_lower),
               outline.end());
   const auto top = std::max_element(outline.begin(), outline.end(), is_lower);
-  right_.assign(outline.begin(), top + 1);
-  left_.assign(outline.rbegin(), std::make_reverse_iterator(top));
-  left_.insert(left_.begin(), outline.front());
+  Points left;
+  left.reserve(outline.size());
+  left.push_back(outline.front());
+  left.insert(left.end(), outline.rbegin(), std::make_reverse_iterator(top));
+  left_ = Side{std::move(left)};
+  outline.erase(top + 1, outline.end());
+  right_ = Side{std::move(outline)};
 }
 
-RowExtent DilatedHull::row(double y) const {
-  if (y < right_.front().y() || y > right_.back().y()) return {0.0, -1.0};
-  return {x_at(left_, y), x_at(right_, y)};
-}
-
-std::variant<DilatedEllipse, DilatedRectangle> dilated(const Obstacle& shape, double radius,
-                                                       double step) {
-  if (is_rectangle(shape)) return DilatedRectangle{shape, radius, step};
-  return DilatedEllipse{shape, radius, step};
+double DilatedHull::Side::x_at(double y) const {
+  while (above_ > 1 && line_[above_ - 1].y() >= y) --above_;
+  while (above_ + 1 < line_.size() && line_[above_].y() < y) ++above_;
+  const Eigen::Vector2d &p = line_[above_ - 1], &q = line_[above_];
+  return q.y() > p.y() ? p.x() + (y - p.y()) / (q.y() - p.y()) * (q.x() - p.x()) : q.x();
 }
 
 }  // namespace tandem

@@ -5,8 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <variant>
-#include <vector>
+#include <utility>
 
 #include "tandem/model/obstacle.hpp"
 #include "tandem/obstacle_extractor/cover/bounding_shapes.hpp"
@@ -18,11 +17,16 @@ struct RowExtent {
   double left, right;
 };
 
+// A shape dilated by a disc of `radius` [m], about its centre, in units of `step` [m]: the centres
+// of the discs that touch the shape. Slightly too small, which is accurate enough for a cost.
+// `reach()` is its largest |y|, `row(y)` its extent in x at height y.
+
 /// An ellipse of which the dilated ellipse is a superset: its axes are longer by the disc's radius
 /// (the support function of the sum is larger).
 class DilatedEllipse {
  public:
-  DilatedEllipse(const Obstacle& shape, double radius, double step);
+  /// `along`: unit vector of the shape's length.
+  DilatedEllipse(const Obstacle& shape, const Eigen::Vector2d& along, double radius, double step);
 
   [[nodiscard]] double reach() const { return reach_; }
 
@@ -42,7 +46,7 @@ class DilatedEllipse {
 /// A polygon inside the dilated rectangle: two chords replace the arc at each corner.
 class DilatedRectangle {
  public:
-  DilatedRectangle(const Obstacle& shape, double radius, double step);
+  DilatedRectangle(const Obstacle& shape, const Eigen::Vector2d& along, double radius, double step);
 
   [[nodiscard]] double reach() const { return reach_; }
   [[nodiscard]] RowExtent row(double y) const;
@@ -61,18 +65,29 @@ class DilatedHull {
   /// What `row` is relative to, the middle of the hull's height, in metres.
   [[nodiscard]] const Eigen::Vector2d& p_MC() const { return p_MC_; }
   [[nodiscard]] double reach() const { return reach_; }
-  [[nodiscard]] RowExtent row(double y) const;
+  /// Fastest if the rows are asked for in their order.
+  [[nodiscard]] RowExtent row(double y) const {
+    if (y < right_.bottom() || y > right_.top()) return {0.0, -1.0};
+    return {left_.x_at(y), right_.x_at(y)};
+  }
 
  private:
+  // One side of the polygon, upwards.
+  class Side {
+   public:
+    explicit Side(Points line = {}) : line_{std::move(line)} {}
+    [[nodiscard]] double bottom() const { return line_.front().y(); }
+    [[nodiscard]] double top() const { return line_.back().y(); }
+    [[nodiscard]] double x_at(double y) const;
+
+   private:
+    Points line_;
+    mutable std::size_t above_ = 1;  // the corner at or above the last row
+  };
+
   Eigen::Vector2d p_MC_;
-  std::vector<Eigen::Vector2d> left_, right_;  // its sides, upwards
+  Side left_, right_;
   double reach_;
 };
-
-/// The shape dilated by a disc of `radius` [m], about its centre, in units of `step` [m]: the
-/// centres of the discs that touch the shape. Slightly too small, which is accurate enough for a
-/// cost. `reach()` is its largest |y|, `row(y)` its extent in x at height y.
-[[nodiscard]] std::variant<DilatedEllipse, DilatedRectangle> dilated(const Obstacle& shape,
-                                                                     double radius, double step);
 
 }  // namespace tandem

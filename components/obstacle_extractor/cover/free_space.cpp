@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include "tandem/map/distance_transform.hpp"
 #include "tandem/obstacle_extractor/cover/dilated_shape.hpp"
@@ -176,10 +175,14 @@ bool FreeSpace::is_known(const Eigen::Vector2d& low, const Eigen::Vector2d& high
 }
 
 double FreeSpace::taken_by(const Obstacle& shape, double most) const {
-  const double step = resolution_ / fine_;
-  return std::visit(
-      [&](const auto& all) { return area_of(all, (shape.p_MO - first_point_) / step, most); },
-      dilated(shape, radius_ * resolution_, step));
+  return taken_by(shape, {std::cos(shape.angle), std::sin(shape.angle)}, most);
+}
+
+double FreeSpace::taken_by(const Obstacle& shape, const Eigen::Vector2d& along, double most) const {
+  const double step = resolution_ / fine_, radius = radius_ * resolution_;
+  const Eigen::Vector2d m = (shape.p_MO - first_point_) / step;
+  return is_rectangle(shape) ? area_of(DilatedRectangle{shape, along, radius, step}, m, most)
+                             : area_of(DilatedEllipse{shape, along, radius, step}, m, most);
 }
 
 double FreeSpace::taken_by(const std::vector<Eigen::Vector2d>& hull, double most) const {
@@ -188,7 +191,8 @@ double FreeSpace::taken_by(const std::vector<Eigen::Vector2d>& hull, double most
   return area_of(all, (all.p_MC() - first_point_) / step, most);
 }
 
-// Sums row by row. `m`: the shape's centre, in fine points.
+// Sums row by row, from below: the outer rows, which are not through the obstacles, soonest show
+// that the area is above `most`. `m`: the shape's centre, in fine points.
 template <class Dilated>
 double FreeSpace::area_of(const Dilated& shape, const Eigen::Vector2d& m, double most) const {
   const double step = resolution_ / fine_;

@@ -45,6 +45,9 @@ class FreeSpace {
   /// it. Exact up to `most`; a larger area may be underestimated, but the result stays above
   /// `most`.
   [[nodiscard]] double taken_by(const Obstacle& shape, double most = kAll) const;
+  /// The same for a shape whose length lies along this unit vector.
+  [[nodiscard]] double taken_by(const Obstacle& shape, const Eigen::Vector2d& along,
+                                double most) const;
 
   /// Like taken_by for the convex hull of at least three points, counter-clockwise. A shape that
   /// contains it takes no less, up to the precision of both.

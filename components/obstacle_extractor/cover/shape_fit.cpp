@@ -47,8 +47,7 @@ struct Candidate {
 
 // The ellipse of (1), or a circle of radius b if the ellipse would be shorter than wide.
 Obstacle ellipse_of_width(const Points& hull, const TurnedBox& box, double b, double shift) {
-  const Eigen::Vector2d along{std::cos(box.angle), std::sin(box.angle)},
-      across{-along.y(), along.x()};
+  const Eigen::Vector2d &along = box.along, across{-along.y(), along.x()};
   Obstacle ellipse;
   ellipse.p_MO = box.p_MC + shift * across;
   ellipse.angle = box.angle;
@@ -125,9 +124,10 @@ class Search {
   Search(const Points& hull, const FreeSpace& space, const FitLimits& limits)
       : hull_{hull}, space_{space}, limits_{limits} {}
 
-  // Free space taken minus the bonus; exact only up to `most`.
-  [[nodiscard]] double price(const Obstacle& shape, double most) const {
-    return space_.taken_by(shape, most + bonus(shape)) - bonus(shape);
+  // Free space taken minus the bonus; exact only up to `most`. `along`: unit vector of the length.
+  [[nodiscard]] double price(const Obstacle& shape, const Eigen::Vector2d& along,
+                             double most) const {
+    return space_.taken_by(shape, along, most + bonus(shape)) - bonus(shape);
   }
   [[nodiscard]] double bonus(const Obstacle& shape) const {
     return is_circle(shape) ? limits_.circle_bonus : 0.0;
@@ -144,7 +144,7 @@ class Search {
                                                 const Obstacle& circle) const {
     std::vector<Candidate> candidates;
     const auto add = [&](const Obstacle& shape, const std::optional<Form>& form) {
-      if (const double paid = price(shape, limits_.price); paid <= limits_.price)
+      if (const double paid = price(shape, box.along, limits_.price); paid <= limits_.price)
         candidates.push_back({shape, paid, form});
     };
     add(circle, std::nullopt);
@@ -170,7 +170,7 @@ class Search {
         form.shift += change.shift * step;
         if (form.b < form.box.half.y() + std::abs(form.shift) + kLeastBulge) continue;
         const Obstacle shape = ellipse(form);
-        const double paid = price(shape, best.price - kLeastGain);
+        const double paid = price(shape, form.box.along, best.price - kLeastGain);
         if (paid > best.price - kLeastGain || !is_allowed(shape)) continue;
         best = {shape, paid, form};
         is_better = true;
@@ -216,9 +216,9 @@ ShapeFit fit_shape(const Points& hull, const FreeSpace& space, const FitLimits& 
   const TurnedBox box = smallest_box(hull);
   const Obstacle circle = circle_around(hull);
   const auto found = search.coarse(box, circle);
-  if (!found) return {circle, space.taken_by(circle), false, box.angle};
+  if (!found) return {circle, space.taken_by(circle), false, box.angle, 0.0};
   const Candidate best = found->form ? search.improved(*found) : *found;
-  return {best.shape, best.price + search.bonus(best.shape), true, box.angle};
+  return {best.shape, best.price + search.bonus(best.shape), true, box.angle, found->price};
 }
 
 }  // namespace tandem

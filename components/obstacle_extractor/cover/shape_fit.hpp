@@ -14,6 +14,7 @@ struct ShapeFit {
   double taken = 0.0;         ///< free space taken [m²]
   bool found = false;         ///< false: no shape is within the limits, `shape` is a circle
   double length_angle = 0.0;  ///< heading of the points' longest extent [rad]
+  double first_price = 0.0;   ///< if found: the least price limit with which a shape is found [m²]
 };
 
 struct FitLimits {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "obstacle_extractor/cover/room.hpp"
@@ -37,8 +38,8 @@ TEST(PartFitter, TheFitOfTwoPartsIsThatOfTheirCellsTogether) {
   EXPECT_TRUE(both.cells.empty());
   EXPECT_NEAR(both.fit.taken, all.fit.taken, 1e-9);
   EXPECT_NEAR((both.fit.shape.p_MO - all.fit.shape.p_MO).norm(), 0.0, 1e-9);
-  EXPECT_EQ(both.low, all.low);
-  EXPECT_EQ(both.high, all.high);
+  EXPECT_EQ(both.outline->low, all.outline->low);
+  EXPECT_EQ(both.outline->high, all.outline->high);
 }
 
 TEST(PartFitter, ACircleCostsLessThanAnotherShapeThatTakesAsMuch) {
@@ -71,6 +72,33 @@ TEST(PartFitter, FindsNoShapeThatWouldCostTooMuch) {
   const PartFitter fitter(room.map->grid(), *room.space, kLimits);
   EXPECT_FALSE(fitter.fit(corner, 1.1).fit.found);
   EXPECT_TRUE(fitter.fit(block(50, 50, 20, 2), kAnyCost).fit.found);
+}
+
+// A fitter keeps what it has computed of a hull; another one that has seen nothing finds the same.
+TEST(PartFitter, WhatItHasFittedBeforeChangesNoFit) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> cost(0.5, 4.0);
+  int found = 0, vain = 0;
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const auto cells = random_wall(seed);
+    const Room room(cells);
+    const PartFitter fitter(room.map->grid(), *room.space, kLimits);
+    for (int i = 0; i < 12; ++i) {
+      const double most = cost(random);
+      const PartFitter fresh(room.map->grid(), *room.space, kLimits);
+      const CoverPart known = fitter.fit(cells, most), part = fresh.fit(cells, most);
+      ASSERT_EQ(known.fit.found, part.fit.found) << seed << ", at most " << most;
+      ++(part.fit.found ? found : vain);
+      if (!part.fit.found) continue;
+      EXPECT_EQ(known.fit.taken, part.fit.taken);
+      EXPECT_EQ(known.fit.shape.p_MO, part.fit.shape.p_MO);
+      EXPECT_EQ(known.fit.shape.a, part.fit.shape.a);
+      EXPECT_EQ(known.fit.shape.b, part.fit.shape.b);
+      EXPECT_LE(known.least, fitter.cost(known) + 1e-9);
+    }
+  }
+  EXPECT_GT(found, 50);
+  EXPECT_GT(vain, 50);
 }
 
 TEST(PartFitter, NoFitCostsLessThanItsOutlineMust) {
