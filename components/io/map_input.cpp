@@ -80,10 +80,12 @@ MapInput::MapInput(rt::Node& node, const MapInputParams& params, const FramesInp
     with_static_topic([this](const auto& topic) { subscribe(topic, static_); });
   if (params_.map_source != "static") subscribe(topics::octomap_local, local_);
   // Last, so that an exception above leaves no thread running.
-  worker_ = node.create_worker([this] {
-    take_waiting();
-    return std::nullopt;
-  });
+  worker_ = node.create_worker(
+      [this] {
+        take_waiting();
+        return std::nullopt;
+      },
+      [this] { tell_of_live_map(); });
 }
 
 rt::Interface MapInput::interface_of_static() {
@@ -258,8 +260,17 @@ void MapInput::take_waiting() {
   if (map || seen) static_.in_force = base_place_;
   if (!seen) return;
   map_ = {seen, local->map->t};
+  has_live_map_ = true;
   unseen_ = unseen;
   local_.in_force = local->place;
+}
+
+void MapInput::tell_of_live_map() {
+  {
+    const std::lock_guard lock{mutex_};
+    if (!std::exchange(has_live_map_, false)) return;
+  }
+  if (on_live_map_) on_live_map_();
 }
 
 // Returns take(), or an empty result if it throws; logs the reason.

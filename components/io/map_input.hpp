@@ -3,6 +3,7 @@
 // beside the node's callbacks.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -107,6 +108,10 @@ class MapInput {
   /// while the map's frame cannot be followed. `robot` sets the center of later merges.
   [[nodiscard]] std::shared_ptr<const StaticMap> map(const std::optional<RobotState>& robot);
 
+  /// Calls `fn` on the node's thread as soon as a map that octomap_local brought is in force. Set
+  /// it before the node spins.
+  void on_live_map(std::function<void()> fn) { on_live_map_ = std::move(fn); }
+
   /// Ground in the newest map covered by neither the static map nor any beam, as obstacles; null if
   /// it is ignored or there is no octomap_local.
   [[nodiscard]] std::shared_ptr<const StaticMap> unseen() const;
@@ -159,6 +164,7 @@ class MapInput {
   template <class M>
   void ask_again(const rt::Topic<M>& topic, Inbox& inbox);
   void take_waiting();
+  void tell_of_live_map();
   template <class Take>
   [[nodiscard]] auto unless_refused(const char* topic, const Take& take) -> decltype(take());
   [[nodiscard]] std::shared_ptr<const StaticMap> take_static(const Job& job);
@@ -194,7 +200,9 @@ class MapInput {
   Stamped<std::shared_ptr<const StaticMap>> map_;  // stamped with octomap_local's arrival
   std::shared_ptr<const StaticMap> unseen_;
   std::optional<Eigen::Vector2d> p_MB_;
+  bool has_live_map_ = false;  // that on_live_map_ has not been told of
 
+  std::function<void()> on_live_map_;
   rt::Worker worker_;  // last, because its work uses what is above
 };
 

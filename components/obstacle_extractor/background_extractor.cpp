@@ -50,6 +50,11 @@ std::optional<std::vector<Obstacle>> BackgroundExtractor::near(
   return area ? shapes_within(*area, p_MB) : std::nullopt;
 }
 
+bool BackgroundExtractor::is_fitted(const std::shared_ptr<const StaticMap>& map) {
+  const std::lock_guard lock{mutex_};
+  return map && map == fitted_map_;
+}
+
 std::optional<double> BackgroundExtractor::work() {
   std::unique_lock lock{mutex_};
   auto request = std::exchange(waiting_, std::nullopt);
@@ -67,6 +72,7 @@ std::optional<double> BackgroundExtractor::work() {
         request_->p_MC, extractor_->shapes_near(request_->p_MC, reach), request_->params->range});
     lock.lock();
     fitted_ = std::move(area);
+    fitted_map_ = request_->map;
   }
   return pause();
 }

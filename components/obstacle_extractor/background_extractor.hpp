@@ -54,6 +54,9 @@ class BackgroundExtractor {
   [[nodiscard]] std::optional<std::vector<Obstacle>> near(
       const std::shared_ptr<const StaticMap>& map, const Eigen::Vector2d& p_MB);
 
+  /// Whether the shapes of `near` are those of this map already.
+  [[nodiscard]] bool is_fitted(const std::shared_ptr<const StaticMap>& map);
+
   /// Does the next piece of work. Returns after how long [s] to call it again; nullopt: when it is
   /// woken. Only one thread may call it.
   [[nodiscard]] std::optional<double> work();
@@ -85,6 +88,7 @@ class BackgroundExtractor {
   std::mutex mutex_;
   std::optional<Request> waiting_;
   std::shared_ptr<const FittedArea> fitted_;
+  std::shared_ptr<const StaticMap> fitted_map_;
 
   // Used by work() only:
   std::shared_ptr<Extractor> extractor_;

@@ -26,7 +26,7 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
       map_{node, params_->map, robot_.frames()},
       shapes_{extractor_for_robot(*params_), [this] { worker_.wake(); },
               [this](const auto& map, const auto& params) { return extractor_of(map, params); }},
-      worker_{node.create_worker([this] { return shapes_.work(); })},
+      worker_{node.create_worker([this] { return shapes_.work(); }, [this] { publish_fitted(); })},
       obstacles_{node.create_publisher(topics::obstacles)},
       markers_{node.create_publisher(topics::obstacle_markers)},
       diagnostics_{node, {topics::obstacles.name}} {
@@ -34,6 +34,7 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
     on_people_ = std::make_unique<ObstacleTracksInput>(node, robot_.frames(), [this](auto all) {
       people_ = {std::move(all), node_.now()};
     });
+  map_.on_live_map([this] { fit_live_map(); });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
   time_jump_ = node.on_time_jump([this] { people_.reset(); });
 }
@@ -59,6 +60,21 @@ void ObstacleExtractorNode::extract() {
   auto shapes = *near;
   shapes.insert(shapes.end(), people_.value.begin(), people_.value.end());
   publish(shapes);
+}
+
+// What a sensor has just seen waits for no period: it is fitted at once, and the list published.
+void ObstacleExtractorNode::fit_live_map() {
+  const auto robot = robot_.state();
+  if (const auto map = map_.map(robot); map && robot)
+    (void)shapes_.near(map, robot->X_MB.position());
+}
+
+void ObstacleExtractorNode::publish_fitted() {
+  if (params_->map.map_source == "static") return;
+  auto map = map_.map(robot_.state());
+  if (map == listed_map_ || !shapes_.is_fitted(map)) return;
+  listed_map_ = std::move(map);
+  extract();
 }
 
 void ObstacleExtractorNode::report_none(const std::string& why, const char* waits_for) {

@@ -68,6 +68,8 @@ class ObstacleExtractorNode {
   [[nodiscard]] std::shared_ptr<Extractor> extractor_of(const std::shared_ptr<const StaticMap>& map,
                                                         const ExtractorParams& params) const;
   void extract();
+  void fit_live_map();
+  void publish_fitted();
   void report_none(const std::string& why, const char* waits_for = "");
   void publish(const std::vector<Obstacle>& shapes);
 
@@ -76,6 +78,7 @@ class ObstacleExtractorNode {
   RobotStateInput robot_;
   MapInput map_;
   BackgroundExtractor shapes_;
+  std::shared_ptr<const StaticMap> listed_map_;  ///< of the last list that was published at once
   int lists_ = 0;
   std::string none_for_;  ///< the reason for publishing no list that was logged last
   Stamped<std::vector<Obstacle>> people_;

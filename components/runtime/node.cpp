@@ -24,8 +24,8 @@ Timer Node::create_wall_timer(double period, std::function<void()> fn) {
   return {core_, timer};
 }
 
-Worker Node::create_worker(Worker::Work work) {
-  return Worker{core_->open_worker(std::move(work))};
+Worker Node::create_worker(Worker::Work work, Worker::Done done) {
+  return Worker{core_->open_worker(std::move(work), std::move(done))};
 }
 
 AnyPublisher Node::make_publisher(const char* topic, TypeRef type, const QoS& qos) {

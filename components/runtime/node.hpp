@@ -160,7 +160,7 @@ class TANDEM_EXPORT Node {
 
   /// Does work away from the node's callbacks; see worker.hpp. Destroy the worker before what its
   /// work uses.
-  [[nodiscard]] Worker create_worker(Worker::Work work);
+  [[nodiscard]] Worker create_worker(Worker::Work work, Worker::Done done = {});
 
   /// On a LocalBus with a cache, what an earlier call with this key returned, of whatever node;
   /// otherwise the result of `make()`, a std::shared_ptr<T>. The key must name everything that the

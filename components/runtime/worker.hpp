@@ -19,6 +19,9 @@ class TANDEM_EXPORT Worker {
   /// Does the pending work. Returns after how long [s] to call it again without wake() (0: at
   /// once); nullopt: not before wake().
   using Work = std::function<std::optional<double>()>;
+  /// Called on the node's thread after the work, once for all work that has ended since; may be
+  /// empty.
+  using Done = std::function<void()>;
 
   Worker() = default;
   /// Made by Node::create_worker().

@@ -51,6 +51,7 @@ SafetyFilterNode::SafetyFilterNode(rt::Node& node)
         "enforce = false is for simulated studies (use_sim_time: true); a robot keeps its filter");
   command_.set_frames(params_->input.frames);
   command_.pass_not_finite();  // the core stops and reports the reason
+  map_.on_live_map([this] { update(); });
   robot_.on_state([this](const RobotState& state) { filter_.on_state(state, node_.now()); });
   if (params_->odom_stamped) robot_.use_stamps(params_->robot.sensor_delay);
   if (params_->filter.people.watched)

@@ -265,6 +265,22 @@ TEST_F(LocalBus, WorksWithinTheInstant) {
   EXPECT_EQ(at, (Numbers{1.0, 1.0, 1.5}));
 }
 
+TEST_F(LocalBus, TellsThatAWorkerHasWorked) {
+  rt::Node node{options("test")};
+  std::string order;
+  const auto worker = node.create_worker(
+      [&] {
+        order += "work ";
+        return std::nullopt;
+      },
+      [&] { order += "told "; });
+  worker.wake();
+  bus_->run_for(0.0);
+  worker.wake();
+  bus_->run_for(0.0);
+  EXPECT_EQ(order, "work told work told ");
+}
+
 TEST_F(LocalBus, TellsWhoPublishes) {
   rt::Node node{options("test")};
   std::vector<std::size_t> counts;

@@ -45,6 +45,45 @@ TEST(Worker, GoesOnUnaskedAfterItsPause) {
   ASSERT_TRUE(spin_until([&] { return done == 3; }, kTimeout, node));
 }
 
+TEST(Worker, TellsTheNodesThreadThatItHasWorked) {
+  rt::Node node{"worker"};
+  std::atomic<int> works = 0;
+  int told = 0;
+  std::thread::id where;
+  const auto worker = node.create_worker(
+      [&] {
+        ++works;
+        return std::nullopt;
+      },
+      [&] {
+        where = std::this_thread::get_id();
+        ++told;
+      });
+  worker.wake();
+  ASSERT_TRUE(spin_until([&] { return told == 1; }, kTimeout, node));
+  EXPECT_EQ(works, 1);
+  EXPECT_EQ(where, std::this_thread::get_id());
+  worker.wake();
+  ASSERT_TRUE(spin_until([&] { return told == 2; }, kTimeout, node));
+}
+
+TEST(Worker, ThatHasGoneTellsNothing) {
+  rt::Node node{"worker"};
+  std::atomic<bool> has_worked = false;
+  bool is_told = false;
+  std::optional<rt::Worker> worker = node.create_worker(
+      [&] {
+        has_worked = true;
+        return std::nullopt;
+      },
+      [&] { is_told = true; });
+  worker->wake();
+  has_worked.wait(false);
+  worker.reset();
+  node.spin_some(0.0);
+  EXPECT_FALSE(is_told);
+}
+
 TEST(Worker, IsWaitedForWhenItGoes) {
   rt::Node node{"worker"};
   std::atomic<bool> begun = false, may_end = false, ended = false;

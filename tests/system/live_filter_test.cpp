@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "system/builder_over_dds.hpp"
+#include "tandem/runtime/local_bus.hpp"
 
 namespace tandem::test {
 namespace {
@@ -86,6 +87,44 @@ TEST_F(FilterWithLiveSensing, StandsWhileTheBuilderSaysThatItsSensorsDoNotSee) {
   ASSERT_TRUE(drives(0.0, Reason::kSensingSilent));
   sensing.reset();
   EXPECT_TRUE(drives(0.3, Reason::kClear));
+}
+
+// On a bus inside the process, whose time does not pass while the map is read.
+TEST(FilterOnALocalBus, BrakesForWhatASensorSeesWithoutWaitingForACommand) {
+  const auto bus = std::make_shared<rt::LocalBus>();
+  rt::NodeOptions live =
+      options("safety_filter", {{"map_is_odom", "true"}, {"map_source", "local"}});
+  live.bus = bus;
+  const auto filter = rt::load_component("safety_filter", live);
+  rt::Node node{rt::NodeOptions{.name = "test", .bus = bus}};
+  const auto odom = node.create_publisher(topics::odom);
+  const auto command = node.create_publisher(topics::cmd_vel_arbitrated);
+  const auto maps = node.create_publisher(topics::octomap_local);
+  double v = -1.0;
+  const auto out =
+      node.create_subscription(topics::cmd_vel, [&](const auto& msg) { v = msg.linear().x(); });
+  octomap::OcTree tree{0.05};
+  cover_ground(tree);
+  octomap_msgs::msg::Octomap map;
+  map.binary(true);
+  map.id("OcTree");
+  map.resolution(0.05);
+  const auto show = [&] {
+    map.data(encode_octomap(tree));
+    maps.publish(map);
+    bus->run_for(0.0);
+  };
+  for (int i = 0; i < 5; ++i) {
+    odom.publish(to_msg(Odometry{}, header({}, "odom"), "base_link"));
+    command.publish(to_msg(Twist2{0.3, 0.0}));
+    show();
+    bus->run_for(0.02);
+  }
+  ASSERT_EQ(v, 0.3);
+  for (int i = -20; i <= 20; ++i)
+    tree.updateNode(octomap::point3d(0.57F, 0.05F * static_cast<float>(i), 0.3F), true);
+  show();
+  EXPECT_LT(v, 0.3);
 }
 
 // Two sensors over DDS: if either is lost, the robot stops and reports which.

@@ -8,12 +8,31 @@
 #include "support/paths.hpp"
 #include "system/one_component.hpp"
 #include "tandem/map/octomap_file.hpp"
+#include "tandem/runtime/local_bus.hpp"
 
 namespace tandem::test {
 namespace {
 
 const Pose2 kStartPose{-3.0, -3.0, 0.0};
 const Eigen::Vector2d kPole{-2.0, -2.0}, kFarPole{3.0, 4.0};  // of the forest
+
+nav_msgs::msg::Odometry odometry(const Pose2& X) {
+  return to_msg(Odometry{X, {}}, header({}, "odom"), "base_link");
+}
+
+octomap_msgs::msg::Octomap octomap(std::vector<std::int8_t> data) {
+  octomap_msgs::msg::Octomap msg;
+  msg.binary(true);
+  msg.id("OcTree");
+  msg.resolution(0.05);
+  msg.data(std::move(data));
+  return msg;
+}
+
+bool covers(const std::vector<Obstacle>& list, const Eigen::Vector2d& p_MQ) {
+  return std::any_of(list.begin(), list.end(),
+                     [&](const Obstacle& obstacle) { return contains(obstacle, p_MQ); });
+}
 
 class ExtractorOverDds : public OneComponent {
  protected:
@@ -30,24 +49,10 @@ class ExtractorOverDds : public OneComponent {
     beat_ = node_.create_wall_timer(0.02, [this] { odom_.publish(odometry_); });
   }
 
-  static nav_msgs::msg::Odometry odometry(const Pose2& X) {
-    return to_msg(Odometry{X, {}}, header({}, "odom"), "base_link");
-  }
-  static octomap_msgs::msg::Octomap octomap(std::vector<std::int8_t> data) {
-    octomap_msgs::msg::Octomap msg;
-    msg.binary(true);
-    msg.id("OcTree");
-    msg.resolution(0.05);
-    msg.data(std::move(data));
-    return msg;
-  }
   static octomap_msgs::msg::Octomap forest() {
     return octomap(encode_octomap(*load_octomap(source_path("maps/forest.bt"))));
   }
-  [[nodiscard]] bool covered(const Eigen::Vector2d& p_MQ) const {
-    return std::any_of(seen_.begin(), seen_.end(),
-                       [&](const Obstacle& o) { return contains(o, p_MQ); });
-  }
+  [[nodiscard]] bool covered(const Eigen::Vector2d& p_MQ) const { return covers(seen_, p_MQ); }
   [[nodiscard]] bool wait_for_lists(long more) {
     const long before = lists_;
     return wait_until([&] { return lists_ >= before + more; });
@@ -252,6 +257,29 @@ TEST_F(ExtractorWithoutAFinishedMap, ReportsThatSensingStopped) {
   ASSERT_TRUE(wait_until([&] { return covered(kPole); }));
   looks = {};
   EXPECT_TRUE(wait_until([&] { return log_.lines("no obstacles: octomap_local is silent") > 0; }));
+}
+
+// On a bus inside the process, whose time does not pass while the shapes are fitted.
+TEST(ExtractorOnALocalBus, ListsWhatASensorSeesWithoutWaitingForItsPeriod) {
+  const auto bus = std::make_shared<rt::LocalBus>();
+  rt::NodeOptions slow = options(
+      "obstacle_extractor", {{"map_is_odom", "true"}, {"map_source", "local"}, {"period", "1.0"}});
+  slow.bus = bus;
+  const auto extractor = rt::load_component("obstacle_extractor", slow);
+  rt::Node node{rt::NodeOptions{.name = "test", .bus = bus}};
+  const auto odom = node.create_publisher(topics::odom);
+  const auto local = node.create_publisher(topics::octomap_local);
+  std::vector<Obstacle> list;
+  const auto lists = node.create_subscription(topics::obstacles,
+                                              [&](const auto& msg) { list = from_msg(msg).all; });
+  octomap::OcTree seen{0.05};
+  for (const Eigen::Vector2d& p : {kPole, Eigen::Vector2d{-3.0, -1.5}}) {
+    odom.publish(odometry(kStartPose));
+    seen.updateNode(p.x(), p.y(), 0.3, true);
+    local.publish(octomap(encode_octomap(seen)));
+    bus->run_for(0.01);
+    EXPECT_TRUE(covers(list, p)) << p.transpose();
+  }
 }
 
 TEST_F(ExtractorOverDds, OdometryThatIsNotANumberIsIgnored) {

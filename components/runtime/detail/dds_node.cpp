@@ -8,7 +8,6 @@
 #include "tandem/runtime/detail/guard_report.hpp"
 #include "tandem/runtime/detail/reader_set.hpp"
 #include "tandem/runtime/detail/service_core.hpp"
-#include "tandem/runtime/detail/thread_worker.hpp"
 #include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/time.hpp"
@@ -167,8 +166,10 @@ std::shared_ptr<ClientPort> DdsNode::open_generic_client(const std::string& serv
                                   dds_type(type + kResponse), std::move(events));
 }
 
-std::shared_ptr<WorkerPort> DdsNode::open_worker(Worker::Work work) {
-  return std::make_shared<ThreadWorker>(std::move(work));
+std::shared_ptr<WorkerPort> DdsNode::open_worker(Worker::Work work, Worker::Done done) {
+  auto worker = std::make_shared<ThreadWorker>(std::move(work), std::move(done), wake_up_);
+  workers_.push_back(worker);
+  return worker;
 }
 
 std::shared_ptr<void> DdsNode::watch_publishers(const std::string& topic, TypeRef type,

@@ -12,6 +12,7 @@
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/detail/node_core.hpp"
 #include "tandem/runtime/detail/peer_watch.hpp"
+#include "tandem/runtime/detail/thread_worker.hpp"
 #include "tandem/runtime/detail/wake_up.hpp"
 
 namespace tandem::runtime {
@@ -52,7 +53,8 @@ class DdsNode final : public NodeCore {
   [[nodiscard]] std::shared_ptr<ClientPort> open_generic_client(
       const std::string& service, const std::string& type,
       std::shared_ptr<ServiceEvents> events) override;
-  [[nodiscard]] std::shared_ptr<WorkerPort> open_worker(Worker::Work work) override;
+  [[nodiscard]] std::shared_ptr<WorkerPort> open_worker(Worker::Work work,
+                                                        Worker::Done done) override;
   [[nodiscard]] std::shared_ptr<void> watch_publishers(const std::string& topic, TypeRef type,
                                                        PublishersChanged fn) override;
   void add(std::shared_ptr<TimerState> timer) override { timers_.push_back(std::move(timer)); }
@@ -92,6 +94,7 @@ class DdsNode final : public NodeCore {
   bool dispatch(double max_wait);  // true if a message was taken or a timer ran
   [[nodiscard]] double time_to_next(double max_wait) const;
   bool run(const std::vector<std::shared_ptr<Reader>>& readers);
+  bool run_done();
   bool run_timers();
   void run_pollers();
 
@@ -103,6 +106,7 @@ class DdsNode final : public NodeCore {
   std::unique_ptr<ClockFollower> clock_follower_;  // under use_sim_time
   std::vector<std::shared_ptr<TimerState>> timers_;
   std::vector<std::shared_ptr<Poller>> pollers_;
+  std::vector<std::weak_ptr<ThreadWorker>> workers_;
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
   std::unique_ptr<GuardReport> guard_report_;

@@ -48,11 +48,12 @@ bool DdsNode::dispatch(double max_wait) {
   const auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
   const bool jumped_back = read_clock();
   const bool received = run(due);
+  const bool worked = run_done();
   const bool fired = run_timers();
   run_pollers();
   dispatching_ = false;
   retired_.clear();
-  return jumped_back || received || fired;
+  return jumped_back || received || worked || fired;
 }
 
 double DdsNode::time_to_next(double max_wait) const {
@@ -79,6 +80,19 @@ bool DdsNode::run(const std::vector<std::shared_ptr<Reader>>& readers) {
     taken += reader->drain();
   }
   return taken > 0;
+}
+
+// Calls what is to be done on this thread after the work of a worker.
+bool DdsNode::run_done() {
+  std::vector<std::shared_ptr<ThreadWorker>> done;
+  std::erase_if(workers_, [&done](const auto& weak) {
+    const auto worker = weak.lock();
+    if (worker && worker->is_done()) done.push_back(worker);
+    return !worker;
+  });
+  for (const auto& worker : done)
+    if (!stopped()) worker->finish();
+  return !done.empty();
 }
 
 bool DdsNode::run_timers() {

@@ -19,8 +19,12 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 // Does the work of a Worker as an event, so that it does not run inside wake().
 class LocalWorker final : public WorkerPort, public std::enable_shared_from_this<LocalWorker> {
  public:
-  LocalWorker(LocalExchange& exchange, const std::string& node, Worker::Work work)
-      : events_{exchange.events()}, busy_{exchange.busy(node)}, work_{std::move(work)} {}
+  LocalWorker(LocalExchange& exchange, const std::string& node, Worker::Work work,
+              Worker::Done done)
+      : events_{exchange.events()},
+        busy_{exchange.busy(node)},
+        work_{std::move(work)},
+        done_{std::move(done)} {}
 
   void wake() override {
     if (closed_ || std::exchange(is_woken_, true)) return;
@@ -35,6 +39,7 @@ class LocalWorker final : public WorkerPort, public std::enable_shared_from_this
     ++runs_;
     const double start = steady_seconds();
     const auto pause = work_();
+    if (done_ && !closed_) done_();
     busy_ += steady_seconds() - start;
     if (!pause) return;
     if (*pause <= 0.0) return wake();
@@ -47,6 +52,7 @@ class LocalWorker final : public WorkerPort, public std::enable_shared_from_this
   EventQueue& events_;
   double& busy_;  // [s]
   Worker::Work work_;
+  Worker::Done done_;
   long runs_ = 0;
   bool is_woken_ = false;
   bool closed_ = false;
@@ -143,8 +149,8 @@ std::shared_ptr<ClientPort> LocalNode::open_generic_client(const std::string& se
   return std::make_shared<LocalClient>(*this, service, type + "_Request", std::move(events));
 }
 
-std::shared_ptr<WorkerPort> LocalNode::open_worker(Worker::Work work) {
-  return std::make_shared<LocalWorker>(exchange_, full_name, std::move(work));
+std::shared_ptr<WorkerPort> LocalNode::open_worker(Worker::Work work, Worker::Done done) {
+  return std::make_shared<LocalWorker>(exchange_, full_name, std::move(work), std::move(done));
 }
 
 std::shared_ptr<void> LocalNode::watch_publishers(const std::string& topic, TypeRef type,

@@ -40,7 +40,8 @@ class LocalNode final : public NodeCore, public std::enable_shared_from_this<Loc
   [[nodiscard]] std::shared_ptr<ClientPort> open_generic_client(
       const std::string& service, const std::string& type,
       std::shared_ptr<ServiceEvents> events) override;
-  [[nodiscard]] std::shared_ptr<WorkerPort> open_worker(Worker::Work work) override;
+  [[nodiscard]] std::shared_ptr<WorkerPort> open_worker(Worker::Work work,
+                                                        Worker::Done done) override;
   [[nodiscard]] std::shared_ptr<void> watch_publishers(const std::string& topic, TypeRef type,
                                                        PublishersChanged fn) override;
   void add(std::shared_ptr<TimerState> timer) override;

@@ -65,7 +65,8 @@ class NodeCore {
   [[nodiscard]] virtual std::shared_ptr<ClientPort> open_generic_client(
       const std::string& service, const std::string& type,
       std::shared_ptr<ServiceEvents> events) = 0;
-  [[nodiscard]] virtual std::shared_ptr<WorkerPort> open_worker(Worker::Work work) = 0;
+  [[nodiscard]] virtual std::shared_ptr<WorkerPort> open_worker(Worker::Work work,
+                                                                Worker::Done done) = 0;
   [[nodiscard]] virtual std::shared_ptr<void> watch_publishers(const std::string& topic,
                                                                TypeRef type,
                                                                PublishersChanged fn) = 0;

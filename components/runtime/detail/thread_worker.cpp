@@ -7,8 +7,10 @@
 
 namespace tandem::runtime {
 
-ThreadWorker::ThreadWorker(Worker::Work work)
-    : work_{std::move(work)}, thread_{[this] { run(); }} {}
+ThreadWorker::ThreadWorker(Worker::Work work, Worker::Done done, std::shared_ptr<WakeUp> node)
+    : work_{std::move(work)}, done_{std::move(done)}, node_{std::move(node)}, thread_{[this] {
+        run();
+      }} {}
 
 void ThreadWorker::wake() {
   {
@@ -27,6 +29,11 @@ void ThreadWorker::close() {
   if (thread_.joinable()) thread_.join();
 }
 
+// `closed_` is set on the node's thread only.
+void ThreadWorker::finish() {
+  if (has_worked_.exchange(false) && done_ && !closed_) done_();
+}
+
 void ThreadWorker::run() {
   std::optional<double> pause;  // [s] until the next call if nobody wakes it
   std::unique_lock lock{mutex_};
@@ -40,6 +47,8 @@ void ThreadWorker::run() {
     woken_ = false;
     lock.unlock();
     pause = work_();
+    has_worked_ = true;
+    if (done_) node_->notify();
     lock.lock();
   }
 }
