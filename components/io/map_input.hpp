@@ -200,7 +200,7 @@ class MapInput {
   Stamped<std::shared_ptr<const StaticMap>> map_;  // stamped with octomap_local's arrival
   std::shared_ptr<const StaticMap> unseen_;
   std::optional<Eigen::Vector2d> p_MB_;
-  bool has_live_map_ = false;  // that on_live_map_ has not been told of
+  bool has_live_map_ = false;  // on_live_map_ has not been called for it yet
 
   std::function<void()> on_live_map_;
   rt::Worker worker_;  // last, because its work uses what is above

@@ -14,8 +14,8 @@
 
 namespace tandem {
 
-/// The convex hull of a part's cells, and what a fitter has computed of it: rearranging comes back to two of
-/// three hulls.
+/// The convex hull of a part's cells, and what a fitter has computed of it: rearranging comes back
+/// to two of three hulls.
 struct Outline {
   static constexpr double kNone = -std::numeric_limits<double>::infinity();
 
