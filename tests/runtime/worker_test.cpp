@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <future>
 #include <optional>
 #include <thread>
 
@@ -69,16 +71,18 @@ TEST(Worker, TellsTheNodesThreadThatItHasWorked) {
 
 TEST(Worker, ThatHasGoneTellsNothing) {
   rt::Node node{"worker"};
-  std::atomic<bool> has_worked = false;
+  std::promise<void> has_worked;
   bool is_told = false;
   std::optional<rt::Worker> worker = node.create_worker(
       [&] {
-        has_worked = true;
+        has_worked.set_value();
         return std::nullopt;
       },
       [&] { is_told = true; });
   worker->wake();
-  has_worked.wait(false);
+  // Not by spinning the node, which would tell it.
+  ASSERT_EQ(has_worked.get_future().wait_for(std::chrono::duration<double>(kTimeout)),
+            std::future_status::ready);
   worker.reset();
   node.spin_some(0.0);
   EXPECT_FALSE(is_told);
