@@ -2,18 +2,14 @@
 #include "tandem/runtime/component.hpp"
 
 #include <dlfcn.h>
-#include <pthread.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <thread>
 
 #include "tandem/config/nearest_name.hpp"
 #include "tandem/config/printable.hpp"
@@ -22,6 +18,7 @@
 #include "tandem/runtime/detail/module_file.hpp"
 #include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
+#include "tandem/runtime/node_thread.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -185,24 +182,6 @@ void require_described(const Node& node, const ComponentDescription& description
   }
 }
 
-// So that `top -H` and a profile say which node a thread belongs to.
-void name_thread(const std::string& node) {
-  constexpr std::size_t kLongest = 15;  // of Linux
-  pthread_setname_np(pthread_self(), node.substr(0, kLongest).c_str());
-}
-
-// An exception in a callback ends the process; the timeouts of downstream nodes then stop the
-// robot.
-void spin(Node& node) {
-  name_thread(node.name());
-  try {
-    node.spin();
-  } catch (const std::exception& error) {
-    node.log().error("exception in a callback; the process exits: {}", error.what());
-    std::_Exit(EXIT_FAILURE);
-  }
-}
-
 }  // namespace
 
 bool register_component(const char* name, const Component& component) {
@@ -251,14 +230,9 @@ struct RunningComponent::State {
     node.check_parameters();
     require_described(node, component.describe());
   }
-  ~State() {
-    node.stop();
-    if (thread.joinable()) thread.join();
-  }
-
   Node node;
   std::shared_ptr<void> instance;
-  std::thread thread;
+  std::optional<NodeThread> thread;  // last, because it ends first
 };
 
 RunningComponent::RunningComponent(const std::string& component, NodeOptions options) {
@@ -277,14 +251,15 @@ RunningComponent::RunningComponent(RunningComponent&&) noexcept = default;
 RunningComponent& RunningComponent::operator=(RunningComponent&&) noexcept = default;
 
 void RunningComponent::start() {
-  if (!state_->thread.joinable() && !state_->node.core()->options.bus)
-    state_->thread = std::thread{[this_state = state_.get()] { spin(this_state->node); }};
+  Node& own = state_->node;
+  if (!state_->thread && !own.core()->options.bus)
+    state_->thread.emplace(own.name(), std::vector<Node*>{&own});
 }
 
 void RunningComponent::stop() { state_->node.stop(); }
 
 void RunningComponent::join() {
-  if (state_->thread.joinable()) state_->thread.join();
+  if (state_->thread) state_->thread->join();
 }
 
 Node& RunningComponent::node() const { return state_->node; }

@@ -42,10 +42,11 @@ std::vector<std::string> read_paths(YamlReader& map, const char* key) {
 }
 
 SystemNode read_node(YamlReader& map, const std::string& path) {
-  SystemNode node{map.required<std::string>("component"), {}};
+  SystemNode node{.component = map.required<std::string>("component"), .options = {}};
   auto& options = node.options;
   options.name = map.optional("name", node.component);
   options.ns = map.optional("namespace", options.ns);
+  node.thread = map.optional("thread", node.thread);
   node.respawn = map.optional("respawn", node.respawn);
   options.parameters.files = read_paths(map, "parameter_files");
   if (auto parameters = map.optional("parameters"))
@@ -137,8 +138,10 @@ void check_parameters(const System& system, const std::vector<std::string>& only
                       const rt::RosArguments& arguments) {
   for (const auto& node : system.nodes)
     if (wanted(node, only))
-      use_component(system, {node.component, rt::with_arguments(node.options, arguments)},
-                    rt::check_parameters);
+      use_component(
+          system,
+          {.component = node.component, .options = rt::with_arguments(node.options, arguments)},
+          rt::check_parameters);
 }
 
 // A restarted arbitration does not know whether the emergency stop was pressed, so it must assume
@@ -180,6 +183,7 @@ void require_names(const System& system, const std::vector<std::string>& only) {
 System load_system(const std::string& path) {
   YamlReader root = YamlReader::load(path);
   const bool use_sim_time = root.optional("use_sim_time", false);
+  const auto thread = root.optional("thread", std::string{});
   const auto files = read_paths(root, "parameter_files");
   System system{path, {}};
   if (const auto components = root.optional("components"))
@@ -190,15 +194,27 @@ System load_system(const std::string& path) {
     auto& own = node.options.parameters.files;
     own.insert(own.begin(), files.begin(), files.end());
     node.options.use_sim_time = use_sim_time;
+    if (node.thread.empty()) node.thread = thread;
   }
   return system;
 }
 
 RunningSystem::RunningSystem(const System& system, const std::vector<std::string>& only) {
   require_names(system, only);
-  for (const auto& node : system.nodes)
-    if (wanted(node, only)) components_.push_back(construct(system, node));
-  for (auto& component : components_) component.start();
+  std::vector<rt::RunningComponent*> alone;
+  std::map<std::string, std::vector<rt::Node*>> together;  // by thread
+  components_.reserve(system.nodes.size());
+  for (const auto& node : system.nodes) {
+    if (!wanted(node, only)) continue;
+    auto& component = components_.emplace_back(construct(system, node));
+    if (node.thread.empty())
+      alone.push_back(&component);
+    else
+      together[node.thread].push_back(&component.node());
+  }
+  for (auto* component : alone) component->start();
+  for (const auto& [name, nodes] : together)
+    threads_.push_back(std::make_unique<rt::NodeThread>(name, nodes));
 }
 
 void RunningSystem::stop() {
@@ -207,6 +223,7 @@ void RunningSystem::stop() {
 
 void RunningSystem::wait() {
   for (auto& component : components_) component.join();
+  for (auto& thread : threads_) thread->join();
 }
 
 int run_system(const std::string& path, const std::vector<std::string>& only,

@@ -3,17 +3,20 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "tandem/runtime/component.hpp"
+#include "tandem/runtime/node_thread.hpp"
 
 namespace tandem {
 
 /// One component of a system, as declared in the system file.
 struct SystemNode {
   std::string component;
-  rt::NodeOptions options;
+  rt::NodeOptions options{};
+  std::string thread{};  ///< shared with the nodes that name the same one; empty: one of its own
   bool respawn = false;  ///< restart it after it ends by itself; needs separate processes
 };
 
@@ -29,7 +32,7 @@ struct System {
 /// Throws std::invalid_argument if `only` contains a name that no node of the system has.
 void require_names(const System& system, const std::vector<std::string>& only);
 
-/// The components of a system, each on its own thread. Destruction stops them.
+/// The components of a system, on the threads that it names. Destruction stops them.
 class RunningSystem {
  public:
   /// Runs the nodes named in `only` (all if empty). Throws std::invalid_argument for a name that
@@ -41,6 +44,7 @@ class RunningSystem {
 
  private:
   std::vector<rt::RunningComponent> components_;
+  std::vector<std::unique_ptr<rt::NodeThread>> threads_;  // of several nodes each
 };
 
 /// Runs a system until SIGINT or SIGTERM; the result is the program's exit status.

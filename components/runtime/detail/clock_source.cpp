@@ -27,9 +27,13 @@ ClockSource::ClockSource(Participant& participant, Endpoint endpoint)
               {.malformed = [this](std::size_t size) { refuse(endpoint_.malformed_text(size)); },
                .late = [this] { refuse(endpoint_.late_text()); }}} {
   participant_.discovery().add(endpoint_.known(reader_.guid(), false, participant_));
+  const auto receiver =
+      make_receiver<Clock>([this](const Clock& clock) { receive(to_nanoseconds(clock.clock())); });
+  reader_.receive_directly(participant.direct_topic(endpoint_.topic, endpoint_.type),
+                           [receiver](const Sample& sample) { return deliver(sample, receiver); });
   reader_.on_arrival([this] {
     const std::lock_guard lock{receiving_};
-    (void)reader_.take();
+    (void)reader_.drain();
   });
 }
 

@@ -15,34 +15,49 @@
 namespace tandem::runtime {
 namespace {
 
-// Encodes the messages of a publisher; without a codec it takes bytes only.
+// Sends the messages of a publisher: to this process as they are, to others serialized. Without a
+// codec it takes bytes only.
 class DdsPublisher final : public PublisherPort {
  public:
-  DdsPublisher(DdsNode& node, std::shared_ptr<Codec> codec, std::shared_ptr<Writer> writer,
-               const QoS& qos)
+  DdsPublisher(DdsNode& node, TypeRef type, std::shared_ptr<Codec> codec,
+               std::shared_ptr<Writer> writer, std::unique_ptr<DirectWriter> direct)
       : node_{node},
+        type_{type},
         codec_{std::move(codec)},
         writer_{std::move(writer)},
-        is_volatile_{qos.durability == Durability::kVolatile} {}
+        direct_{std::move(direct)} {}
 
   std::size_t publish(const void* message) override {
-    if (is_volatile_ && writer_->matched() == 0) return 0;
+    if (direct_)
+      direct_->send([&] { return std::make_shared<Sample>(type_, type_.copy(message)); });
+    if (is_without_readers()) return 0;
     thread_local Bytes bytes;  // reused by all publishers of this thread
-    return codec_->encode(message, bytes) ? publish_bytes(bytes) : bytes.size();
+    return codec_->encode(message, bytes) ? write(bytes) : bytes.size();
   }
   std::size_t publish_bytes(const Bytes& bytes) override {
-    return writer_->write(bytes) ? 0 : bytes.size();
+    if (direct_) direct_->send([&] { return std::make_shared<Sample>(bytes); });
+    return is_without_readers() ? 0 : write(bytes);
   }
   [[nodiscard]] int matched() const override { return writer_->matched(); }
   [[nodiscard]] PublisherId id() const override { return to_id(writer_->guid()); }
   [[nodiscard]] const std::string& topic() const override { return writer_->topic(); }
-  void close() override { node_.close_writer(*writer_); }
+  void close() override {
+    direct_.reset();
+    node_.close_writer(*writer_);
+  }
 
  private:
+  // Whether DDS would give it to nobody, now or later.
+  [[nodiscard]] bool is_without_readers() const { return direct_ && !writer_->is_read_elsewhere(); }
+  [[nodiscard]] std::size_t write(const Bytes& bytes) {
+    return writer_->write(bytes) ? 0 : bytes.size();
+  }
+
   DdsNode& node_;
+  TypeRef type_;
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;
-  bool is_volatile_;  // nothing is kept for later subscriptions, so nothing is encoded for nobody
+  std::unique_ptr<DirectWriter> direct_;  // null if it is transient local
 };
 
 // Time for a peer to open a compatible endpoint [s]; under DDS Security its second participant is
@@ -95,27 +110,38 @@ DdsNode::~DdsNode() {
 std::shared_ptr<PublisherPort> DdsNode::open_publisher(const std::string& topic, TypeRef type,
                                                        const QoS& qos) {
   auto codec = std::make_shared<Codec>(type);
-  auto writer = open_writer({dds_topic_name(topic),
-                             codec->dds_name(),
-                             qos,
-                             {},
-                             qos_overrides.prefix_of(topic, "publisher")});
-  return std::make_shared<DdsPublisher>(*this, std::move(codec), std::move(writer), qos);
+  const Endpoint endpoint{dds_topic_name(topic),
+                          codec->dds_name(),
+                          qos,
+                          {},
+                          qos_overrides.prefix_of(topic, "publisher")};
+  return open_publisher(endpoint, type, std::move(codec));
 }
 
 std::shared_ptr<PublisherPort> DdsNode::open_generic_publisher(const std::string& topic,
                                                                const std::string& type,
                                                                const QoS& qos,
                                                                const std::string& type_hash) {
-  return std::make_shared<DdsPublisher>(
-      *this, nullptr, open_writer({dds_topic_name(topic), dds_type(type), qos, type_hash}), qos);
+  return open_publisher({dds_topic_name(topic), dds_type(type), qos, type_hash}, {}, nullptr);
+}
+
+std::shared_ptr<PublisherPort> DdsNode::open_publisher(const Endpoint& endpoint, TypeRef type,
+                                                       std::shared_ptr<Codec> codec) {
+  auto writer = open_writer(endpoint);
+  std::unique_ptr<DirectWriter> direct;
+  if (endpoint.qos.durability == Durability::kVolatile)
+    direct =
+        std::make_unique<DirectWriter>(participant_->direct_topic(endpoint.topic, endpoint.type),
+                                       endpoint.qos, to_id(writer->guid()));
+  return std::make_shared<DdsPublisher>(*this, type, std::move(codec), std::move(writer),
+                                        std::move(direct));
 }
 
 std::shared_ptr<SubscriptionPort> DdsNode::open_subscription(const std::string& topic,
                                                              const QoS& qos, Receiver receiver,
                                                              Accepts accepts) {
   const auto codec = std::make_shared<Codec>(receiver.type);
-  auto deliver = [codec, receiver = std::move(receiver)](const Bytes& bytes, const auto&) {
+  auto decode_and_deliver = [codec, receiver](const Bytes& bytes, const auto&) {
     if (!codec->decode(bytes, receiver.message())) {
       receiver.reset();
       return false;
@@ -123,12 +149,14 @@ std::shared_ptr<SubscriptionPort> DdsNode::open_subscription(const std::string& 
     receiver.deliver(receiver.message());
     return true;
   };
+  auto deliver_sample = [receiver](const Sample& sample) { return deliver(sample, receiver); };
   const Endpoint endpoint{dds_topic_name(topic),
                           codec->dds_name(),
                           qos,
                           {},
                           qos_overrides.prefix_of(topic, "subscription")};
-  auto readers = std::make_shared<ReaderSet>(*this, endpoint, std::move(deliver));
+  auto readers = std::make_shared<ReaderSet>(*this, endpoint, std::move(decode_and_deliver),
+                                             std::move(deliver_sample));
   if (accepts == Accepts::kEvery)
     readers->accept_every_publisher([this, topic](const QoS& wanted) {
       return qos_overrides.apply(wanted, topic, "subscription");
@@ -139,12 +167,17 @@ std::shared_ptr<SubscriptionPort> DdsNode::open_subscription(const std::string& 
 std::shared_ptr<SubscriptionPort> DdsNode::open_generic_subscription(
     const std::string& topic, const std::string& type, const QoS& qos,
     std::function<void(const Bytes&)> fn) {
-  auto deliver = [fn = std::move(fn)](const Bytes& bytes, const auto&) {
+  auto deliver_bytes = [fn](const Bytes& bytes, const auto&) {
     fn(bytes);
     return true;
   };
+  auto deliver_sample = [fn](const Sample& sample) {
+    fn(sample.bytes());
+    return true;
+  };
   const Endpoint endpoint{dds_topic_name(topic), dds_type(type), qos};
-  return std::make_shared<ReaderSet>(*this, endpoint, std::move(deliver));
+  return std::make_shared<ReaderSet>(*this, endpoint, std::move(deliver_bytes),
+                                     std::move(deliver_sample));
 }
 
 std::shared_ptr<ServicePort> DdsNode::open_service(const std::string& service, Responder responder,
@@ -221,7 +254,8 @@ std::shared_ptr<Writer> DdsNode::open_writer(const Endpoint& endpoint) {
   return writer;
 }
 
-std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::Deliver deliver) {
+std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::Deliver deliver,
+                                             Reader::DeliverSample deliver_sample) {
   const auto warn = [this, topic = ros_name(endpoint.topic)](const char* kind,
                                                              const std::string& what) {
     log.write_every(1.0, LogLevel::kWarn, topic + kind, topic + ": dropped " + what);
@@ -234,6 +268,9 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
       std::make_shared<Reader>(*participant_, endpoint, std::move(deliver), std::move(refused));
   reader->participant().graph().add_reader(name, reader->guid());
   know(reader->guid(), endpoint, false);
+  if (deliver_sample)
+    reader->receive_directly(participant_->direct_topic(endpoint.topic, endpoint.type),
+                             std::move(deliver_sample));
   reader->on_arrival([wake_up = wake_up_] { wake_up->notify(); });
   readers_.push_back(reader);
   return reader;

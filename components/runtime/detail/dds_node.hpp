@@ -69,10 +69,19 @@ class DdsNode final : public NodeCore {
   [[nodiscard]] std::int64_t system_nanoseconds() const override;
   void spin() override;
   void spin_some(double max_wait) override;
+
+  /// For a thread that spins several nodes, instead of spin(): from now on what wakes this node
+  /// wakes `group`. Throws as spin() for a parameter that was not declared.
+  void join(const std::shared_ptr<WakeUp>& group);
+  /// Runs what is due, without waiting, on that thread. Returns when to call it again unless the
+  /// group is woken before [s], steady clock; never, once it is stopped.
+  double run_if_due();
   void stop() override;
 
   std::shared_ptr<Writer> open_writer(const Endpoint& endpoint);
-  std::shared_ptr<Reader> open_reader(const Endpoint& endpoint, Reader::Deliver deliver);
+  /// Without `deliver_sample`, the messages of this process come through DDS, too.
+  std::shared_ptr<Reader> open_reader(const Endpoint& endpoint, Reader::Deliver deliver,
+                                      Reader::DeliverSample deliver_sample = {});
   void close_writer(Writer& writer);
   void close_reader(Reader& reader);
   void add(std::shared_ptr<Poller> poller) { pollers_.push_back(std::move(poller)); }
@@ -86,12 +95,15 @@ class DdsNode final : public NodeCore {
   [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
 
  private:
+  std::shared_ptr<PublisherPort> open_publisher(const Endpoint& endpoint, TypeRef type,
+                                                std::shared_ptr<Codec> codec);
   void open_clock(const std::string& topic, const QoS& qos) override;
   void close_clock() override;
   bool read_clock();  // true if it jumped back
   void know(const rtps::GUID_t& guid, const Endpoint& endpoint, bool writes);
   void forget(const rtps::GUID_t& guid);
   bool dispatch(double max_wait);  // true if a message was taken or a timer ran
+  bool run_due();                  // the same without waiting
   [[nodiscard]] double time_to_next(double max_wait) const;
   bool run(const std::vector<std::shared_ptr<Reader>>& readers);
   bool run_done();
@@ -109,6 +121,7 @@ class DdsNode final : public NodeCore {
   std::vector<std::weak_ptr<ThreadWorker>> workers_;
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
+  double next_due_ = 0.0;  // of a timer or poller [s], steady clock; for run_if_due()
   std::unique_ptr<GuardReport> guard_report_;
 };
 

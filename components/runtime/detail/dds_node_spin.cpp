@@ -40,8 +40,26 @@ void DdsNode::stop() {
   wake_up_->notify();
 }
 
+void DdsNode::join(const std::shared_ptr<WakeUp>& group) {
+  store.check_unknown();
+  wake_up_->join(group);
+}
+
+double DdsNode::run_if_due() {
+  if (stopped()) return kForever;
+  if (wake_up_->take() || steady_seconds() >= next_due_) {
+    run_due();
+    next_due_ = steady_seconds() + time_to_next(kForever);
+  }
+  return next_due_;
+}
+
 bool DdsNode::dispatch(double max_wait) {
   wake_up_->wait(time_to_next(max_wait));
+  return run_due();
+}
+
+bool DdsNode::run_due() {
   dispatching_ = true;
   // The clock is read after the readers are selected, so that a message which came after a jump
   // back is delivered after the jump is reported; messages and timers then see one time.

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "tandem/runtime/detail/codec.hpp"
 #include "tandem/runtime/detail/dds_log.hpp"
@@ -143,38 +146,71 @@ std::string Endpoint::late_text() const {
   return fmt::format("a message that arrived more than {} s late", qos.lifespan);
 }
 
+PublisherId to_id(const rtps::GUID_t& guid) {
+  PublisherId id{};
+  const auto& [prefix, entity] = guid;
+  std::copy_n(entity.value, entity.size, std::copy_n(prefix.value, prefix.size, id.begin()));
+  return id;
+}
+
+rtps::GUID_t to_guid(const PublisherId& id) {
+  rtps::GUID_t guid;
+  const auto entity = id.begin() + guid.guidPrefix.size;
+  std::copy(id.begin(), entity, guid.guidPrefix.value);
+  std::copy(entity, id.end(), guid.entityId.value);
+  return guid;
+}
+
 Reader::Reader(Participant& participant, const Endpoint& endpoint, Deliver deliver, Refused refused)
     : topic_{participant, endpoint.topic, endpoint.type},
       dds_{make_reader(topic_, participant, endpoint)},
       deliver_{std::move(deliver)},
       refused_{std::move(refused)},
-      lifespan_{endpoint.qos.lifespan} {
+      qos_{endpoint.qos} {
   dds_->get_statuscondition().set_enabled_statuses(fdds::StatusMask::data_available());
 }
 
 Reader::~Reader() {
+  close();
   const std::lock_guard lock{readers_of_process};
   topic_.participant().subscriber().delete_datareader(dds_);
 }
 
-bool Reader::is_due() const {
-  return waiting_ ||
-         (arrival_.fn ? arrival_.any.load() : dds_->get_statuscondition().get_trigger_value());
+void Reader::close() {
+  closed_ = true;
+  if (queue_) direct_topic_->remove(*queue_);
 }
+
+bool Reader::has_bytes() const {
+  return arrival_.fn ? arrival_.any.load() : dds_->get_statuscondition().get_trigger_value();
+}
+
+bool Reader::is_due() const { return waiting_ || has_bytes() || (queue_ && !queue_->is_empty()); }
 
 int Reader::drain() {
   if (!is_due()) return 0;
-  arrival_.any = false;  // before the samples are taken, so that none is missed
-  return take();
+  const bool may_have_bytes = waiting_ || has_bytes();
+  const int taken = take_samples();
+  waiting_ = taken == kBatch;
+  return taken + (may_have_bytes ? take_bytes() : 0);
 }
 
-int Reader::take() {
+int Reader::take_samples() {
+  int taken = 0;
+  if (!queue_) return taken;
+  for (; taken < kBatch && !closed_; ++taken) {
+    const auto sample = queue_->pop();
+    if (!sample) break;
+    take_one(*sample);
+  }
+  return taken;
+}
+
+int Reader::take_bytes() {
+  arrival_.any = false;  // before the samples are taken, so that none is missed
   fdds::SampleInfo info;
   for (int taken = 0; taken < kBatch; ++taken) {
-    if (closed_ || !ok(dds_->take_next_sample(&bytes_, &info))) {
-      waiting_ = false;
-      return taken;
-    }
+    if (closed_ || !ok(dds_->take_next_sample(&bytes_, &info))) return taken;
     if (info.valid_data) take_one(info);
     if (bytes_.capacity() > kMaxKept) Bytes{}.swap(bytes_);
   }
@@ -182,13 +218,29 @@ int Reader::take() {
   return kBatch;
 }
 
+void Reader::receive_directly(std::shared_ptr<DirectTopic> topic, DeliverSample deliver) {
+  deliver_sample_ = std::move(deliver);
+  direct_topic_ = std::move(topic);
+  queue_ = std::make_shared<DirectQueue>(qos_, [this] { arrival_.fn(); });
+}
+
 void Reader::on_arrival(std::function<void()> fn) {
   arrival_.fn = std::move(fn);
   dds_->set_listener(&arrival_, fdds::StatusMask::data_available());
+  if (queue_) direct_topic_->add(queue_);
+}
+
+void Reader::take_one(const Sample& sample) {
+  if (steady_seconds() > sample.published + qos_.lifespan) return refused_.late();
+  if (deliver_sample_(sample)) return;
+  ++malformed_;
+  refused_.malformed(sample.bytes().size());
 }
 
 void Reader::take_one(const fdds::SampleInfo& info) {
   rtps::iHandle2GUID(sender_, info.publication_handle);
+  const bool is_own = sender_.guidPrefix == guid().guidPrefix;
+  if (is_own && queue_ && queue_->knows(to_id(sender_))) return;
   if (is_late(info)) return refused_.late();
   if (deliver_(bytes_, info)) return;
   ++malformed_;
@@ -197,13 +249,13 @@ void Reader::take_one(const fdds::SampleInfo& info) {
 
 // Replaces DDS's own lifespan check, which compares the clocks of two computers.
 bool Reader::is_late(const fdds::SampleInfo& info) {
-  if (std::isinf(lifespan_) || info.source_timestamp.seconds() <= 0) return false;
+  if (std::isinf(qos_.lifespan) || info.source_timestamp.seconds() <= 0) return false;
   if (transit_.size() > kMaxWriters) transit_.clear();
   const auto seconds = [](std::int64_t nanoseconds) {
     return 1e-9 * static_cast<double>(nanoseconds);
   };
   return transit_[sender_].is_late(seconds(info.source_timestamp.to_ns()),
-                                   seconds(system_nanoseconds()), lifespan_);
+                                   seconds(system_nanoseconds()), qos_.lifespan);
 }
 
 int Reader::matched() const {
@@ -261,6 +313,13 @@ Writer::Turn Writer::Matches::latest_of(const rtps::GuidPrefix_t& participant) c
   for (const auto& [reader, turn] : readers_)
     if (reader.guidPrefix == participant) latest = std::max(latest, turn);
   return latest;
+}
+
+bool Writer::Matches::has_others_than(const rtps::GUID_t& writer) const {
+  const std::lock_guard lock{mutex_};
+  return std::any_of(readers_.begin(), readers_.end(), [&writer](const auto& reader) {
+    return reader.first.guidPrefix != writer.guidPrefix;
+  });
 }
 
 int Writer::Matches::count() const {

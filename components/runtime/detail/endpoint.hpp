@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/detail/direct_topic.hpp"
 #include "tandem/runtime/detail/participant.hpp"
 #include "tandem/runtime/detail/transit.hpp"
 #include "tandem/runtime/qos.hpp"
@@ -36,11 +37,16 @@ struct Endpoint {
   [[nodiscard]] std::string late_text() const;
 };
 
+[[nodiscard]] PublisherId to_id(const rtps::GUID_t& guid);
+[[nodiscard]] rtps::GUID_t to_guid(const PublisherId& id);
+
 /// Receives the samples of a topic as bytes.
 class TANDEM_EXPORT_FOR_TESTS Reader {
  public:
   /// Returns false for bytes that are not a valid message of the type.
   using Deliver = std::function<bool(const Bytes&, const fdds::SampleInfo&)>;
+  /// The same for a message of this process.
+  using DeliverSample = std::function<bool(const Sample&)>;
   /// Callbacks for samples that are not delivered.
   struct Refused {
     std::function<void(std::size_t size)> malformed;
@@ -52,18 +58,20 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
+  /// Has the messages of this process's publishers come through `topic`, as they are. Before
+  /// on_arrival().
+  void receive_directly(std::shared_ptr<DirectTopic> topic, DeliverSample deliver);
+  /// Calls `fn` from now on when a sample arrives, on the thread that brings it: one of DDS, or
+  /// that of a publisher in this process. `fn` may call drain().
+  void on_arrival(std::function<void()> fn);
+
   /// Delivers at most one batch of received samples and returns how many were taken. waiting() is
   /// true if more may be left.
   int drain();
   [[nodiscard]] bool waiting() const { return waiting_; }
   /// Whether drain() has anything to do.
   [[nodiscard]] bool is_due() const;
-  void close() { closed_ = true; }  ///< stops delivery
-  /// Calls `fn` from now on when a sample arrives, on the thread that brings it: one of DDS, or
-  /// that of a publisher in this process. `fn` may call take().
-  void on_arrival(std::function<void()> fn);
-  /// As drain(), without first asking whether anything has arrived.
-  int take();
+  void close();  ///< stops delivery
 
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
@@ -81,15 +89,22 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
     std::atomic<bool> any = false;  // since the last drain()
   };
 
+  int take_samples();  // of this process
+  int take_bytes();    // of DDS
+  void take_one(const Sample& sample);
   void take_one(const fdds::SampleInfo& info);
+  [[nodiscard]] bool has_bytes() const;
   [[nodiscard]] bool is_late(const fdds::SampleInfo& info);
 
   SharedTopic topic_;
   Arrival arrival_;
   fdds::DataReader* dds_;
   Deliver deliver_;
+  DeliverSample deliver_sample_;
+  std::shared_ptr<DirectTopic> direct_topic_;
+  std::shared_ptr<DirectQueue> queue_;  // null unless it receives directly
   Refused refused_;
-  double lifespan_;                          // of a sample [s]
+  QoS qos_;
   std::map<rtps::GUID_t, Transit> transit_;  // key: writer
   Bytes bytes_;                              // reused
   rtps::GUID_t sender_;
@@ -112,6 +127,8 @@ class TANDEM_EXPORT_FOR_TESTS Writer {
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
   [[nodiscard]] int matched() const;
+  /// Whether readers of other participants are matched, which messages reach only through DDS.
+  [[nodiscard]] bool is_read_elsewhere() const { return matches_.has_others_than(guid()); }
   /// Order in which readers were matched, starting at 1.
   using Turn = std::uint64_t;
   /// The turn of the given reader or, for a writer's GUID, of the latest matched reader of its
@@ -128,6 +145,7 @@ class TANDEM_EXPORT_FOR_TESTS Writer {
     [[nodiscard]] Turn of(const rtps::GUID_t& reader) const;
     [[nodiscard]] Turn latest_of(const rtps::GuidPrefix_t& participant) const;
     [[nodiscard]] int count() const;
+    [[nodiscard]] bool has_others_than(const rtps::GUID_t& writer) const;
 
    private:
     mutable std::mutex mutex_;

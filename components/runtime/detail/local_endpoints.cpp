@@ -12,23 +12,18 @@ namespace {
 // A message on its way.
 class Arrival final : public Event {
  public:
-  Arrival(std::shared_ptr<LocalReader> reader, std::shared_ptr<const LocalSample> sample)
+  Arrival(std::shared_ptr<LocalReader> reader, std::shared_ptr<const Sample> sample)
       : reader_{std::move(reader)}, sample_{std::move(sample)} {}
   void run() override { reader_->push(std::move(sample_)); }
 
  private:
   std::shared_ptr<LocalReader> reader_;
-  std::shared_ptr<const LocalSample> sample_;
+  std::shared_ptr<const Sample> sample_;
 };
 
 bool is_latched(const QoS& qos) { return qos.durability == Durability::kTransientLocal; }
 
 }  // namespace
-
-const std::vector<std::uint8_t>& LocalSample::bytes() const {
-  if (bytes_.empty()) bytes_ = encode(type_, message_.get());
-  return bytes_;
-}
 
 LocalReader::LocalReader(LocalNode& node, std::string topic, const QoS& qos, Receiver receiver,
                          Accepts accepts)
@@ -66,7 +61,7 @@ void LocalReader::report_mismatch(const QoS& offered) const {
                    topic_, mismatch.policy, mismatch.offered, mismatch.requested);
 }
 
-void LocalReader::push(std::shared_ptr<const LocalSample> sample) {
+void LocalReader::push(std::shared_ptr<const Sample> sample) {
   if (closed_) return;
   queue_.push_back(std::move(sample));
   if (std::ssize(queue_) > qos_.depth)
@@ -85,25 +80,16 @@ void LocalReader::run() {
   sequence_ = sample->number;
   node_.exchange().count_delivery();
   const LocalNode::Running running{node_};
-  if (!deliver(*sample)) ++malformed_;
+  if (!call(*sample)) ++malformed_;
 }
 
-bool LocalReader::deliver(const LocalSample& sample) {
+bool LocalReader::call(const Sample& sample) {
   if (const auto on_bytes = on_bytes_) {
     (*on_bytes)(sample.bytes());
     return true;
   }
   const auto receiver = receiver_;
-  if (sample.message() != nullptr) {
-    receiver->deliver(sample.message());
-    return true;
-  }
-  if (!decode(sample.bytes(), receiver->type, receiver->message())) {
-    receiver->reset();
-    return false;
-  }
-  receiver->deliver(receiver->message());
-  return true;
+  return deliver(sample, *receiver);
 }
 
 LocalWriter::LocalWriter(LocalNode& node, std::string topic, TypeRef type, const QoS& qos)
@@ -128,17 +114,17 @@ void LocalWriter::close() {
 std::size_t LocalWriter::publish(const void* message) {
   ++published_;
   if (!links_.empty() || is_latched(qos_))
-    send(std::make_shared<LocalSample>(type_, type_.copy(message)));
+    send(std::make_shared<Sample>(type_, type_.copy(message)));
   return 0;
 }
 
 std::size_t LocalWriter::publish_bytes(const std::vector<std::uint8_t>& bytes) {
   ++published_;
-  if (!links_.empty() || is_latched(qos_)) send(std::make_shared<LocalSample>(bytes));
+  if (!links_.empty() || is_latched(qos_)) send(std::make_shared<Sample>(bytes));
   return 0;
 }
 
-void LocalWriter::send(std::shared_ptr<LocalSample> sample) {
+void LocalWriter::send(std::shared_ptr<Sample> sample) {
   sample->sender = id_;
   sample->number = published_;
   sample->published = node_.steady_now();
@@ -149,7 +135,7 @@ void LocalWriter::send(std::shared_ptr<LocalSample> sample) {
   for (Link& link : links_) send(link, sample);
 }
 
-void LocalWriter::send(Link& link, const std::shared_ptr<const LocalSample>& sample) {
+void LocalWriter::send(Link& link, const std::shared_ptr<const Sample>& sample) {
   const LinkFaults& faults = exchange_.faults_of(topic_);
   const bool is_reliable = link.reader->qos().reliability == Reliability::kReliable &&
                            qos_.reliability == Reliability::kReliable;

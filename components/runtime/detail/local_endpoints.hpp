@@ -12,33 +12,12 @@
 
 #include "tandem/runtime/detail/local_exchange.hpp"
 #include "tandem/runtime/detail/ports.hpp"
+#include "tandem/runtime/detail/sample.hpp"
 #include "tandem/runtime/qos.hpp"
 
 namespace tandem::runtime {
 
 class LocalNode;
-
-/// A published message, shared by all that receive it.
-class LocalSample {
- public:
-  LocalSample(TypeRef type, std::shared_ptr<const void> message)
-      : type_{type}, message_{std::move(message)} {}
-  explicit LocalSample(std::vector<std::uint8_t> bytes) : bytes_{std::move(bytes)} {}
-
-  /// The message; null if it was published as bytes.
-  [[nodiscard]] const void* message() const { return message_.get(); }
-  /// The message serialized, when first asked for.
-  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const;
-
-  PublisherId sender{};
-  std::uint64_t number = 0;  ///< among those of its sender, from 1
-  double published = 0.0;    ///< [s]
-
- private:
-  TypeRef type_{};
-  std::shared_ptr<const void> message_;
-  mutable std::vector<std::uint8_t> bytes_;
-};
 
 /// A subscription. As an event it delivers one message.
 class LocalReader final : public SubscriptionPort,
@@ -68,10 +47,10 @@ class LocalReader final : public SubscriptionPort,
   void count_match(int change) { matched_ += change; }
 
   /// Takes a message that has arrived; the oldest one gives way if there are too many.
-  void push(std::shared_ptr<const LocalSample> sample);
+  void push(std::shared_ptr<const Sample> sample);
 
  private:
-  [[nodiscard]] bool deliver(const LocalSample& sample);
+  [[nodiscard]] bool call(const Sample& sample);
 
   LocalNode& node_;
   std::string topic_, type_;
@@ -80,7 +59,7 @@ class LocalReader final : public SubscriptionPort,
   // Either of them. Shared with a callback that destroys the subscription.
   std::shared_ptr<const Receiver> receiver_;
   std::shared_ptr<const std::function<void(const std::vector<std::uint8_t>&)>> on_bytes_;
-  std::deque<std::shared_ptr<const LocalSample>> queue_;
+  std::deque<std::shared_ptr<const Sample>> queue_;
   PublisherId sender_{};
   std::uint64_t sequence_ = 0;
   long malformed_ = 0;
@@ -113,8 +92,8 @@ class LocalWriter final : public PublisherPort, public std::enable_shared_from_t
     std::shared_ptr<LocalReader> reader;
     double last_arrival = 0.0;  // of a message sent on it [s]
   };
-  void send(std::shared_ptr<LocalSample> sample);
-  void send(Link& link, const std::shared_ptr<const LocalSample>& sample);
+  void send(std::shared_ptr<Sample> sample);
+  void send(Link& link, const std::shared_ptr<const Sample>& sample);
 
   LocalNode& node_;
   LocalExchange& exchange_;
@@ -125,7 +104,7 @@ class LocalWriter final : public PublisherPort, public std::enable_shared_from_t
   PublisherId id_;
   std::uint64_t published_ = 0;
   std::vector<Link> links_;
-  std::deque<std::shared_ptr<const LocalSample>> history_;  // if transient local
+  std::deque<std::shared_ptr<const Sample>> history_;  // if transient local
 };
 
 /// Connects the two if their QoS is compatible; otherwise the subscription logs why not.

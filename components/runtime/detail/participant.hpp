@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tandem/runtime/detail/dds.hpp"
@@ -16,6 +17,7 @@
 namespace tandem::runtime {
 
 class ClockSource;
+class DirectTopic;
 class Graph;
 class Participant;
 struct Endpoint;
@@ -58,6 +60,9 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// The process's reader of a clock topic with that QoS; exists as long as anybody follows it.
   [[nodiscard]] std::shared_ptr<ClockSource> clock(const Endpoint& endpoint);
+  /// What the process's publishers and subscriptions of a topic share, by DDS names.
+  [[nodiscard]] std::shared_ptr<DirectTopic> direct_topic(const std::string& topic,
+                                                          const std::string& type);
   [[nodiscard]] int domain() const { return environment_.domain; }
   /// Whether to communicate with ROS 2 Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
@@ -91,6 +96,7 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;
   std::unique_ptr<Participant> second_;
+  std::map<std::pair<std::string, std::string>, std::weak_ptr<DirectTopic>> direct_topics_;
   std::mutex clocks_mutex_;  // guards clocks_, whose readers use mutex_ when they are made
   std::vector<std::weak_ptr<ClockSource>> clocks_;
 };

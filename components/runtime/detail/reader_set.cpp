@@ -23,45 +23,42 @@ std::size_t strongest_fit(const std::vector<Policies>& requested, const Policies
 
 }  // namespace
 
-PublisherId to_id(const rtps::GUID_t& guid) {
-  PublisherId id{};
-  const auto& [prefix, entity] = guid;
-  std::copy_n(entity.value, entity.size, std::copy_n(prefix.value, prefix.size, id.begin()));
-  return id;
-}
-
-rtps::GUID_t to_guid(const PublisherId& id) {
-  rtps::GUID_t guid;
-  const auto entity = id.begin() + guid.guidPrefix.size;
-  std::copy(id.begin(), entity, guid.guidPrefix.value);
-  std::copy(entity, id.end(), guid.entityId.value);
-  return guid;
-}
-
-ReaderSet::ReaderSet(DdsNode& node, Endpoint endpoint, Reader::Deliver deliver)
+ReaderSet::ReaderSet(DdsNode& node, Endpoint endpoint, Reader::Deliver deliver,
+                     Reader::DeliverSample deliver_sample)
     : node_{node},
       endpoint_{std::move(endpoint)},
-      route_{std::make_shared<Route>(Route{std::move(deliver), {}, {}})} {
+      route_{std::make_shared<Route>(
+          Route{node.discovery(), std::move(deliver), std::move(deliver_sample), {}, {}})} {
   open(endpoint_.qos);
+}
+
+// Whether the reader with this index delivers what the publisher sent.
+bool ReaderSet::Route::takes(std::size_t index, const rtps::GUID_t& publisher,
+                             std::uint64_t number) {
+  if (requested.size() > 1) {
+    const auto offered = discovery.policies(publisher);  // unknown for a publisher that has left
+    if (offered && strongest_fit(requested, *offered) != index) return false;
+  }
+  sender = publisher;
+  sequence = number;
+  return true;
 }
 
 void ReaderSet::open(const QoS& qos) {
   const std::size_t index = readers_.size();
-  auto deliver = [route = route_, index, &discovery = node_.discovery()](const Bytes& bytes,
-                                                                         const auto& info) {
-    const rtps::GUID_t& sender = info.sample_identity.writer_guid();
-    if (route->requested.size() > 1) {
-      const auto offered = discovery.policies(sender);  // unknown for a publisher that has left
-      if (offered && strongest_fit(route->requested, *offered) != index) return true;
-    }
-    route->sender = sender;
-    route->sequence = info.sample_identity.sequence_number().to64long();
-    return route->deliver(bytes, info);
+  auto deliver = [route = route_, index](const Bytes& bytes, const auto& info) {
+    const auto& identity = info.sample_identity;
+    return !route->takes(index, identity.writer_guid(), identity.sequence_number().to64long()) ||
+           route->deliver(bytes, info);
+  };
+  auto deliver_sample = [route = route_, index](const Sample& sample) {
+    return !route->takes(index, to_guid(sample.sender), sample.number) ||
+           route->deliver_sample(sample);
   };
   Endpoint endpoint = endpoint_;
   endpoint.qos = qos;
   route_->requested.push_back(policies_of(qos));
-  readers_.push_back(node_.open_reader(endpoint, std::move(deliver)));
+  readers_.push_back(node_.open_reader(endpoint, std::move(deliver), std::move(deliver_sample)));
 }
 
 void ReaderSet::accept_every_publisher(std::function<QoS(const QoS&)> tuned) {

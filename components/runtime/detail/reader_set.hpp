@@ -15,16 +15,14 @@ namespace tandem::runtime {
 
 class DdsNode;
 
-[[nodiscard]] PublisherId to_id(const rtps::GUID_t& guid);
-[[nodiscard]] rtps::GUID_t to_guid(const PublisherId& id);
-
 /// The readers of one subscription. There is one, unless accept_every_publisher() opens others for
 /// publishers that offer less than it requests. Less demanding readers also match publishers that
 /// offer more, so each publisher is delivered only by the most demanding reader that its QoS
 /// matches: no message arrives twice, and reliable publishers are still received reliably.
 class ReaderSet final : public SubscriptionPort {
  public:
-  ReaderSet(DdsNode& node, Endpoint endpoint, Reader::Deliver deliver);
+  ReaderSet(DdsNode& node, Endpoint endpoint, Reader::Deliver deliver,
+            Reader::DeliverSample deliver_sample);
 
   /// `tuned` applies the node's qos_overrides to a QoS.
   void accept_every_publisher(std::function<QoS(const QoS&)> tuned);
@@ -38,7 +36,12 @@ class ReaderSet final : public SubscriptionPort {
  private:
   // Shared with the readers, which may still be running when the set is closed.
   struct Route {
+    [[nodiscard]] bool takes(std::size_t index, const rtps::GUID_t& publisher,
+                             std::uint64_t number);
+
+    const Discovery& discovery;
     Reader::Deliver deliver;
+    Reader::DeliverSample deliver_sample;
     std::vector<Policies> requested;  // one per reader, in the order of opening
     rtps::GUID_t sender;              // sender of the last sample
     std::uint64_t sequence = 0;

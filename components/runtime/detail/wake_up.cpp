@@ -25,11 +25,15 @@ WakeUp::Deferral::~Deferral() {
 
 void WakeUp::notify() {
   bool is_first;
+  std::shared_ptr<WakeUp> group;
   {
     const std::lock_guard lock{mutex_};
     is_first = !std::exchange(notified_, true);
+    group = group_;
   }
-  if (!is_deferring)
+  if (group) {
+    if (is_first) group->notify();
+  } else if (!is_deferring)
     wake();
   else if (is_first)
     deferred.push_back(shared_from_this());
@@ -49,9 +53,19 @@ void WakeUp::wait(double max_wait) {
   const auto is_notified = [this] { return notified_; };
   if (std::isinf(max_wait))
     changed_.wait(lock, is_notified);
-  else
+  else if (max_wait > 0.0)
     changed_.wait_for(lock, std::chrono::duration<double>(max_wait), is_notified);
   notified_ = woken_ = false;
+}
+
+void WakeUp::join(std::shared_ptr<WakeUp> group) {
+  const std::lock_guard lock{mutex_};
+  group_ = std::move(group);
+}
+
+bool WakeUp::take() {
+  const std::lock_guard lock{mutex_};
+  return std::exchange(notified_, false);
 }
 
 }  // namespace tandem::runtime

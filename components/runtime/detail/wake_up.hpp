@@ -31,10 +31,16 @@ class TANDEM_EXPORT_FOR_TESTS WakeUp : public std::enable_shared_from_this<WakeU
   /// Returns once notify() was called since the last wait(), or after `max_wait` [s].
   void wait(double max_wait);
 
+  /// From now on notify() notifies `group`, on which a thread waits for several of these.
+  void join(std::shared_ptr<WakeUp> group);
+  /// Whether notify() was called since the last call. On the thread that waits for the group.
+  [[nodiscard]] bool take();
+
  private:
   void wake();
 
   std::mutex mutex_;
+  std::shared_ptr<WakeUp> group_;
   std::condition_variable changed_;
   bool notified_ = false;
   bool woken_ = false;  // the thread has been woken for it, so that nobody else needs to

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "bringup/system/processes.hpp"
 #include "support/child_process.hpp"
@@ -26,6 +28,17 @@ components:
   - {component: test_component, name: first, remappings: {in: a, out: b}}
   - {component: test_component, name: second, parameters: {factor: 5.0}, remappings: {in: b, out: c}}
 )";
+
+// Threads of this process with that name.
+int threads_named(const std::string& name) {
+  int count = 0;
+  for (const auto& task : std::filesystem::directory_iterator{"/proc/self/task"}) {
+    std::string found;
+    std::getline(std::ifstream{task.path() / "comm"}, found);
+    count += found == name ? 1 : 0;
+  }
+  return count;
+}
 
 class SystemFile : public testing::Test {
  protected:
@@ -120,6 +133,21 @@ TEST_F(SystemFile, ErrorsNameTheLine) {
 TEST_F(SystemFile, RunsInThisProcess) {
   RunningSystem system{load_system(write(kTwoDoublers))};
   EXPECT_TRUE(chain_answers());
+  system.stop();
+  system.wait();
+}
+
+TEST_F(SystemFile, NamesTheThreadsOfItsComponents) {
+  const System system = load_system(
+      write("thread: all\ncomponents:\n  - {component: c}\n  - {component: c, thread: own}\n"));
+  EXPECT_EQ(system.nodes.at(0).thread, "all");
+  EXPECT_EQ(system.nodes.at(1).thread, "own");
+}
+
+TEST_F(SystemFile, RunsSeveralNodesOnOneThread) {
+  RunningSystem system{load_system(write(std::string{"thread: one\n"} + kTwoDoublers))};
+  EXPECT_TRUE(chain_answers());
+  EXPECT_EQ(threads_named("one"), 1);
   system.stop();
   system.wait();
 }

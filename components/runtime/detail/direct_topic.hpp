@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hands messages from publishers to subscriptions of the same process, on DDS, without serializing
+// them. Private to runtime/.
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "tandem/runtime/detail/sample.hpp"
+#include "tandem/runtime/qos.hpp"
+#include "tandem/runtime/visibility.hpp"
+
+namespace tandem::runtime {
+
+/// The messages that wait for one reader. The oldest one gives way if there are more than the
+/// reader's depth.
+class TANDEM_EXPORT_FOR_TESTS DirectQueue {
+ public:
+  /// `on_arrival` is called on the publisher's thread after a message was added.
+  DirectQueue(const QoS& qos, std::function<void()> on_arrival)
+      : qos_{qos}, on_arrival_{std::move(on_arrival)} {}
+
+  void push(std::shared_ptr<const Sample> sample);
+  /// The oldest message; null if there is none.
+  [[nodiscard]] std::shared_ptr<const Sample> pop();
+  [[nodiscard]] bool is_empty() const { return is_empty_; }
+  [[nodiscard]] const QoS& qos() const { return qos_; }
+
+  /// Remembers a publisher whose messages come this way.
+  void meet(const PublisherId& publisher);
+  /// Whether the publisher is one of the last kMaxKnown that were met: what DDS brings of it, it
+  /// brings a second time.
+  [[nodiscard]] bool knows(const PublisherId& publisher) const;
+
+ private:
+  static constexpr std::size_t kMaxKnown = 64;
+
+  QoS qos_;
+  std::function<void()> on_arrival_;
+  std::atomic<bool> is_empty_ = true;
+  mutable std::mutex mutex_;  // guards what follows
+  std::deque<std::shared_ptr<const Sample>> samples_;
+  std::deque<PublisherId> known_;
+};
+
+class DirectWriter;
+
+/// The publishers and subscriptions of a topic under one of its types in this process.
+/// Thread-safe.
+class TANDEM_EXPORT_FOR_TESTS DirectTopic {
+ public:
+  void add(const std::shared_ptr<DirectQueue>& reader);
+  /// Returns once no publisher is using it any more.
+  void remove(const DirectQueue& reader);
+
+ private:
+  friend class DirectWriter;
+  void match(DirectWriter& writer, const std::shared_ptr<DirectQueue>& reader);
+
+  std::mutex mutex_;  // guards what follows and the writers' readers_
+  std::vector<std::shared_ptr<DirectQueue>> readers_;
+  std::vector<DirectWriter*> writers_;
+};
+
+/// A publisher of a volatile topic. What a transient local one publishes is kept by DDS for later
+/// subscriptions, and goes to all of them through DDS.
+class TANDEM_EXPORT_FOR_TESTS DirectWriter {
+ public:
+  DirectWriter(std::shared_ptr<DirectTopic> topic, const QoS& qos, const PublisherId& id);
+  ~DirectWriter();
+  DirectWriter(const DirectWriter&) = delete;
+  DirectWriter& operator=(const DirectWriter&) = delete;
+
+  /// Gives what `make` returns to the subscriptions that its QoS matches; `make` is called if there
+  /// are any.
+  void send(const std::function<std::shared_ptr<Sample>()>& make);
+
+ private:
+  friend class DirectTopic;
+
+  std::shared_ptr<DirectTopic> topic_;
+  Policies offered_;
+  PublisherId id_;
+  std::uint64_t published_ = 0;
+  std::vector<std::shared_ptr<DirectQueue>> readers_;
+};
+
+}  // namespace tandem::runtime
