@@ -65,6 +65,7 @@ TEST_F(Direct, ArrivesOnceBesideASubscriptionOfAnotherProcess) {
   ChildProcess peer{"peer", {"echo"}};
   const auto publisher = node_.create_publisher(kPing);
   const auto subscription = hear();
+  for (int i = 0; i < 100; ++i) (void)node_.create_publisher(kPing);  // others come and go
   double answered = -1.0;
   const auto pong =
       node_.create_subscription(rt::Topic<Twist>{"pong", rt::kLatched},

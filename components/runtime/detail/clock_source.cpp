@@ -31,10 +31,14 @@ ClockSource::ClockSource(Participant& participant, Endpoint endpoint)
       make_receiver<Clock>([this](const Clock& clock) { receive(to_nanoseconds(clock.clock())); });
   reader_.receive_directly(participant.direct_topic(endpoint_.topic, endpoint_.type),
                            [receiver](const Sample& sample) { return deliver(sample, receiver); });
-  reader_.on_arrival([this] {
-    const std::lock_guard lock{receiving_};
-    (void)reader_.drain();
-  });
+  // DDS calls with its reader locked, and drain_bytes() locks it: what comes directly, with the
+  // topic locked, must not call it.
+  reader_.on_arrival(
+      [this] {
+        const std::lock_guard lock{receiving_};
+        (void)reader_.drain_bytes();
+      },
+      [this] { (void)reader_.drain_samples(); });
 }
 
 ClockSource::~ClockSource() { participant_.discovery().remove(reader_.guid()); }

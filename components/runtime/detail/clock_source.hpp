@@ -38,7 +38,7 @@ class TANDEM_EXPORT_FOR_TESTS ClockSource {
 
   Participant& participant_;
   const Endpoint endpoint_;
-  std::mutex receiving_;   // one sample at a time: publishers of this process bring their own
+  std::mutex receiving_;   // one sample of DDS at a time
   std::mutex mutex_;       // guards what follows, up to reader_
   std::int64_t time_ = 0;  // last received [ns]
   double arrival_ = 0.0;   // of that time [s], steady clock

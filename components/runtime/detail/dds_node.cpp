@@ -172,6 +172,7 @@ std::shared_ptr<SubscriptionPort> DdsNode::open_generic_subscription(
     return true;
   };
   auto deliver_sample = [fn](const Sample& sample) {
+    if (sample.bytes().empty()) return false;  // it is too large for its type
     fn(sample.bytes());
     return true;
   };

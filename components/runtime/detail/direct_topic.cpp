@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/direct_topic.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "tandem/runtime/detail/wake_up.hpp"
@@ -30,13 +29,20 @@ std::shared_ptr<const Sample> DirectQueue::pop() {
 
 void DirectQueue::meet(const PublisherId& publisher) {
   const std::lock_guard lock{mutex_};
-  known_.push_back(publisher);
-  if (known_.size() > kMaxKnown) known_.pop_front();
+  known_.insert(publisher);
+}
+
+void DirectQueue::part(const PublisherId& publisher) {
+  const std::lock_guard lock{mutex_};
+  gone_.push_back(publisher);
+  if (gone_.size() <= kMaxGone) return;
+  known_.erase(gone_.front());
+  gone_.pop_front();
 }
 
 bool DirectQueue::knows(const PublisherId& publisher) const {
   const std::lock_guard lock{mutex_};
-  return std::find(known_.begin(), known_.end(), publisher) != known_.end();
+  return known_.contains(publisher);
 }
 
 void DirectTopic::add(const std::shared_ptr<DirectQueue>& reader) {
@@ -69,6 +75,7 @@ DirectWriter::DirectWriter(std::shared_ptr<DirectTopic> topic, const QoS& qos,
 DirectWriter::~DirectWriter() {
   const std::lock_guard lock{topic_->mutex_};
   std::erase(topic_->writers_, this);
+  for (const auto& reader : readers_) reader->part(id_);
 }
 
 // The lock is held until the last reader has the message, so that one that is removed is not used

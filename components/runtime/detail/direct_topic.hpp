@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "tandem/runtime/detail/sample.hpp"
@@ -32,19 +33,22 @@ class TANDEM_EXPORT_FOR_TESTS DirectQueue {
 
   /// Remembers a publisher whose messages come this way.
   void meet(const PublisherId& publisher);
-  /// Whether the publisher is one of the last kMaxKnown that were met: what DDS brings of it, it
-  /// brings a second time.
+  /// The publisher has gone. The last kMaxGone that have gone are still known.
+  void part(const PublisherId& publisher);
+  /// Whether the publisher's messages come, or came, this way: what DDS brings of it, it brings a
+  /// second time.
   [[nodiscard]] bool knows(const PublisherId& publisher) const;
 
  private:
-  static constexpr std::size_t kMaxKnown = 64;
+  static constexpr std::size_t kMaxGone = 64;
 
   QoS qos_;
   std::function<void()> on_arrival_;
   std::atomic<bool> is_empty_ = true;
   mutable std::mutex mutex_;  // guards what follows
   std::deque<std::shared_ptr<const Sample>> samples_;
-  std::deque<PublisherId> known_;
+  std::set<PublisherId> known_;
+  std::deque<PublisherId> gone_;  // of the known ones
 };
 
 class DirectWriter;

@@ -182,35 +182,26 @@ void Reader::close() {
 }
 
 bool Reader::has_bytes() const {
-  return arrival_.fn ? arrival_.any.load() : dds_->get_statuscondition().get_trigger_value();
+  return waiting_ ||
+         (arrival_.fn ? arrival_.any.load() : dds_->get_statuscondition().get_trigger_value());
 }
 
-bool Reader::is_due() const { return waiting_ || has_bytes() || (queue_ && !queue_->is_empty()); }
-
-int Reader::drain() {
-  if (!is_due()) return 0;
-  const bool may_have_bytes = waiting_ || has_bytes();
-  const int taken = take_samples();
-  waiting_ = taken == kBatch;
-  return taken + (may_have_bytes ? take_bytes() : 0);
-}
-
-int Reader::take_samples() {
+int Reader::drain_samples() {
   int taken = 0;
-  if (!queue_) return taken;
-  for (; taken < kBatch && !closed_; ++taken) {
-    const auto sample = queue_->pop();
-    if (!sample) break;
-    take_one(*sample);
-  }
+  for (; taken < kBatch && !closed_ && has_samples(); ++taken)
+    if (const auto sample = queue_->pop()) take_one(*sample);
   return taken;
 }
 
-int Reader::take_bytes() {
+int Reader::drain_bytes() {
+  if (!has_bytes()) return 0;
   arrival_.any = false;  // before the samples are taken, so that none is missed
   fdds::SampleInfo info;
   for (int taken = 0; taken < kBatch; ++taken) {
-    if (closed_ || !ok(dds_->take_next_sample(&bytes_, &info))) return taken;
+    if (closed_ || !ok(dds_->take_next_sample(&bytes_, &info))) {
+      waiting_ = false;
+      return taken;
+    }
     if (info.valid_data) take_one(info);
     if (bytes_.capacity() > kMaxKept) Bytes{}.swap(bytes_);
   }
@@ -221,10 +212,11 @@ int Reader::take_bytes() {
 void Reader::receive_directly(std::shared_ptr<DirectTopic> topic, DeliverSample deliver) {
   deliver_sample_ = std::move(deliver);
   direct_topic_ = std::move(topic);
-  queue_ = std::make_shared<DirectQueue>(qos_, [this] { arrival_.fn(); });
+  queue_ = std::make_shared<DirectQueue>(qos_, [this] { direct_arrival_(); });
 }
 
-void Reader::on_arrival(std::function<void()> fn) {
+void Reader::on_arrival(std::function<void()> fn, std::function<void()> direct) {
+  direct_arrival_ = direct ? std::move(direct) : fn;
   arrival_.fn = std::move(fn);
   dds_->set_listener(&arrival_, fdds::StatusMask::data_available());
   if (queue_) direct_topic_->add(queue_);
@@ -239,8 +231,7 @@ void Reader::take_one(const Sample& sample) {
 
 void Reader::take_one(const fdds::SampleInfo& info) {
   rtps::iHandle2GUID(sender_, info.publication_handle);
-  const bool is_own = sender_.guidPrefix == guid().guidPrefix;
-  if (is_own && queue_ && queue_->knows(to_id(sender_))) return;
+  if (queue_ && queue_->knows(to_id(sender_))) return;  // it has come directly
   if (is_late(info)) return refused_.late();
   if (deliver_(bytes_, info)) return;
   ++malformed_;
@@ -295,6 +286,7 @@ void Writer::Matches::on_publication_matched(fdds::DataWriter*,
   rtps::GUID_t reader;
   rtps::iHandle2GUID(reader, status.last_subscription_handle);
   const std::lock_guard lock{mutex_};
+  count_of_dds_ = static_cast<std::size_t>(status.current_count);
   if (status.current_count_change > 0)
     readers_[reader] = ++turn_;
   else
@@ -315,11 +307,15 @@ Writer::Turn Writer::Matches::latest_of(const rtps::GuidPrefix_t& participant) c
   return latest;
 }
 
+// Fast DDS 2.9.1 calls on_publication_matched() with one status for all threads: when a reader of
+// this process and one of another are matched at the same time, both calls may name the same one.
+// Then the numbers differ.
 bool Writer::Matches::has_others_than(const rtps::GUID_t& writer) const {
   const std::lock_guard lock{mutex_};
-  return std::any_of(readers_.begin(), readers_.end(), [&writer](const auto& reader) {
-    return reader.first.guidPrefix != writer.guidPrefix;
-  });
+  return count_of_dds_ != readers_.size() ||
+         std::any_of(readers_.begin(), readers_.end(), [&writer](const auto& reader) {
+           return reader.first.guidPrefix != writer.guidPrefix;
+         });
 }
 
 int Writer::Matches::count() const {

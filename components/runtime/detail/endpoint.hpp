@@ -61,16 +61,19 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   /// Has the messages of this process's publishers come through `topic`, as they are. Before
   /// on_arrival().
   void receive_directly(std::shared_ptr<DirectTopic> topic, DeliverSample deliver);
-  /// Calls `fn` from now on when a sample arrives, on the thread that brings it: one of DDS, or
-  /// that of a publisher in this process. `fn` may call drain().
-  void on_arrival(std::function<void()> fn);
+  /// Calls `fn` from now on when DDS brings a sample, on the thread that brings it; `fn` may call
+  /// drain_bytes(). Calls `direct`, or `fn` if it is empty, when a publisher of this process brings
+  /// one, on the publisher's thread, one call at a time; `direct` may call drain_samples().
+  void on_arrival(std::function<void()> fn, std::function<void()> direct = {});
 
-  /// Delivers at most one batch of received samples and returns how many were taken. waiting() is
-  /// true if more may be left.
-  int drain();
-  [[nodiscard]] bool waiting() const { return waiting_; }
+  /// Delivers at most one batch each of what DDS and this process have brought, and returns how
+  /// many were taken. waiting() is true if more may be left.
+  int drain() { return drain_samples() + drain_bytes(); }
+  int drain_samples();  ///< of this process
+  int drain_bytes();    ///< of DDS
+  [[nodiscard]] bool waiting() const { return waiting_ || has_samples(); }
   /// Whether drain() has anything to do.
-  [[nodiscard]] bool is_due() const;
+  [[nodiscard]] bool is_due() const { return has_samples() || has_bytes(); }
   void close();  ///< stops delivery
 
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
@@ -89,10 +92,9 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
     std::atomic<bool> any = false;  // since the last drain()
   };
 
-  int take_samples();  // of this process
-  int take_bytes();    // of DDS
   void take_one(const Sample& sample);
   void take_one(const fdds::SampleInfo& info);
+  [[nodiscard]] bool has_samples() const { return queue_ && !queue_->is_empty(); }
   [[nodiscard]] bool has_bytes() const;
   [[nodiscard]] bool is_late(const fdds::SampleInfo& info);
 
@@ -101,6 +103,7 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   fdds::DataReader* dds_;
   Deliver deliver_;
   DeliverSample deliver_sample_;
+  std::function<void()> direct_arrival_;
   std::shared_ptr<DirectTopic> direct_topic_;
   std::shared_ptr<DirectQueue> queue_;  // null unless it receives directly
   Refused refused_;
@@ -109,8 +112,8 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   Bytes bytes_;                              // reused
   rtps::GUID_t sender_;
   std::atomic<long> malformed_ = 0;
-  bool waiting_ = true;  // data may have arrived before the wait set was attached
-  bool closed_ = false;
+  bool waiting_ = true;  // DDS may have brought something before on_arrival(), or more than a batch
+  std::atomic<bool> closed_ = false;
 };
 
 /// Writes bytes to a topic.
@@ -150,6 +153,7 @@ class TANDEM_EXPORT_FOR_TESTS Writer {
    private:
     mutable std::mutex mutex_;
     std::map<rtps::GUID_t, Turn> readers_;
+    std::size_t count_of_dds_ = 0;
     Turn turn_ = 0;
   };
 

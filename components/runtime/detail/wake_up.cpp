@@ -31,9 +31,9 @@ void WakeUp::notify() {
     is_first = !std::exchange(notified_, true);
     group = group_;
   }
-  if (group) {
-    if (is_first) group->notify();
-  } else if (!is_deferring)
+  if (group)
+    group->notify();  // also if it is not the first: the first one may be deferred by its thread
+  else if (!is_deferring)
     wake();
   else if (is_first)
     deferred.push_back(shared_from_this());

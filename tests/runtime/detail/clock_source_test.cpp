@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <thread>
 
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
@@ -18,6 +19,12 @@ using rosgraph_msgs::msg::Clock;
 using test::kTimeout;
 using test::spin_until;
 
+Clock clock_at(double seconds) {
+  Clock message;
+  message.clock(rt::to_stamp(static_cast<std::int64_t>(seconds * 1e9)));
+  return message;
+}
+
 class ClockSourceTest : public testing::Test {
  protected:
   ClockSourceTest() {
@@ -26,10 +33,8 @@ class ClockSourceTest : public testing::Test {
 
   // Publishes a time and waits for it.
   void set_clock(double seconds) {
-    Clock message;
     const auto time = static_cast<std::int64_t>(seconds * 1e9);
-    message.clock(rt::to_stamp(time));
-    clock_.publish(message);
+    clock_.publish(clock_at(seconds));
     ASSERT_TRUE(spin_until([&] { return first_.read().time == time; }, kTimeout, node_));
   }
 
@@ -90,6 +95,19 @@ TEST_F(ClockSourceTest, IsOneForATopicAndAQos) {
   EXPECT_EQ(participant_->clock(endpoint_), source);
   EXPECT_NE(participant_->clock(other_topic), source);
   EXPECT_NE(participant_->clock(other_qos), source);
+}
+
+// A publisher of this process and what comes through DDS, each on its thread.
+TEST_F(ClockSourceTest, TakesTwoClocksAtOnce) {
+  constexpr int kMany = 3000;
+  rt::Writer writer{*participant_, endpoint_};
+  ASSERT_TRUE(spin_until([&] { return writer.matched() == 1; }, kTimeout, node_));
+  std::thread through_dds{[&] {
+    for (int i = 0; i < kMany; ++i) (void)writer.write(rt::encode(clock_at(1.0)));
+  }};
+  for (int i = 0; i < kMany; ++i) clock_.publish(clock_at(2.0));
+  through_dds.join();
+  EXPECT_GT(follower_.read().time, 0);
 }
 
 TEST_F(ClockSourceTest, TellsOneFollowerWhatWasDropped) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <future>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -81,6 +82,27 @@ TEST(WakeUp, IsNotHeldUpByTheDeferralOfAnotherThread) {
   done = true;
   done.notify_one();
   EXPECT_LT(waited, kTimeout / 2);
+  slow.join();
+  fast.join();
+}
+
+TEST(WakeUp, OfAGroupIsNotHeldUpByTheDeferralOfAnotherThread) {
+  const auto group = std::make_shared<rt::WakeUp>(), member = std::make_shared<rt::WakeUp>();
+  member->join(group);
+  std::promise<void> deferred, done;
+  std::thread slow{[&] {
+    const rt::WakeUp::Deferral deferral;
+    member->notify();
+    deferred.set_value();
+    done.get_future().wait();
+  }};
+  deferred.get_future().wait();
+  std::thread fast{[&] { member->notify(); }};
+  const double waited = time_of_wait(*group);
+  done.set_value();
+  EXPECT_LT(waited, kTimeout / 2);
+  EXPECT_TRUE(member->take());
+  EXPECT_FALSE(member->take());
   slow.join();
   fast.join();
 }
