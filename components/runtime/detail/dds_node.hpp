@@ -73,8 +73,8 @@ class DdsNode final : public NodeCore {
   /// For a thread that spins several nodes, instead of spin(): from now on what wakes this node
   /// wakes `group`. Throws as spin() for a parameter that was not declared.
   void join(const std::shared_ptr<WakeUp>& group);
-  /// Runs what is due, without waiting, on that thread. Returns when to call it again unless the
-  /// group is woken before [s], steady clock; never, once it is stopped.
+  /// Runs what is due, without waiting, on that thread. Returns the time [s, steady clock] at which
+  /// to call it again if nothing wakes the group earlier; infinity once it is stopped.
   double run_if_due();
   void stop() override;
 

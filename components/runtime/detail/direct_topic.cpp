@@ -13,7 +13,7 @@ void DirectQueue::push(std::shared_ptr<const Sample> sample) {
     const std::lock_guard lock{mutex_};
     samples_.push_back(std::move(sample));
     if (std::ssize(samples_) > qos_.depth) samples_.pop_front();
-    is_empty_ = false;
+    is_empty_ = samples_.empty();
   }
   on_arrival_();
 }

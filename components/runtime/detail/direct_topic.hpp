@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands messages from publishers to subscriptions of the same process, on DDS, without serializing
-// them. Private to runtime/.
+// Carries messages between the nodes of one process on DDS without serializing them. Private to
+// runtime/.
 #pragma once
 
 #include <atomic>
@@ -35,8 +35,8 @@ class TANDEM_EXPORT_FOR_TESTS DirectQueue {
   void meet(const PublisherId& publisher);
   /// The publisher has gone. The last kMaxGone that have gone are still known.
   void part(const PublisherId& publisher);
-  /// Whether the publisher's messages come, or came, this way: what DDS brings of it, it brings a
-  /// second time.
+  /// Whether the publisher's messages come, or came, this way, so that DDS's copies of them are
+  /// duplicates.
   [[nodiscard]] bool knows(const PublisherId& publisher) const;
 
  private:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
@@ -281,16 +282,20 @@ Writer::Turn Writer::matched_at(const rtps::GUID_t& peer) const {
   return peer.entityId.is_reader() ? matches_.of(peer) : matches_.latest_of(peer.guidPrefix);
 }
 
+// Fast DDS 2.9.1 has one status for all threads that match readers: when one of this process and
+// one of another are matched at the same time, both calls may name the same one.
 void Writer::Matches::on_publication_matched(fdds::DataWriter*,
                                              const fdds::PublicationMatchedStatus& status) {
   rtps::GUID_t reader;
   rtps::iHandle2GUID(reader, status.last_subscription_handle);
   const std::lock_guard lock{mutex_};
-  count_of_dds_ = static_cast<std::size_t>(status.current_count);
-  if (status.current_count_change > 0)
+  const bool is_added = status.current_count_change > 0, is_known = readers_.contains(reader);
+  if (is_added)
     readers_[reader] = ++turn_;
   else
     readers_.erase(reader);
+  if (is_added == is_known || std::abs(status.current_count_change) != 1) is_doubtful_ = true;
+  count_of_dds_ = status.current_count;
 }
 
 Writer::Turn Writer::Matches::of(const rtps::GUID_t& reader) const {
@@ -307,12 +312,10 @@ Writer::Turn Writer::Matches::latest_of(const rtps::GuidPrefix_t& participant) c
   return latest;
 }
 
-// Fast DDS 2.9.1 calls on_publication_matched() with one status for all threads: when a reader of
-// this process and one of another are matched at the same time, both calls may name the same one.
-// Then the numbers differ.
+// In doubt there are: their copies of messages that have come directly are dropped.
 bool Writer::Matches::has_others_than(const rtps::GUID_t& writer) const {
   const std::lock_guard lock{mutex_};
-  return count_of_dds_ != readers_.size() ||
+  return is_doubtful_ || count_of_dds_ != std::ssize(readers_) ||
          std::any_of(readers_.begin(), readers_.end(), [&writer](const auto& reader) {
            return reader.first.guidPrefix != writer.guidPrefix;
          });

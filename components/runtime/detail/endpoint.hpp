@@ -68,7 +68,10 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
 
   /// Delivers at most one batch each of what DDS and this process have brought, and returns how
   /// many were taken. waiting() is true if more may be left.
-  int drain() { return drain_samples() + drain_bytes(); }
+  int drain() {
+    const int samples = drain_samples();
+    return samples + drain_bytes();
+  }
   int drain_samples();  ///< of this process
   int drain_bytes();    ///< of DDS
   [[nodiscard]] bool waiting() const { return waiting_ || has_samples(); }
@@ -153,7 +156,8 @@ class TANDEM_EXPORT_FOR_TESTS Writer {
    private:
     mutable std::mutex mutex_;
     std::map<rtps::GUID_t, Turn> readers_;
-    std::size_t count_of_dds_ = 0;
+    std::int64_t count_of_dds_ = 0;
+    bool is_doubtful_ = false;  // readers_ may lack one
     Turn turn_ = 0;
   };
 

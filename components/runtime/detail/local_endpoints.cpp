@@ -85,6 +85,7 @@ void LocalReader::run() {
 
 bool LocalReader::call(const Sample& sample) {
   if (const auto on_bytes = on_bytes_) {
+    if (sample.bytes().empty()) return false;  // it is too large for its type
     (*on_bytes)(sample.bytes());
     return true;
   }

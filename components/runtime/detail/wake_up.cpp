@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/wake_up.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -23,20 +24,19 @@ WakeUp::Deferral::~Deferral() {
   deferred.clear();
 }
 
+// Each thread defers for itself, also what another one has notified before: that one's deferral may
+// end later.
 void WakeUp::notify() {
-  bool is_first;
   std::shared_ptr<WakeUp> group;
   {
     const std::lock_guard lock{mutex_};
-    is_first = !std::exchange(notified_, true);
+    notified_ = true;
     group = group_;
   }
-  if (group)
-    group->notify();  // also if it is not the first: the first one may be deferred by its thread
-  else if (!is_deferring)
-    wake();
-  else if (is_first)
-    deferred.push_back(shared_from_this());
+  if (group) return group->notify();
+  if (!is_deferring) return wake();
+  const auto self = shared_from_this();
+  if (std::find(deferred.begin(), deferred.end(), self) == deferred.end()) deferred.push_back(self);
 }
 
 // A notification that another thread deferred is not waited for.

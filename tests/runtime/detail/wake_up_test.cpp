@@ -97,7 +97,10 @@ TEST(WakeUp, OfAGroupIsNotHeldUpByTheDeferralOfAnotherThread) {
     done.get_future().wait();
   }};
   deferred.get_future().wait();
-  std::thread fast{[&] { member->notify(); }};
+  std::thread fast{[&] {
+    const rt::WakeUp::Deferral deferral;
+    member->notify();
+  }};
   const double waited = time_of_wait(*group);
   done.set_value();
   EXPECT_LT(waited, kTimeout / 2);
