@@ -64,6 +64,15 @@ void DirectTopic::match(DirectWriter& writer, const std::shared_ptr<DirectQueue>
   writer.readers_.push_back(reader);
 }
 
+std::shared_ptr<DirectTopic> DirectTopics::of(const std::string& name, const std::string& type) {
+  const std::lock_guard lock{mutex_};
+  std::erase_if(topics_, [](const auto& entry) { return entry.second.expired(); });
+  auto& known = topics_[{name, type}];
+  auto found = known.lock();
+  if (!found) known = found = std::make_shared<DirectTopic>();
+  return found;
+}
+
 DirectWriter::DirectWriter(std::shared_ptr<DirectTopic> topic, const QoS& qos,
                            const PublisherId& id)
     : topic_{std::move(topic)}, offered_{policies_of(qos)}, id_{id} {

@@ -6,9 +6,12 @@
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tandem/runtime/detail/sample.hpp"
@@ -68,6 +71,17 @@ class TANDEM_EXPORT_FOR_TESTS DirectTopic {
   std::mutex mutex_;  // guards what follows and the writers' readers_
   std::vector<std::shared_ptr<DirectQueue>> readers_;
   std::vector<DirectWriter*> writers_;
+};
+
+/// The topics of a process. Thread-safe.
+class TANDEM_EXPORT_FOR_TESTS DirectTopics {
+ public:
+  /// The topic of that name and type, which exists as long as anybody uses it.
+  [[nodiscard]] std::shared_ptr<DirectTopic> of(const std::string& name, const std::string& type);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::pair<std::string, std::string>, std::weak_ptr<DirectTopic>> topics_;
 };
 
 /// A publisher of a volatile topic. What a transient local one publishes is kept by DDS for later

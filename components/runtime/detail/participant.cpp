@@ -16,7 +16,6 @@
 #include "tandem/runtime/detail/codec.hpp"
 #include "tandem/runtime/detail/dds_log.hpp"
 #include "tandem/runtime/detail/dds_settings.hpp"
-#include "tandem/runtime/detail/direct_topic.hpp"
 #include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/guarded_transport.hpp"
 #include "tandem/runtime/detail/participant_ports.hpp"
@@ -346,16 +345,6 @@ std::shared_ptr<ClockSource> Participant::clock(const Endpoint& endpoint) {
   auto source = std::make_shared<ClockSource>(*this, endpoint);
   clocks_.push_back(source);
   return source;
-}
-
-std::shared_ptr<DirectTopic> Participant::direct_topic(const std::string& topic,
-                                                       const std::string& type) {
-  const std::lock_guard lock{mutex_};
-  std::erase_if(direct_topics_, [](const auto& entry) { return entry.second.expired(); });
-  auto& known = direct_topics_[{topic, type}];
-  auto found = known.lock();
-  if (!found) known = found = std::make_shared<DirectTopic>();
-  return found;
 }
 
 bool Participant::is_own(const rtps::GUID_t& guid) {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tandem/runtime/detail/dds.hpp"
+#include "tandem/runtime/detail/direct_topic.hpp"
 #include "tandem/runtime/detail/discovery.hpp"
 #include "tandem/runtime/environment.hpp"
 #include "tandem/runtime/visibility.hpp"
@@ -17,7 +17,6 @@
 namespace tandem::runtime {
 
 class ClockSource;
-class DirectTopic;
 class Graph;
 class Participant;
 struct Endpoint;
@@ -62,7 +61,9 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   [[nodiscard]] std::shared_ptr<ClockSource> clock(const Endpoint& endpoint);
   /// What the process's publishers and subscriptions of a topic share, by DDS names.
   [[nodiscard]] std::shared_ptr<DirectTopic> direct_topic(const std::string& topic,
-                                                          const std::string& type);
+                                                          const std::string& type) {
+    return direct_topics_.of(topic, type);
+  }
   [[nodiscard]] int domain() const { return environment_.domain; }
   /// Whether to communicate with ROS 2 Humble: Gids of 24 bytes, no type hashes.
   [[nodiscard]] bool speaks_humble() const { return environment_.humble; }
@@ -88,6 +89,7 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   Environment environment_;
   Security security_;
   Discovery discovery_;
+  DirectTopics direct_topics_;
   fdds::DomainParticipant* dds_ = nullptr;
   fdds::Publisher* publisher_ = nullptr;
   fdds::Subscriber* subscriber_ = nullptr;
@@ -96,7 +98,6 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;
   std::unique_ptr<Participant> second_;
-  std::map<std::pair<std::string, std::string>, std::weak_ptr<DirectTopic>> direct_topics_;
   std::mutex clocks_mutex_;  // guards clocks_, whose readers use mutex_ when they are made
   std::vector<std::weak_ptr<ClockSource>> clocks_;
 };
