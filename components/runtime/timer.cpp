@@ -16,14 +16,23 @@ Beat::Beat(double start, double period) : period_{period}, start_{start} {
 }
 
 bool Beat::due(double now) {
-  if (now < next() - 1.5 * period_) {  // the clock jumped back
+  if (now < next() - (skipped_ + 1.5) * period_) {  // the clock jumped back
     start_ = now;
     ticks_ = 1.0;
+    skipped_ = 0.0;
   }
   if (now < next()) return false;
+  skipped_ = 0.0;
   ticks_ = std::max(ticks_ + 1.0, std::floor((now - start_) / period_));
   while (next() <= now) ticks_ += 1.0;
   return true;
+}
+
+void Beat::skip_until(double time) {
+  const double first = std::ceil((time - start_) / period_);
+  if (!(first > ticks_)) return;
+  skipped_ += first - ticks_;
+  ticks_ = first;
 }
 
 Timer::Timer(std::shared_ptr<NodeCore> node, std::shared_ptr<TimerState> state)
@@ -37,6 +46,10 @@ Timer& Timer::operator=(Timer&& other) noexcept {
   node_ = std::move(other.node_);
   state_ = std::move(other.state_);
   return *this;
+}
+
+void Timer::skip_until(double time) {
+  if (node_) node_->skip_until(*state_, time);
 }
 
 void Timer::close() {

@@ -19,13 +19,16 @@ class TANDEM_EXPORT Beat {
 
   /// True if a tick is due; this advances the schedule to the first grid point after `now` [s].
   [[nodiscard]] bool due(double now);
+  /// Leaves out the ticks before `time` [s]. The grid stays.
+  void skip_until(double time);
   /// Time of the next tick [s].
   [[nodiscard]] double next() const { return start_ + period_ * ticks_; }
 
  private:
   double period_;
   double start_;
-  double ticks_ = 1.0;  // number of the next one; a product does not drift as a sum would
+  double ticks_ = 1.0;    // number of the next one; a product does not drift as a sum would
+  double skipped_ = 0.0;  // how many before it are left out
 };
 
 struct TimerState;
@@ -39,6 +42,10 @@ class TANDEM_EXPORT Timer {
   ~Timer();
   Timer(Timer&&) noexcept = default;
   Timer& operator=(Timer&& other) noexcept;
+
+  /// Says that its function has nothing to do before `time` [s] on the timer's clock, so that the
+  /// node does not wake for the ticks before it. A LocalBus runs them all the same.
+  void skip_until(double time);
 
  private:
   void close();

@@ -10,6 +10,7 @@
 namespace tandem {
 namespace {
 
+constexpr double kRepeat = 0.5;      // [control periods] after an output, the next one is made
 constexpr double kPollPeriod = 1.0;  // [s] between two checks for other publishers of cmd_vel
 
 // The topic whose silence causes this reason; empty if none does.
@@ -77,6 +78,7 @@ void SafetyFilterNode::update() {
         "nav_msgs/Odometry requires the twist in child_frame_id, forward positive");
   last_ = out;
   updated_ = node_.steady_now();
+  watchdog_.skip_until(updated_ + kRepeat * params_->filter.control_period);
   send(out.twist);
   publish_status(out);
   diagnose();
@@ -121,7 +123,7 @@ void SafetyFilterNode::send(const Twist2& twist) {
 // Updates half a control period after the last output at the latest, so that one late timer tick
 // does not break the promised period.
 void SafetyFilterNode::watch() {
-  if (node_.steady_now() - updated_ >= 0.5 * params_->filter.control_period) update();
+  if (node_.steady_now() - updated_ >= kRepeat * params_->filter.control_period) update();
 }
 
 void SafetyFilterNode::publish_status(const Filtered& out) {

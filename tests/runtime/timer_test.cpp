@@ -37,6 +37,25 @@ TEST(Beat, RestartsAfterAClockReset) {
   EXPECT_TRUE(beat.due(0.1));
 }
 
+TEST(Beat, LeavesOutTicksAndKeepsItsGrid) {
+  rt::Beat beat{0.0, 0.1};
+  beat.skip_until(0.45);
+  EXPECT_NEAR(beat.next(), 0.5, 1e-9);
+  beat.skip_until(0.2);  // earlier than what is left out already
+  EXPECT_NEAR(beat.next(), 0.5, 1e-9);
+  EXPECT_FALSE(beat.due(0.1));  // no jump of the clock
+  EXPECT_FALSE(beat.due(0.45));
+  EXPECT_TRUE(beat.due(0.5));
+  EXPECT_NEAR(beat.next(), 0.6, 1e-9);
+}
+
+TEST(Beat, SeesAClockResetWhileItLeavesOutTicks) {
+  rt::Beat beat{100.0, 0.1};
+  beat.skip_until(101.0);
+  EXPECT_FALSE(beat.due(0.0));
+  EXPECT_TRUE(beat.due(0.1));
+}
+
 TEST(Beat, RefusesAPeriodThatIsNotPositive) {
   EXPECT_THROW(rt::Beat(0.0, 0.0), std::invalid_argument);
   EXPECT_THROW(rt::Beat(0.0, -1.0), std::invalid_argument);
@@ -50,6 +69,16 @@ TEST(Timer, FiresAtItsRate) {
   const double start = rt::steady_seconds();
   ASSERT_TRUE(spin_until([&] { return beats == 20; }, kTimeout, node));
   EXPECT_GE(rt::steady_seconds() - start, 0.199);
+}
+
+TEST(Timer, LeavesOutTicksThatNobodyNeeds) {
+  rt::Node node{"late"};
+  const double start = rt::steady_seconds();
+  std::vector<double> ticks;
+  auto timer = node.create_wall_timer(0.01, [&] { ticks.push_back(rt::steady_seconds() - start); });
+  timer.skip_until(start + 0.1);
+  ASSERT_TRUE(spin_until([&] { return ticks.size() == 2; }, kTimeout, node));
+  EXPECT_GE(ticks[0], 0.1);
 }
 
 TEST(Timer, StopsWhenItsHandleGoes) {

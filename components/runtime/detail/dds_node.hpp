@@ -59,6 +59,7 @@ class DdsNode final : public NodeCore {
                                                        PublishersChanged fn) override;
   void add(std::shared_ptr<TimerState> timer) override { timers_.push_back(std::move(timer)); }
   void remove(TimerState& timer) override;
+  void skip_until(TimerState& timer, double time) override { timer.beat.skip_until(time); }
   void retire(std::shared_ptr<void> part) override;
 
   [[nodiscard]] bool is_present(const PublisherId& publisher) const override;
