@@ -11,6 +11,7 @@
 
 #include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/wake_up.hpp"
+#include "tandem/runtime/real_time.hpp"
 #include "tandem/runtime/time.hpp"
 
 namespace tandem::runtime {
@@ -58,9 +59,10 @@ void spin(const std::vector<DdsNode*>& nodes) {
 
 }  // namespace
 
-NodeThread::NodeThread(const std::string& name, const std::vector<Node*>& nodes)
-    : nodes_{nodes}, thread_{[name, cores = on_dds(nodes)] {
+NodeThread::NodeThread(const std::string& name, const std::vector<Node*>& nodes, int priority)
+    : nodes_{nodes}, thread_{[name, priority, cores = on_dds(nodes)] {
         name_this_thread(name);
+        if (priority > 0) use_real_time(name, priority);
         spin(cores);
       }} {}
 

@@ -17,9 +17,10 @@ namespace tandem::runtime {
 /// downstream nodes stop the robot.
 class TANDEM_EXPORT NodeThread {
  public:
-  /// Begins to spin `nodes`, which must outlive it. `name` is the thread's in `top -H`. Throws
-  /// std::invalid_argument if there is a node on a LocalBus, which the bus runs.
-  NodeThread(const std::string& name, const std::vector<Node*>& nodes);
+  /// Begins to spin `nodes`, which must outlive it. `name` is the thread's in `top -H`;
+  /// `priority`: see use_real_time(), 0: none. Throws std::invalid_argument if there is a node on a
+  /// LocalBus, which the bus runs.
+  NodeThread(const std::string& name, const std::vector<Node*>& nodes, int priority = 0);
   /// Stops the nodes and waits for them.
   ~NodeThread();
   NodeThread(const NodeThread&) = delete;

@@ -2,8 +2,9 @@
 #include "tandem/runtime/node_thread.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
-#include <atomic>
+#include <filesystem>
 #include <future>
 #include <set>
 #include <thread>
@@ -12,6 +13,7 @@
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/runtime/local_bus.hpp"
+#include "tandem/runtime/real_time.hpp"
 
 namespace tandem {
 namespace {
@@ -83,6 +85,76 @@ TEST(NodeThread, IsWokenFromOutside) {
   EXPECT_TRUE(is_there(working));
   publisher.publish({});
   EXPECT_TRUE(is_there(hearing));
+}
+
+// Policy and priority of the calling thread, and the policy of a thread that it starts.
+struct Scheduling {
+  int policy, priority, inherited;
+};
+
+Scheduling scheduling() {
+  sched_param param{};
+  sched_getparam(0, &param);
+  int inherited = -1;
+  std::thread{[&] { inherited = sched_getscheduler(0); }}.join();
+  return {sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, param.sched_priority, inherited};
+}
+
+bool may_use_real_time() {
+  sched_param param{};
+  param.sched_priority = 2;
+  bool may = false;
+  std::thread{[&] { may = sched_setscheduler(0, SCHED_FIFO, &param) == 0; }}.join();
+  return may;
+}
+
+TEST(NodeThread, HasARealTimePriority) {
+  if (!may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities (`ulimit -r 2`)";
+  rt::Node node{"urgent"};
+  std::promise<Scheduling> seen;
+  auto seeing = seen.get_future();
+  const auto worker =
+      node.create_worker([] { return std::nullopt; }, [&] { seen.set_value(scheduling()); });
+  const rt::NodeThread thread{"urgent", {&node}, 2};
+  worker.wake();
+  ASSERT_TRUE(is_there(seeing));
+  const Scheduling found = seeing.get();
+  EXPECT_EQ(found.policy, SCHED_FIFO);
+  EXPECT_EQ(found.priority, 2);
+  EXPECT_EQ(found.inherited, SCHED_OTHER);
+}
+
+int threads_with(int policy, int priority) {
+  int count = 0;
+  for (const auto& task : std::filesystem::directory_iterator{"/proc/self/task"}) {
+    const pid_t id = std::stoi(task.path().filename());
+    sched_param param{};
+    sched_getparam(id, &param);
+    if (sched_getscheduler(id) == policy && param.sched_priority == priority) ++count;
+  }
+  return count;
+}
+
+TEST(RealTime, IsGivenToTheThreadsOfDds) {
+  if (!may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities (`ulimit -r 2`)";
+  rt::use_real_time_for_dds(2);
+  {
+    const rt::Node node{"urgent"};
+    EXPECT_GE(threads_with(SCHED_FIFO, 2), 3);  // events, discovery, messages
+    EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
+  }
+  rt::use_real_time_for_dds(0);
+  const rt::Node node{"calm"};
+  EXPECT_EQ(threads_with(SCHED_FIFO, 2), 0);
+}
+
+// The node works all the same.
+TEST(RealTime, ARefusalIsLoggedWithItsRemedy) {
+  testing::internal::CaptureStderr();
+  std::thread{[] { rt::use_real_time("urgent", 100); }}.join();  // no such priority
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("no real-time priority 100 for thread urgent"), std::string::npos) << log;
+  EXPECT_NE(log.find("LimitRTPRIO=100"), std::string::npos) << log;
 }
 
 TEST(NodeThread, RefusesANodeOfALocalBus) {

@@ -16,12 +16,15 @@
 #include "tandem/runtime/environment.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/parameter_files.hpp"
+#include "tandem/runtime/real_time.hpp"
 #include "tandem/runtime/shutdown.hpp"
 
 namespace tandem {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kDdsThreads = "dds";  // a name under `real_time`
 
 // `$(dirname)` is the system file's folder, as in ROS 2's launch files.
 std::string with_folder(std::string text, const std::string& path) {
@@ -57,6 +60,21 @@ SystemNode read_node(YamlReader& map, const std::string& path) {
       options.remappings[from] = to.as<std::string>();
   map.finish();
   return node;
+}
+
+// The priorities of threads, by their names.
+std::map<std::string, int> read_real_time(YamlReader& map, const std::vector<SystemNode>& nodes) {
+  std::set<std::string> threads{kDdsThreads};
+  for (const auto& node : nodes) threads.insert(node.thread_name());
+  std::map<std::string, int> priorities;
+  for (const auto& [thread, value] : map.rest()) {
+    if (!threads.contains(thread))
+      value.fail(
+          fmt::format("{}: no such thread; there are: {}", value.key(), fmt::join(threads, ", ")));
+    priorities[thread] = value.as<int>();
+    (void)value.number(1, 99);
+  }
+  return priorities;
 }
 
 bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
@@ -188,6 +206,7 @@ System load_system(const std::string& path) {
   System system{path, {}};
   if (const auto components = root.optional("components"))
     for (YamlReader& map : components->elements()) system.nodes.push_back(read_node(map, path));
+  auto real_time = root.optional("real_time");
   root.finish();
   if (system.nodes.empty()) root.fail("no components");
   for (SystemNode& node : system.nodes) {
@@ -196,25 +215,29 @@ System load_system(const std::string& path) {
     node.options.use_sim_time = use_sim_time;
     if (node.thread.empty()) node.thread = thread;
   }
+  if (real_time) system.real_time = read_real_time(*real_time, system.nodes);
   return system;
 }
 
 RunningSystem::RunningSystem(const System& system, const std::vector<std::string>& only) {
   require_names(system, only);
-  std::vector<rt::RunningComponent*> alone;
-  std::map<std::string, std::vector<rt::Node*>> together;  // by thread
+  const auto priority_of = [&system](const std::string& thread) {
+    const auto found = system.real_time.find(thread);
+    return found == system.real_time.end() ? 0 : found->second;
+  };
+  rt::use_real_time_for_dds(priority_of(kDdsThreads));
+  std::map<std::pair<std::string, std::size_t>, std::vector<rt::Node*>> threads;  // by name, number
   components_.reserve(system.nodes.size());
   for (const auto& node : system.nodes) {
     if (!wanted(node, only)) continue;
-    auto& component = components_.emplace_back(construct(system, node));
-    if (node.thread.empty())
-      alone.push_back(&component);
-    else
-      together[node.thread].push_back(&component.node());
+    rt::Node& own = components_.emplace_back(construct(system, node)).node();
+    if (node.options.bus) continue;  // which runs it
+    const std::size_t number = node.thread.empty() ? components_.size() : 0;
+    threads[{node.thread_name(), number}].push_back(&own);
   }
-  for (auto* component : alone) component->start();
-  for (const auto& [name, nodes] : together)
-    threads_.push_back(std::make_unique<rt::NodeThread>(name, nodes));
+  for (const auto& [thread, nodes] : threads)
+    threads_.push_back(
+        std::make_unique<rt::NodeThread>(thread.first, nodes, priority_of(thread.first)));
 }
 
 void RunningSystem::stop() {
@@ -222,7 +245,6 @@ void RunningSystem::stop() {
 }
 
 void RunningSystem::wait() {
-  for (auto& component : components_) component.join();
   for (auto& thread : threads_) thread->join();
 }
 

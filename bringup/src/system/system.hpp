@@ -18,12 +18,18 @@ struct SystemNode {
   rt::NodeOptions options{};
   std::string thread{};  ///< shared with the nodes that name the same one; empty: one of its own
   bool respawn = false;  ///< restart it after it ends by itself; needs separate processes
+
+  /// Its thread's name: that of a shared one, or its own.
+  [[nodiscard]] const std::string& thread_name() const {
+    return thread.empty() ? options.name : thread;
+  }
 };
 
 /// Which components run, under which names, with which parameters and remappings.
 struct System {
   std::string path;
   std::vector<SystemNode> nodes;
+  std::map<std::string, int> real_time{};  ///< priorities of threads; `dds`: those of DDS
 };
 
 /// Throws std::invalid_argument naming file and line if the file is not a valid system file.
@@ -44,7 +50,7 @@ class RunningSystem {
 
  private:
   std::vector<rt::RunningComponent> components_;
-  std::vector<std::unique_ptr<rt::NodeThread>> threads_;  // of several nodes each
+  std::vector<std::unique_ptr<rt::NodeThread>> threads_;
 };
 
 /// Runs a system until SIGINT or SIGTERM; the result is the program's exit status.

@@ -19,6 +19,7 @@
 #include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/guarded_transport.hpp"
 #include "tandem/runtime/detail/participant_ports.hpp"
+#include "tandem/runtime/detail/priority_of_dds.hpp"
 #include "tandem/runtime/detail/security_fault.hpp"
 #include "tandem/runtime/detail/thread_limit.hpp"
 #include "tandem/runtime/detail/wire_guard.hpp"
@@ -237,6 +238,7 @@ NewParticipant create(const Environment& environment, fdds::DomainParticipantQos
   });
   if (chooses_ports(environment)) set_ports(qos, environment, free_id);
   set_peers(qos, environment, asked);
+  const PriorityOfDds of_its_threads;
   auto* dds = fdds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<uint32_t>(environment.domain), qos, listener, fdds::StatusMask::none());
   if (dds != nullptr && chooses_ports(environment)) warn_if_deaf(environment, *held);

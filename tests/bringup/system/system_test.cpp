@@ -152,6 +152,17 @@ TEST_F(SystemFile, RunsSeveralNodesOnOneThread) {
   system.wait();
 }
 
+TEST_F(SystemFile, GivesThreadsRealTimePriorities) {
+  const std::string nodes =
+      "thread: all\ncomponents:\n  - {component: c}\n  - {component: d, thread: own}\n";
+  const System system = load_system(write("real_time: {own: 48, all: 47, dds: 46}\n" + nodes));
+  EXPECT_EQ(system.real_time, (std::map<std::string, int>{{"all", 47}, {"dds", 46}, {"own", 48}}));
+  expect_complaint("real_time: {c: 48}\n" + nodes,
+                   {path_ + ":1: `real_time.c`: no such thread; there are: all, dds, own"});
+  expect_complaint("real_time: {own: 100}\n" + nodes, {path_ + ":1", "real_time.own", "99"});
+  expect_complaint("real_time: {own: 0}\n" + nodes, {path_ + ":1", "real_time.own", "1"});
+}
+
 TEST_F(SystemFile, RunsOnlyWhatIsNamed) {
   const System system = load_system(write(kTwoDoublers));
   EXPECT_THROW(RunningSystem(system, {"third"}), std::invalid_argument);
