@@ -5,6 +5,9 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "support/child_process.hpp"
 #include "support/nothing_dropped.hpp"
@@ -39,6 +42,33 @@ TEST(DiscoveryServer, BringsOurProcessesTogether) {
   (void)server.wait(5.0);
   heard = 0;
   EXPECT_TRUE(test::spin_until([&] { return heard > 3; }, kTimeout, node));
+  unsetenv("ROS_DISCOVERY_SERVER");
+}
+
+// A program that comes later meets a robot that the server knew before it died, although the server
+// is back long before the robot's lease of the old one (20 s) has ended.
+TEST(DiscoveryServer, BringsThemTogetherAfterItHasBeenRestarted) {
+  if (!std::filesystem::exists(kServer)) GTEST_SKIP() << kServer << " is not installed";
+  const std::string port = std::to_string(20'000 + (getpid() + 2) % 10'000);
+  const std::string program = std::filesystem::relative(kServer, test::ChildProcess::folder());
+  const std::vector<std::string> arguments{"-i", "0", "-l", "127.0.0.1", "-p", port};
+  auto server = std::make_unique<test::ChildProcess>(program, arguments);
+  setenv("ROS_DISCOVERY_SERVER", ("127.0.0.1:" + port).c_str(), 1);
+  test::ChildProcess robot{
+      "../tandem",
+      {"run", test::source_path("bringup/systems/teleop.yaml"), "--only", "diff_drive_sim"}};
+  const auto hears_the_robot = [](double max_wait) {
+    rt::Node node{"tester"};
+    int heard = 0;
+    const auto odom = node.create_subscription(rt::Topic<nav_msgs::msg::Odometry>{"/odom"},
+                                               [&](const auto&) { ++heard; });
+    return test::spin_until([&] { return heard > 3; }, max_wait, node);
+  };
+  EXPECT_TRUE(hears_the_robot(kTimeout));
+  server->send(SIGKILL);
+  (void)server->wait(5.0);
+  server = std::make_unique<test::ChildProcess>(program, arguments);
+  EXPECT_TRUE(hears_the_robot(12.0)) << "before the lease ends";
   unsetenv("ROS_DISCOVERY_SERVER");
 }
 

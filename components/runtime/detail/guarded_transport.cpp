@@ -5,7 +5,10 @@
 #include <cstring>
 #include <mutex>
 
+#include "tandem/runtime/detail/dds_settings.hpp"
+#include "tandem/runtime/detail/server_restarts.hpp"
 #include "tandem/runtime/detail/wire_guard.hpp"
+#include "tandem/runtime/environment.hpp"
 #if TANDEM_FASTDDS_3
 #include <fastdds/rtps/transport/ChainingTransport.hpp>
 #include <fastdds/rtps/transport/SenderResource.hpp>
@@ -59,7 +62,7 @@ class GuardedTransport final : public transport::ChainingTransport {
   bool send(rtps::SenderResource* below, const rtps::octet* data, std::uint32_t size,
             rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
             const std::chrono::steady_clock::time_point& deadline) override {
-    guard_.sent({data, size});
+    note_sent({data, size});
     return below->send(data, size, first, last, deadline);
   }
 #endif
@@ -69,6 +72,10 @@ class GuardedTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& from) override {
     // The buffer belongs to the transport below; a chained transport may modify it.
     if (!guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from))) return;
+    if (const auto goodbye = goodbye_before({data, size}); !goodbye.empty()) {
+      guard_.forget_sender_of(goodbye);
+      above->OnDataReceived(goodbye.data(), static_cast<std::uint32_t>(goodbye.size()), to, from);
+    }
     // Serialize announcements: while Fast DDS 2.9.1 authenticates a participant, an announcement
     // handled by another thread changes the data being read, and the two may never match.
     std::unique_lock lock{announcements_, std::defer_lock};
@@ -77,6 +84,19 @@ class GuardedTransport final : public transport::ChainingTransport {
   }
 
  private:
+  void note_sent(std::span<const std::uint8_t> datagram) {
+    guard_.sent(datagram);
+    if (!has_servers_) return;
+    const std::lock_guard lock{servers_mutex_};
+    servers_.sent(datagram);
+  }
+
+  std::vector<std::uint8_t> goodbye_before(std::span<const std::uint8_t> datagram) {
+    if (!has_servers_) return {};
+    const std::lock_guard lock{servers_mutex_};
+    return servers_.goodbye_before(datagram);
+  }
+
 #if TANDEM_FASTDDS_3
   // Joins the buffers of a datagram. Only acknowledgements matter, and those are short; longer
   // datagrams are ignored.
@@ -88,12 +108,15 @@ class GuardedTransport final : public transport::ChainingTransport {
       std::memcpy(joined.data() + size, buffer.buffer, buffer.size);
       size += buffer.size;
     }
-    guard_.sent({joined.data(), size});
+    note_sent(std::span<const std::uint8_t>{joined.data(), size});
   }
 #endif
 
   WireGuard& guard_;
   Listening listening_;
+  const bool has_servers_ = !variable(kServersVariable).empty();
+  std::mutex servers_mutex_;
+  ServerRestarts servers_;
   static inline std::mutex announcements_;  // shared by all transports of the process
 };
 

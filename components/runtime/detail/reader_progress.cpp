@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tandem/runtime/detail/rtps_payload.hpp"
+#include "tandem/runtime/detail/server_restarts.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -32,18 +33,6 @@ void say_as_heartbeat(std::uint8_t* body, std::int64_t first, std::uint32_t coun
   put_sequence_number(body + 8, first, little);
   put_sequence_number(body + 16, first - 1, little);
   put_u32(body + 24, count, little);
-}
-
-// Whether the writer announces endpoints or participants for a server of ROS_DISCOVERY_SERVER,
-// whose GUID prefixes begin so but for the server's number.
-bool is_of_server(const GuidPrefix& prefix, const std::uint8_t* entity) {
-  constexpr GuidPrefix kServer{0x44, 0x53, 0x00, 0x5f, 0x45, 0x50,
-                               0x52, 0x4f, 0x53, 0x49, 0x4d, 0x41};
-  constexpr std::size_t kNumber = 2;
-  const auto of_number = prefix.begin() + kNumber;
-  return announces(rtps_message::entity(entity), 0) &&
-         std::equal(prefix.begin(), of_number, kServer.begin()) &&
-         std::equal(of_number + 1, prefix.end(), kServer.begin() + kNumber + 1);
 }
 
 bool in_window(std::int64_t number, std::int64_t least, std::int64_t window) {
@@ -123,7 +112,7 @@ ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::
   const auto key = key_of(prefix, entity);
   if (const auto known = writers_.find(key); known != writers_.end()) return known->second;
   if (writers_.size() >= kMaxWriters) forget_one();
-  if (is_of_server(prefix, entity))
+  if (is_server(prefix) && announces(rtps_message::entity(entity), 0))
     return writers_.try_emplace(key, kServerWindow, kServerWindow).first->second;
   return writers_.try_emplace(key, WriterReach::kLeap, kWindow).first->second;
 }
@@ -164,6 +153,12 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram, double now) {
     source.acknowledge(submessage.entity(0), base);
     source.reach.know(base - 1, now);
   }
+}
+
+void ReaderProgress::forget(const GuidPrefix& prefix) {
+  std::erase_if(writers_, [&](const auto& entry) {
+    return std::equal(prefix.begin(), prefix.end(), entry.first.begin());
+  });
 }
 
 // --- what arrives ---

@@ -69,6 +69,8 @@ class ReaderProgress {
   /// Returns the number of removed submessages, without the samples that arrive while a reader is
   /// taken to a writer that is far ahead.
   [[nodiscard]] int narrow(std::span<std::uint8_t> datagram, double now);
+  /// Forgets the writers of a participant, which has been started again.
+  void forget(const GuidPrefix& prefix);
 
  private:
   struct Progress {

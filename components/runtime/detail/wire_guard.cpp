@@ -59,6 +59,11 @@ void WireGuard::sent(std::span<const std::uint8_t> datagram) {
   progress_.sent(datagram, now);
 }
 
+void WireGuard::forget_sender_of(std::span<const std::uint8_t> datagram) {
+  const std::lock_guard lock{watch_mutex_};
+  progress_.forget(prefix_at(datagram.data() + rtps_message::kPrefixAt));
+}
+
 WireGuard::Reported* WireGuard::claim_report(const void* who) {
   const void* nobody = nullptr;
   const bool its_own = reporter_.compare_exchange_strong(nobody, who) || nobody == who;

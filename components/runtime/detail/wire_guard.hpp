@@ -40,6 +40,8 @@ class WireGuard {
   [[nodiscard]] bool admits(std::span<std::uint8_t> datagram, std::uint32_t source);
   /// Records a datagram sent by this process.
   void sent(std::span<const std::uint8_t> datagram);
+  /// Forgets how far the writers of the participant that sent the datagram have come.
+  void forget_sender_of(std::span<const std::uint8_t> datagram);
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
