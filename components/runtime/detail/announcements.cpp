@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <random>
 
+#include "tandem/runtime/detail/rtps_payload.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -14,32 +16,15 @@ constexpr int kEndpointsOfAll = 24;          // per participant, exempt from the
 constexpr std::int64_t kFarthestNext = 256;  // maximum step of an endpoint's number
 constexpr double kBytesPerToken = 2048.0;    // announcement size per extra token [bytes]
 constexpr double kLookPeriod = 5.0;          // [s] between checks for expired leases
-constexpr std::uint16_t kLeaseDuration = 0x02, kSentinel = 0x01;
-
-// Offset of the parameter in the list that begins at `at`; bytes.size() if it is missing.
-std::size_t find_in_list(Span bytes, std::size_t at, bool little, std::uint16_t wanted) {
-  while (at + 4 <= bytes.size()) {
-    const std::uint16_t id = u16(bytes.data() + at, little);
-    if (id == wanted) return at;
-    at += 4;
-    if (id == kSentinel) break;
-    at += (u16(bytes.data() + at - 2, little) + std::size_t{3}) & ~std::size_t{3};
-  }
-  return bytes.size();
-}
+constexpr std::uint16_t kLeaseDuration = 0x02;
 
 // Returns how long Fast DDS keeps a silent participant [s]. A lease longer than kLongestLease is
 // overwritten.
 double shortened_lease(std::uint8_t* body, const Submessage& announcement) {
-  constexpr std::uint8_t kInlineQos = 2, kHasData = 4;
   constexpr double kLongest = Announcements::kLongestLease;
-  if (announcement.id != kData || (announcement.flags & kHasData) == 0) return kLongest;
-  std::size_t at = std::size_t{4} + announcement.u16(2);
-  if ((announcement.flags & kInlineQos) != 0)
-    at = find_in_list(announcement.body, at, announcement.little(), kSentinel) + 4;
-  if (at + 4 > announcement.body.size()) return kLongest;
-  const bool little = body[at + 1] == 3;
-  at = find_in_list(announcement.body, at + 4, little, kLeaseDuration);
+  if (announcement.id != kData) return kLongest;
+  const auto [list, little] = announced_list(announcement);
+  const std::size_t at = find_in_list(announcement.body, list, little, kLeaseDuration);
   if (at + 8 > announcement.body.size()) return kLongest;
   const std::uint32_t seconds = u32(body + at + 4, little);
   if (seconds < kLongest) return 1.0 + seconds;

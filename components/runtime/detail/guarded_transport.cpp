@@ -62,7 +62,7 @@ class GuardedTransport final : public transport::ChainingTransport {
   bool send(rtps::SenderResource* below, const rtps::octet* data, std::uint32_t size,
             rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
             const std::chrono::steady_clock::time_point& deadline) override {
-    note_sent({data, size});
+    guard_.sent({data, size});
     return below->send(data, size, first, last, deadline);
   }
 #endif
@@ -71,11 +71,12 @@ class GuardedTransport final : public transport::ChainingTransport {
                std::uint32_t size, const rtps::Locator_t& to,
                const rtps::Locator_t& from) override {
     // The buffer belongs to the transport below; a chained transport may modify it.
-    if (!guard_.admits({const_cast<rtps::octet*>(data), size}, source_of(from))) return;
-    if (const auto goodbye = goodbye_before({data, size}); !goodbye.empty()) {
+    const std::span datagram{const_cast<rtps::octet*>(data), size};
+    if (const auto goodbye = goodbye_before(datagram); !goodbye.empty()) {
       guard_.forget_sender_of(goodbye);
       above->OnDataReceived(goodbye.data(), static_cast<std::uint32_t>(goodbye.size()), to, from);
     }
+    if (!guard_.admits(datagram, source_of(from))) return;
     // Serialize announcements: while Fast DDS 2.9.1 authenticates a participant, an announcement
     // handled by another thread changes the data being read, and the two may never match.
     std::unique_lock lock{announcements_, std::defer_lock};
@@ -84,14 +85,7 @@ class GuardedTransport final : public transport::ChainingTransport {
   }
 
  private:
-  void note_sent(std::span<const std::uint8_t> datagram) {
-    guard_.sent(datagram);
-    if (!has_servers_) return;
-    const std::lock_guard lock{servers_mutex_};
-    servers_.sent(datagram);
-  }
-
-  std::vector<std::uint8_t> goodbye_before(std::span<const std::uint8_t> datagram) {
+  std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram) {
     if (!has_servers_) return {};
     const std::lock_guard lock{servers_mutex_};
     return servers_.goodbye_before(datagram);
@@ -108,7 +102,7 @@ class GuardedTransport final : public transport::ChainingTransport {
       std::memcpy(joined.data() + size, buffer.buffer, buffer.size);
       size += buffer.size;
     }
-    note_sent(std::span<const std::uint8_t>{joined.data(), size});
+    guard_.sent({joined.data(), size});
   }
 #endif
 

@@ -131,6 +131,31 @@ bool is_parameter(std::uint16_t id, Span value, bool little) {
 
 }  // namespace
 
+std::size_t find_in_list(Span bytes, std::size_t at, bool little, std::uint16_t wanted) {
+  constexpr std::uint16_t kSentinel = 0x01;
+  while (at + 4 <= bytes.size()) {
+    const std::uint16_t id = u16(bytes.data() + at, little);
+    if (id == wanted) return at;
+    at += 4;
+    if (id == kSentinel) break;
+    at += (u16(bytes.data() + at - 2, little) + std::size_t{3}) & ~std::size_t{3};
+  }
+  return bytes.size();
+}
+
+AnnouncedList announced_list(const Submessage& data) {
+  constexpr std::uint8_t kInlineQos = 2, kHasData = 4;
+  constexpr std::uint16_t kSentinel = 0x01;
+  constexpr std::size_t kEncapsulation = 4;
+  const AnnouncedList none{data.body.size(), true};
+  if ((data.flags & kHasData) == 0 || data.body.size() < kEncapsulation) return none;
+  std::size_t at = std::size_t{4} + data.u16(2);
+  if ((data.flags & kInlineQos) != 0)
+    at = find_in_list(data.body, at, data.little(), kSentinel) + 4;
+  if (at + kEncapsulation > data.body.size()) return none;
+  return {at + kEncapsulation, data.body[at + 1] == 3};
+}
+
 bool is_announcement(Span payload) {
   const bool is_list =
       payload.size() >= 4 && payload[0] == 0 && (payload[1] == 2 || payload[1] == 3);

@@ -28,6 +28,18 @@ std::size_t list_size(Span bytes, bool little, Accepts accepts) {
   return 0;
 }
 
+/// Offset of the parameter `wanted` in the list that begins at `at`; bytes.size() if it is missing.
+[[nodiscard]] std::size_t find_in_list(Span bytes, std::size_t at, bool little,
+                                       std::uint16_t wanted);
+
+/// Where in the body of a DATA submessage the parameter list of an announcement begins, and its
+/// byte order.
+struct AnnouncedList {
+  std::size_t at;  ///< the body's size if there is none
+  bool little;
+};
+[[nodiscard]] AnnouncedList announced_list(const Submessage& data);
+
 /// Whether data between these endpoints announce participants or endpoints. Secure discovery uses
 /// the same ids prefixed with 0xff and has other contents, so it is excluded.
 [[nodiscard]] inline bool announces(std::uint32_t writer, std::uint32_t reader) {

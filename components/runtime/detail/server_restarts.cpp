@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/server_restarts.hpp"
 
-#include <array>
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "tandem/runtime/detail/rtps_payload.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -9,38 +13,86 @@ namespace {
 using namespace rtps_message;
 
 constexpr std::size_t kNumberAt = 2;  // of the server, in its prefix
+constexpr std::uint8_t kParticipantGuid = 0x50;
 
-// The server's farewell: its key without data, with the status `disposed, unregistered`.
+// The source time that an INFO_TS gives to the submessages after it, seconds first; 0 if it takes
+// it away.
+std::uint64_t time_of(const Submessage& timestamp) {
+  constexpr std::uint8_t kInvalidate = 2;
+  if ((timestamp.flags & kInvalidate) != 0 || timestamp.body.size() < 8) return 0;
+  return std::uint64_t{timestamp.u32(0)} << 32 | timestamp.u32(4);
+}
+
+// Whether a participant announces itself, and not another one as a server does.
+bool is_own_announcement(const Submessage& data, const GuidPrefix& prefix) {
+  if (data.id != kData) return false;
+  const auto [list, little] = announced_list(data);
+  const std::size_t guid = find_in_list(data.body, list, little, kParticipantGuid);
+  return guid + 4 + kPrefixSize <= data.body.size() &&
+         prefix_at(data.body.data() + guid + 4) == prefix;
+}
+
+// Writes a little-endian datagram.
+class Writer {
+ public:
+  Writer() { bytes_.reserve(256); }
+
+  template <class Bytes>
+  Writer& add(const Bytes& more) {
+    bytes_.insert(bytes_.end(), more.begin(), more.end());
+    return *this;
+  }
+  template <std::size_t kSize>
+  Writer& add(const std::uint8_t (&more)[kSize]) {
+    bytes_.insert(bytes_.end(), std::begin(more), std::end(more));
+    return *this;
+  }
+  Writer& add_number(std::int64_t number) {
+    bytes_.resize(bytes_.size() + 8);
+    put_sequence_number(&*bytes_.end() - 8, number, true);
+    return *this;
+  }
+  Writer& add_entities() {  // of announcements: reader, writer
+    return add({0x00, 0x01, 0x00, 0xc7, 0x00, 0x01, 0x00, 0xc2});
+  }
+  Writer& add_guid_of(const GuidPrefix& participant) {
+    return add(participant).add({0x00, 0x00, 0x01, 0xc1});
+  }
+  [[nodiscard]] std::vector<std::uint8_t> bytes() && { return std::move(bytes_); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+};
+
+// A HEARTBEAT that says that the writer holds announcement `number` only, so that the reader waits
+// for none before it, and that announcement: the server's key without data, with the status
+// `disposed, unregistered`.
 std::vector<std::uint8_t> goodbye(const GuidPrefix& server, std::int64_t number) {
-  constexpr std::uint16_t kParticipantGuid = 0x50, kKeyHash = 0x70;
-  const auto u16 = [](std::uint16_t value) {
-    return std::array{static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value >> 8)};
-  };
-  std::vector<std::uint8_t> bytes{'R', 'T', 'P', 'S', 2, 3, 0x01, 0x0f};
-  const auto add = [&bytes](const auto& more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
-  };
-  const auto add_guid = [&](std::uint16_t parameter) {
-    add(u16(parameter));
-    add(u16(16));
-    add(server);
-    add(std::to_array<std::uint8_t>({0x00, 0x00, 0x01, 0xc1}));
-  };
-  const auto end_of_list = std::to_array<std::uint8_t>({1, 0, 0, 0});
-  add(server);
-  add(std::to_array<std::uint8_t>({kData, 0x0b, 0, 0}));       // little-endian, inline QoS, key
-  add(std::to_array<std::uint8_t>({0, 0, 16, 0}));             // flags, bytes to the inline QoS
-  add(std::to_array<std::uint8_t>({0x00, 0x01, 0x00, 0xc7}));  // kSpdpReader
-  add(std::to_array<std::uint8_t>({0x00, 0x01, 0x00, 0xc2}));  // kSpdpWriter
-  bytes.resize(bytes.size() + 8);
-  put_sequence_number(&*bytes.end() - 8, number, true);
-  add_guid(kKeyHash);
-  add(std::to_array<std::uint8_t>({0x71, 0, 4, 0, 0, 0, 0, 3}));  // status
-  add(end_of_list);
-  add(std::to_array<std::uint8_t>({0, 3, 0, 0}));  // a parameter list, little-endian
-  add_guid(kParticipantGuid);
-  add(end_of_list);
-  return bytes;  // a length of 0: the submessage extends to the end of the datagram
+  Writer datagram;
+  datagram.add({'R', 'T', 'P', 'S', 2, 3, 0x01, 0x0f}).add(server);
+  datagram.add({kHeartbeat, 3, 28, 0}).add_entities();  // asks for no answer
+  datagram.add_number(number).add_number(number).add({0xff, 0xff, 0xff, 0x7f});
+  datagram.add({kData, 0x0b, 80, 0}).add({0, 0, 16, 0}).add_entities().add_number(number);
+  datagram.add({0x70, 0, 16, 0}).add_guid_of(server);            // inline QoS: key hash,
+  datagram.add({0x71, 0, 4, 0, 0, 0, 0, 3}).add({1, 0, 0, 0});   // status, end
+  datagram.add({0, 3, 0, 0}).add({kParticipantGuid, 0, 16, 0});  // key
+  datagram.add_guid_of(server).add({1, 0, 0, 0});
+  return std::move(datagram).bytes();
+}
+
+// The writer of a submessage that brings or tells of announcements; 0 of another one.
+std::uint32_t announcing_writer(const Submessage& submessage) {
+  const bool has_data = submessage.id == kData || submessage.id == kDataFrag;
+  const bool tells = submessage.id == kHeartbeat || submessage.id == kGap;
+  if ((!has_data && !tells) || submessage.body.size() < 28) return 0;
+  const std::uint32_t writer = submessage.entity(has_data ? 8 : 4);
+  return announces(writer, kUnknownReader) ? writer : 0;
+}
+
+// The highest number of which such a submessage of kSpdpWriter tells.
+std::int64_t highest_number(const Submessage& submessage) {
+  const bool has_data = submessage.id == kData || submessage.id == kDataFrag;
+  return submessage.sequence_number(has_data ? 12 : 16);
 }
 
 }  // namespace
@@ -53,31 +105,47 @@ bool is_server(const GuidPrefix& prefix) {
   return numberless == kServer;
 }
 
-void ServerRestarts::sent(std::span<const std::uint8_t> datagram) {
-  if (datagram.size() < kHeaderSize) return;
-  GuidPrefix destination{};
-  Submessage submessage;
-  for (Submessages all{datagram}; !all.at_end() && all.next(submessage);) {
-    if (submessage.id == kInfoDestination && submessage.body.size() >= kPrefixSize)
-      destination = prefix_at(submessage.body.data());
-    if (submessage.id != kAckNack || submessage.body.size() < 16) continue;
-    if (submessage.entity(4) != kSpdpWriter || !is_server(destination)) continue;
-    next_[destination] = submessage.sequence_number(8);
+bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at) {
+  if (announced > number) {  // the first, or changed since
+    number = announced;
+    time = at;
   }
+  if (announced < number || at < time) return false;  // an old one that was delayed
+  is_suspected = false;
+  return at > time;
 }
 
-std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<const std::uint8_t> datagram) {
-  if (next_.empty() || datagram.size() < kHeaderSize) return {};
-  const auto known = next_.find(prefix_at(datagram.data() + kPrefixAt));
-  if (known == next_.end()) return {};
+void ServerRestarts::Server::heed(std::uint32_t writer, const Submessage& heartbeat) {
+  const std::uint32_t count = heartbeat.u32(24);
+  std::uint32_t& highest = counts[writer];
+  if (count < highest) is_suspected = true;
+  highest = std::max(highest, count);
+}
+
+std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<std::uint8_t> datagram) {
+  if (datagram.size() < kHeaderSize) return {};
+  const GuidPrefix prefix = prefix_at(datagram.data() + kPrefixAt);
+  if (!is_server(prefix)) return {};
+  Server& server = servers_[prefix];
+  std::uint64_t time = 0;
   Submessage submessage;
   for (Submessages all{datagram}; !all.at_end() && all.next(submessage);) {
-    if (submessage.id != kHeartbeat || submessage.body.size() < 28) continue;
-    if (submessage.entity(4) != kSpdpWriter || submessage.sequence_number(16) + 1 >= known->second)
+    if (submessage.id == kInfoTimestamp) time = time_of(submessage);
+    const std::uint32_t writer = announcing_writer(submessage);
+    if (writer == 0) continue;
+    if (time > 0 && writer == kSpdpWriter && is_own_announcement(submessage, prefix)) {
+      const std::int64_t number = submessage.sequence_number(12), last = server.last;
+      if (server.restarts(number, time)) {
+        server = {.last = number, .number = number, .time = time};
+        return goodbye(prefix, last + 1);
+      }
       continue;
-    auto bytes = goodbye(known->first, known->second);
-    next_.erase(known);
-    return bytes;
+    }
+    if (submessage.id == kHeartbeat) server.heed(writer, submessage);
+    if (server.is_suspected)
+      mark_removed(bytes_of(datagram, submessage));
+    else if (writer == kSpdpWriter)
+      server.last = std::max(server.last, highest_number(submessage));
   }
   return {};
 }

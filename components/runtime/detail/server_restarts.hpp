@@ -15,23 +15,37 @@ namespace tandem::runtime {
 /// only, so a server that is started again has the one that it had before.
 [[nodiscard]] bool is_server(const GuidPrefix& prefix);
 
-/// Watches what one participant exchanges with its discovery servers. Fast DDS takes a server that
+/// Watches what one participant receives from its discovery servers. Fast DDS takes a server that
 /// has died and is back within its lease (20 s) for the one that it knows: it ignores what the new
 /// one announces under numbers that it has seen, and does not announce its own endpoints again.
 /// New participants and this one would never meet.
 ///
-/// A writer's numbers only rise, so a server whose HEARTBEAT ends below what the participant has
-/// acknowledged has begun anew. Not thread-safe.
+/// A server announces itself every 3 s, under the number and with the time that the announcement
+/// had at first. A later time under the same number is of a new server: Fast DDS is then handed the
+/// goodbye that the old one had no time to send. Until then, what the new server announces must not
+/// be acknowledged. HEARTBEATs are counted from 1, so a count that has fallen raises the suspicion.
+/// Not thread-safe.
 class ServerRestarts {
  public:
-  /// Records the acknowledgements in a datagram that the participant sends.
-  void sent(std::span<const std::uint8_t> datagram);
-  /// If a datagram that arrives shows that its server has been started again: the datagram with
-  /// which the old one would have said goodbye, to be handled first. Otherwise empty.
-  [[nodiscard]] std::vector<std::uint8_t> goodbye_before(std::span<const std::uint8_t> datagram);
+  /// To be called with each datagram that arrives, before it is handled. Removes what must not be
+  /// acknowledged. If the datagram shows that its server has been started again, returns the old
+  /// one's goodbye, to be handled first; otherwise nothing.
+  [[nodiscard]] std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram);
 
  private:
-  std::map<GuidPrefix, std::int64_t> next_;  // first announcement that is missing, by server
+  struct Server {
+    std::int64_t last = 0;                            // highest number of an announcement
+    std::int64_t number = 0;                          // of its announcement of itself; 0: not heard
+    std::uint64_t time = 0;                           // of the same, as in the message
+    bool is_suspected = false;                        // of being another one
+    std::map<std::uint32_t, std::uint32_t> counts{};  // highest of its HEARTBEATs, by writer
+
+    /// Takes its announcement of itself. Returns whether it is a new server's.
+    [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at);
+    void heed(std::uint32_t writer, const rtps_message::Submessage& heartbeat);
+  };
+
+  std::map<GuidPrefix, Server> servers_;
 };
 
 }  // namespace tandem::runtime

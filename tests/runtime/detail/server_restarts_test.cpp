@@ -18,69 +18,122 @@ constexpr std::uint32_t kServersWriter = 0x000100c2, kServersReader = 0x000100c7
 const Octets kServer{0x44, 0x53, 3, 0x5f, 0x45, 0x50, 0x52, 0x4f, 0x53, 0x49, 0x4d, 0x41};
 const Octets kRobot{9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2};
 
+constexpr std::uint32_t kStart = 1000, kRestart = 1001;  // [s]
+
 class Restarts : public testing::TestWithParam<bool> {
  protected:
-  void acknowledge(const Octets& participant, std::int64_t base,
-                   std::uint32_t writer = kServersWriter) {
-    restarts_.sent(std::move(Datagram{GetParam()}
-                                 .add_destination(participant)
-                                 .add_acknack(base, 0, -1, kServersReader, writer))
-                       .octets());
+  // The announcement of a participant that was started at `time` [s], by `sender`.
+  static Octets announcement(const Octets& sender, const Octets& announced, std::uint32_t time,
+                             std::int64_t number = 1) {
+    Octets time_body, guid = announced;
+    test::append(time_body, time, GetParam());
+    test::append(time_body, std::uint32_t{0}, GetParam());
+    guid.insert(guid.end(), {0, 0, 1, 0xc1});
+    return Datagram{GetParam()}
+        .prefix(sender)
+        .add(0x09, 0, time_body)
+        .add_data({.reader = kServersReader,
+                   .writer = kServersWriter,
+                   .number = number,
+                   .inline_qos = {{0x70, guid}}},
+                  Datagram::list_payload({{0x15, Octets{2, 3, 0, 0}}, {0x50, guid}}, GetParam()))
+        .octets();
   }
-  Octets after_heartbeat(const Octets& participant, std::int64_t last,
-                         std::uint32_t writer = kServersWriter) {
-    const auto heartbeat =
-        std::move(Datagram{GetParam()}.prefix(participant).add_heartbeat(1, last, 1, 0, writer));
-    return restarts_.goodbye_before(heartbeat.octets());
+  static Octets heartbeat(std::int64_t last, std::uint32_t count,
+                          std::uint32_t writer = kServersWriter) {
+    return Datagram{GetParam()}
+        .prefix(kServer)
+        .add_heartbeat(1, last, count, kServersReader, writer)
+        .octets();
+  }
+  bool restarts(Octets datagram) { return !restarts_.goodbye_before(datagram).empty(); }
+  bool is_removed(const Octets& datagram) {
+    Octets octets = datagram;
+    EXPECT_TRUE(restarts_.goodbye_before(octets).empty());
+    return octets != datagram;
   }
 
   ServerRestarts restarts_;
 };
 INSTANTIATE_TEST_SUITE_P(Orders, Restarts, testing::Bool());
 
-TEST_P(Restarts, AreSeenByNumbersThatHaveFallen) {
-  acknowledge(kServer, 12);
-  EXPECT_TRUE(after_heartbeat(kServer, 11).empty());  // nothing new
-  EXPECT_TRUE(after_heartbeat(kServer, 15).empty());
-  EXPECT_FALSE(after_heartbeat(kServer, 10).empty());
-  EXPECT_TRUE(after_heartbeat(kServer, 10).empty());  // reported before
-  acknowledge(kServer, 11);
-  EXPECT_FALSE(after_heartbeat(kServer, 4).empty());
+TEST_P(Restarts, AreSeenByALaterTimeUnderTheSameNumber) {
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));  // repeated every 3 s
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart)));
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart)));  // reported before
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));    // delayed
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1)));
 }
 
-TEST_P(Restarts, AreThoseOfServersThatThisParticipantHasHeard) {
-  EXPECT_TRUE(after_heartbeat(kServer, 1).empty());
-  acknowledge(kServer, 12, 0x000003c2);  // endpoints
-  EXPECT_TRUE(after_heartbeat(kServer, 1).empty());
-  acknowledge(kRobot, 12);
-  EXPECT_TRUE(after_heartbeat(kRobot, 1).empty());
-  acknowledge(kServer, 12);
-  EXPECT_TRUE(after_heartbeat(kServer, 1, 0x000003c2).empty());
-  EXPECT_TRUE(after_heartbeat(kRobot, 1).empty());
+TEST_P(Restarts, AreNotSeenInChangesAndInWhatAServerSaysOfOthers) {
+  EXPECT_FALSE(restarts(announcement(kServer, kRobot, kStart, 2)));
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(restarts(announcement(kServer, kRobot, kRestart)));
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart, 7)));  // another address
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart, 7)));
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1, 7)));
+}
+
+TEST_P(Restarts, AreThoseOfServers) {
+  EXPECT_FALSE(restarts(announcement(kRobot, kRobot, kStart)));
+  EXPECT_FALSE(restarts(announcement(kRobot, kRobot, kRestart)));
+}
+
+// What is acknowledged before the goodbye would never come again.
+TEST_P(Restarts, AreSuspectedWhenTheCountOfHeartbeatsFalls) {
+  constexpr std::uint32_t kPublicationsWriter = 0x000003c2, kLivelinessWriter = 0x000200c2;
+  const Octets of_robot = announcement(kServer, kRobot, kRestart, 5);
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  EXPECT_FALSE(is_removed(heartbeat(2, 11)));  // a server's HEARTBEATs differ by the reader
+  EXPECT_FALSE(is_removed(of_robot));
+  EXPECT_TRUE(is_removed(heartbeat(1, 3)));
+  EXPECT_TRUE(is_removed(of_robot));
+  EXPECT_TRUE(is_removed(heartbeat(7, 20, kPublicationsWriter)));
+  EXPECT_TRUE(is_removed(heartbeat(7, 12)));  // the new server counts on
+  EXPECT_FALSE(is_removed(heartbeat(7, 20, kLivelinessWriter)));
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart)));
+  EXPECT_FALSE(is_removed(of_robot));
+  EXPECT_FALSE(is_removed(heartbeat(1, 4)));
+}
+
+TEST_P(Restarts, AreNoLongerSuspectedAfterTheSameAnnouncement) {
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  EXPECT_TRUE(is_removed(heartbeat(4, 9)));  // overtaken on the way
+  EXPECT_FALSE(is_removed(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(is_removed(heartbeat(4, 11)));
 }
 
 TEST_P(Restarts, AreFollowedByAValidGoodbyeUnderTheNextNumber) {
-  acknowledge(kServer, 0x100000002);
-  const Octets goodbye = after_heartbeat(kServer, 1);
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  ASSERT_FALSE(restarts(heartbeat(0x100000001, 1)));
+  Octets again = announcement(kServer, kServer, kRestart);
+  const Octets goodbye = restarts_.goodbye_before(again);
   EXPECT_EQ(rt::check_datagram(goodbye, {}), rt::Drop::kNone);
-  EXPECT_EQ(rt::check_datagram(goodbye, {.all_protected = true}), rt::Drop::kGoodbye);
+  Octets without_heartbeat = goodbye;
+  without_heartbeat.erase(without_heartbeat.begin() + 20, without_heartbeat.begin() + 52);
+  EXPECT_EQ(rt::check_datagram(without_heartbeat, {.all_protected = true}), rt::Drop::kGoodbye);
   EXPECT_TRUE(std::equal(kServer.begin(), kServer.end(), goodbye.begin() + 8));
-  rt::rtps_message::Submessage data;
+  rt::rtps_message::Submessage heartbeat{}, data{};
   rt::rtps_message::Submessages all{goodbye};
+  ASSERT_TRUE(all.next(heartbeat));
   ASSERT_TRUE(all.next(data));
   EXPECT_TRUE(all.at_end());
+  EXPECT_EQ(heartbeat.sequence_number(8), 0x100000002);
   EXPECT_EQ(data.entity(4), kServersReader);
   EXPECT_EQ(data.entity(8), kServersWriter);
   EXPECT_EQ(data.sequence_number(12), 0x100000002);
 }
 
 TEST_P(Restarts, AreNotSeenInWhatIsTooShort) {
-  acknowledge(kServer, 12);
-  const Octets heartbeat =
-      Datagram{GetParam()}.prefix(kServer).add_heartbeat(1, 1, 1, 0, kServersWriter).octets();
-  for (std::size_t size = 0; size < heartbeat.size(); ++size) {
-    const std::span part{heartbeat.data(), size};
-    restarts_.sent(part);
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  const Octets again = announcement(kServer, kServer, kRestart);
+  const std::size_t guid_end = again.size() - 8;  // before the entity id and the sentinel
+  for (std::size_t size = 0; size < guid_end; ++size) {
+    Octets part{again.begin(), again.begin() + static_cast<std::ptrdiff_t>(size)};
     EXPECT_TRUE(restarts_.goodbye_before(part).empty()) << size;
   }
 }
