@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "support/nothing_dropped.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/runtime/domain_view.hpp"
@@ -30,12 +31,15 @@ std::vector<rt::Publisher<M>> publishers_on_all(rt::Node& node) {
   return all;
 }
 
-// Makes nodes with endpoints in both participants and destroys them.
+// Makes nodes with endpoints in both participants and destroys them. With the services of every
+// node they would announce more endpoints than the guard admits. What it drops is sent again and
+// again, and Fast DDS 2.9.1 may come to a deadlock if a participant ends meanwhile (mended
+// in 2.14.5: StatefulWriter and its flow controller lock each other's mutex).
 void come_and_go(const std::string& name, unsigned seed) {
   constexpr int kNodes = 6;
   std::mt19937 random{seed};
   for (int n = 0; n < kNodes; ++n) {
-    rt::Node node{name};
+    rt::Node node{rt::NodeOptions{.name = name, .serves_tools = false}};
     std::vector<rt::Publisher<Twist>> plain;
     std::vector<rt::Publisher<TwistStamped>> stamped;
     for (int i = 0; i < 3; ++i) {
@@ -73,6 +77,7 @@ void meet(unsigned seed) {
 // One of about a hundred meetings failed before; TANDEM_TEST_LONG=1 makes a thousand.
 TEST(TwoParticipants, KnowEachOthersEndpoints) {
   const unsigned meetings = std::getenv("TANDEM_TEST_LONG") != nullptr ? 1000 : 20;
+  const NothingDropped nothing_dropped;
   for (unsigned seed = 0; seed < meetings && !HasFailure(); ++seed) {
     SCOPED_TRACE(seed);
     meet(seed);
