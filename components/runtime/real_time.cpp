@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
-#include <mutex>
 
 #include "tandem/runtime/detail/priority_of_dds.hpp"
 #include "tandem/runtime/log.hpp"
@@ -24,17 +23,15 @@ bool set_policy(int policy, int priority) {
 }
 
 void report_refusal(const std::string& thread, int priority, int error) {
-  static std::once_flag once;
+  static std::atomic<bool> is_reported = false;
+  if (is_reported.exchange(true)) return;
   rlimit limit{};
   getrlimit(RLIMIT_RTPRIO, &limit);
-  std::call_once(once, [&] {
-    Logger{"runtime"}.warn(
-        "no real-time priority {} for thread {} ({}); the limit of this user is {}. It runs "
-        "without: raise the limit with `ulimit -r {}`, in /etc/security/limits.conf (rtprio), or "
-        "in "
-        "a systemd unit with LimitRTPRIO={} and RestrictRealtime=no",
-        priority, thread, std::strerror(error), limit.rlim_cur, priority, priority);
-  });
+  Logger{"runtime"}.warn(
+      "thread {} has no real-time priority {}: {}; the highest that this user may use is {}. Raise "
+      "it with `ulimit -r {}`, with rtprio in /etc/security/limits.conf, or in a systemd unit with "
+      "LimitRTPRIO={} and RestrictRealtime=no",
+      thread, priority, std::strerror(error), limit.rlim_cur, priority, priority);
 }
 
 }  // namespace

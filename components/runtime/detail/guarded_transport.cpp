@@ -9,6 +9,7 @@
 #include "tandem/runtime/detail/server_restarts.hpp"
 #include "tandem/runtime/detail/wire_guard.hpp"
 #include "tandem/runtime/environment.hpp"
+#include "tandem/runtime/time.hpp"
 #if TANDEM_FASTDDS_3
 #include <fastdds/rtps/transport/ChainingTransport.hpp>
 #include <fastdds/rtps/transport/SenderResource.hpp>
@@ -88,7 +89,7 @@ class GuardedTransport final : public transport::ChainingTransport {
   std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram) {
     if (!has_servers_) return {};
     const std::lock_guard lock{servers_mutex_};
-    return servers_.goodbye_before(datagram);
+    return servers_.goodbye_before(datagram, steady_seconds());
   }
 
 #if TANDEM_FASTDDS_3

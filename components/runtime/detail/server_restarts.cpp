@@ -33,29 +33,29 @@ bool is_own_announcement(const Submessage& data, const GuidPrefix& prefix) {
 }
 
 // Writes a little-endian datagram.
-class Writer {
+class DatagramWriter {
  public:
-  Writer() { bytes_.reserve(256); }
+  DatagramWriter() { bytes_.reserve(256); }
 
   template <class Bytes>
-  Writer& add(const Bytes& more) {
+  DatagramWriter& add(const Bytes& more) {
     bytes_.insert(bytes_.end(), more.begin(), more.end());
     return *this;
   }
   template <std::size_t kSize>
-  Writer& add(const std::uint8_t (&more)[kSize]) {
+  DatagramWriter& add(const std::uint8_t (&more)[kSize]) {
     bytes_.insert(bytes_.end(), std::begin(more), std::end(more));
     return *this;
   }
-  Writer& add_number(std::int64_t number) {
+  DatagramWriter& add_number(std::int64_t number) {
     bytes_.resize(bytes_.size() + 8);
     put_sequence_number(&*bytes_.end() - 8, number, true);
     return *this;
   }
-  Writer& add_entities() {  // of announcements: reader, writer
+  DatagramWriter& add_entities() {  // of announcements: reader, writer
     return add({0x00, 0x01, 0x00, 0xc7, 0x00, 0x01, 0x00, 0xc2});
   }
-  Writer& add_guid_of(const GuidPrefix& participant) {
+  DatagramWriter& add_guid_of(const GuidPrefix& participant) {
     return add(participant).add({0x00, 0x00, 0x01, 0xc1});
   }
   [[nodiscard]] std::vector<std::uint8_t> bytes() && { return std::move(bytes_); }
@@ -68,7 +68,7 @@ class Writer {
 // for none before it, and that announcement: the server's key without data, with the status
 // `disposed, unregistered`.
 std::vector<std::uint8_t> goodbye(const GuidPrefix& server, std::int64_t number) {
-  Writer datagram;
+  DatagramWriter datagram;
   datagram.add({'R', 'T', 'P', 'S', 2, 3, 0x01, 0x0f}).add(server);
   datagram.add({kHeartbeat, 3, 28, 0}).add_entities();  // asks for no answer
   datagram.add_number(number).add_number(number).add({0xff, 0xff, 0xff, 0x7f});
@@ -80,16 +80,17 @@ std::vector<std::uint8_t> goodbye(const GuidPrefix& server, std::int64_t number)
   return std::move(datagram).bytes();
 }
 
-// The writer of a submessage that brings or tells of announcements; 0 of another one.
+// The writer of a submessage that contains announcements or describes which ones exist; 0 for other
+// submessages.
 std::uint32_t announcing_writer(const Submessage& submessage) {
   const bool has_data = submessage.id == kData || submessage.id == kDataFrag;
-  const bool tells = submessage.id == kHeartbeat || submessage.id == kGap;
-  if ((!has_data && !tells) || submessage.body.size() < 28) return 0;
+  const bool describes = submessage.id == kHeartbeat || submessage.id == kGap;
+  if ((!has_data && !describes) || submessage.body.size() < 28) return 0;
   const std::uint32_t writer = submessage.entity(has_data ? 8 : 4);
   return announces(writer, kUnknownReader) ? writer : 0;
 }
 
-// The highest number of which such a submessage of kSpdpWriter tells.
+// The highest number that such a submessage of kSpdpWriter names.
 std::int64_t highest_number(const Submessage& submessage) {
   const bool has_data = submessage.id == kData || submessage.id == kDataFrag;
   return submessage.sequence_number(has_data ? 12 : 16);
@@ -105,24 +106,24 @@ bool is_server(const GuidPrefix& prefix) {
   return numberless == kServer;
 }
 
-bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at) {
-  if (announced > number) {  // the first, or changed since
-    number = announced;
-    time = at;
-  }
-  if (announced < number || at < time) return false;  // an old one that was delayed
-  is_suspected = false;
-  return at > time;
+bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, double now) {
+  const bool is_earlier = number > 0 && at < time;
+  if (is_earlier && !is_suspected(now)) return false;  // an old one that was delayed
+  const bool is_new = number > 0 && at != time && announced <= number;
+  number = announced;
+  time = at;
+  suspected_until = 0.0;
+  return is_new;
 }
 
-void ServerRestarts::Server::heed(std::uint32_t writer, const Submessage& heartbeat) {
-  const std::uint32_t count = heartbeat.u32(24);
-  std::uint32_t& highest = counts[writer];
-  if (count < highest) is_suspected = true;
-  highest = std::max(highest, count);
+void ServerRestarts::Server::heed(std::uint32_t writer, std::uint32_t count, double now) {
+  std::uint32_t& last_count = counts[writer];
+  if (count < last_count) suspected_until = now + kLongestSuspicion;
+  last_count = count;
 }
 
-std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<std::uint8_t> datagram) {
+std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<std::uint8_t> datagram,
+                                                         double now) {
   if (datagram.size() < kHeaderSize) return {};
   const GuidPrefix prefix = prefix_at(datagram.data() + kPrefixAt);
   if (!is_server(prefix)) return {};
@@ -135,14 +136,14 @@ std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<std::uint8_t>
     if (writer == 0) continue;
     if (time > 0 && writer == kSpdpWriter && is_own_announcement(submessage, prefix)) {
       const std::int64_t number = submessage.sequence_number(12), last = server.last;
-      if (server.restarts(number, time)) {
+      if (server.restarts(number, time, now)) {
         server = {.last = number, .number = number, .time = time};
         return goodbye(prefix, last + 1);
       }
       continue;
     }
-    if (submessage.id == kHeartbeat) server.heed(writer, submessage);
-    if (server.is_suspected)
+    if (submessage.id == kHeartbeat) server.heed(writer, submessage.u32(24), now);
+    if (server.is_suspected(now))
       mark_removed(bytes_of(datagram, submessage));
     else if (writer == kSpdpWriter)
       server.last = std::max(server.last, highest_number(submessage));

@@ -27,22 +27,28 @@ namespace tandem::runtime {
 /// Not thread-safe.
 class ServerRestarts {
  public:
+  /// [s], longer than the 3 s in which a server announces itself.
+  static constexpr double kLongestSuspicion = 5.0;
+
   /// To be called with each datagram that arrives, before it is handled. Removes what must not be
   /// acknowledged. If the datagram shows that its server has been started again, returns the old
   /// one's goodbye, to be handled first; otherwise nothing.
-  [[nodiscard]] std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram);
+  /// `now`: [s], steady clock.
+  [[nodiscard]] std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram,
+                                                         double now);
 
  private:
   struct Server {
     std::int64_t last = 0;                            // highest number of an announcement
     std::int64_t number = 0;                          // of its announcement of itself; 0: not heard
     std::uint64_t time = 0;                           // of the same, as in the message
-    bool is_suspected = false;                        // of being another one
-    std::map<std::uint32_t, std::uint32_t> counts{};  // highest of its HEARTBEATs, by writer
+    double suspected_until = 0.0;                     // of being another one [s]
+    std::map<std::uint32_t, std::uint32_t> counts{};  // of its last HEARTBEATs, by writer
 
     /// Takes its announcement of itself. Returns whether it is a new server's.
-    [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at);
-    void heed(std::uint32_t writer, const rtps_message::Submessage& heartbeat);
+    [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at, double now);
+    void heed(std::uint32_t writer, std::uint32_t count, double now);
+    [[nodiscard]] bool is_suspected(double now) const { return now < suspected_until; }
   };
 
   std::map<GuidPrefix, Server> servers_;

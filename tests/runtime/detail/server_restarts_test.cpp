@@ -46,14 +46,15 @@ class Restarts : public testing::TestWithParam<bool> {
         .add_heartbeat(1, last, count, kServersReader, writer)
         .octets();
   }
-  bool restarts(Octets datagram) { return !restarts_.goodbye_before(datagram).empty(); }
+  bool restarts(Octets datagram) { return !restarts_.goodbye_before(datagram, now_).empty(); }
   bool is_removed(const Octets& datagram) {
     Octets octets = datagram;
-    EXPECT_TRUE(restarts_.goodbye_before(octets).empty());
+    EXPECT_TRUE(restarts_.goodbye_before(octets, now_).empty());
     return octets != datagram;
   }
 
   ServerRestarts restarts_;
+  double now_ = 1.0;
 };
 INSTANTIATE_TEST_SUITE_P(Orders, Restarts, testing::Bool());
 
@@ -73,7 +74,7 @@ TEST_P(Restarts, AreNotSeenInChangesAndInWhatAServerSaysOfOthers) {
   EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart, 7)));  // another address
   EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart, 7)));
   EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
-  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1, 7)));
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1)));
 }
 
 TEST_P(Restarts, AreThoseOfServers) {
@@ -107,11 +108,30 @@ TEST_P(Restarts, AreNoLongerSuspectedAfterTheSameAnnouncement) {
   EXPECT_FALSE(is_removed(heartbeat(4, 11)));
 }
 
+// As of a host whose clock is set later than the server is started.
+TEST_P(Restarts, AreSeenByAnEarlierTimeUnderSuspicion) {
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kRestart)));
+  EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_TRUE(is_removed(heartbeat(1, 2)));
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(is_removed(heartbeat(1, 3)));
+}
+
+TEST_P(Restarts, AreSuspectedForALimitedTime) {
+  EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  EXPECT_TRUE(is_removed(heartbeat(1, 2)));
+  now_ += 0.9 * ServerRestarts::kLongestSuspicion;
+  EXPECT_TRUE(is_removed(heartbeat(1, 3)));
+  now_ += 0.2 * ServerRestarts::kLongestSuspicion;
+  EXPECT_FALSE(is_removed(heartbeat(1, 4)));
+}
+
 TEST_P(Restarts, AreFollowedByAValidGoodbyeUnderTheNextNumber) {
   ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
   ASSERT_FALSE(restarts(heartbeat(0x100000001, 1)));
   Octets again = announcement(kServer, kServer, kRestart);
-  const Octets goodbye = restarts_.goodbye_before(again);
+  const Octets goodbye = restarts_.goodbye_before(again, now_);
   EXPECT_EQ(rt::check_datagram(goodbye, {}), rt::Drop::kNone);
   Octets without_heartbeat = goodbye;
   without_heartbeat.erase(without_heartbeat.begin() + 20, without_heartbeat.begin() + 52);
@@ -134,7 +154,7 @@ TEST_P(Restarts, AreNotSeenInWhatIsTooShort) {
   const std::size_t guid_end = again.size() - 8;  // before the entity id and the sentinel
   for (std::size_t size = 0; size < guid_end; ++size) {
     Octets part{again.begin(), again.begin() + static_cast<std::ptrdiff_t>(size)};
-    EXPECT_TRUE(restarts_.goodbye_before(part).empty()) << size;
+    EXPECT_TRUE(restarts_.goodbye_before(part, now_).empty()) << size;
   }
 }
 
