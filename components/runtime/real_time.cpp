@@ -13,7 +13,7 @@
 namespace tandem::runtime {
 namespace {
 
-std::atomic<int> priority_of_dds = 0;
+std::atomic<int> dds_priority = 0;
 
 // sched_setscheduler() acts on one thread, in spite of its name; 0 is the calling one.
 bool set_policy(int policy, int priority) {
@@ -23,8 +23,6 @@ bool set_policy(int policy, int priority) {
 }
 
 void report_refusal(const std::string& thread, int priority, int error) {
-  static std::atomic<bool> is_reported = false;
-  if (is_reported.exchange(true)) return;
   rlimit limit{};
   getrlimit(RLIMIT_RTPRIO, &limit);
   Logger{"runtime"}.warn(
@@ -41,19 +39,12 @@ void use_real_time(const std::string& thread, int priority) {
     report_refusal(thread, priority, errno);
 }
 
-void use_real_time_for_dds(int priority) { priority_of_dds = priority; }
+void use_real_time_for_dds(int priority) { dds_priority = priority; }
 
-PriorityOfDds::PriorityOfDds() {
-  const int priority = priority_of_dds;
-  if (priority == 0) return;
-  policy_ = sched_getscheduler(0);
-  sched_getparam(0, &before_);
-  is_set_ = set_policy(SCHED_FIFO, priority);
-  if (!is_set_) report_refusal("dds", priority, errno);
-}
+int priority_of_dds() { return dds_priority; }
 
-PriorityOfDds::~PriorityOfDds() {
-  if (is_set_) sched_setscheduler(0, policy_, &before_);
+void use_real_time_with_children(int priority) {
+  if (!set_policy(SCHED_FIFO, priority)) report_refusal("dds", priority, errno);
 }
 
 }  // namespace tandem::runtime

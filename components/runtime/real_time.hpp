@@ -10,8 +10,7 @@ namespace tandem::runtime {
 
 /// Gives the calling thread a real-time priority (Linux's SCHED_FIFO, 1 to 99): it runs before all
 /// threads without one. Threads that it starts do not inherit it. If the system refuses, the thread
-/// stays as it is, and the first refusal in a process is logged with its remedy. `thread`: what the
-/// log calls it.
+/// stays as it is, and the refusal is logged with its remedy. `thread`: what the log calls it.
 TANDEM_EXPORT void use_real_time(const std::string& thread, int priority);
 
 /// Has the threads of every DDS participant that this process makes from now on run with a

@@ -21,7 +21,11 @@ bool Beat::due(double now) {
     ticks_ = 1.0;
     skipped_ = 0.0;
   }
-  if (now < next()) return false;
+  if (now < next()) {
+    // Those that time has reached meanwhile no longer count.
+    skipped_ = std::clamp(ticks_ - 1.0 - std::floor((now - start_) / period_), 0.0, skipped_);
+    return false;
+  }
   skipped_ = 0.0;
   ticks_ = std::max(ticks_ + 1.0, std::floor((now - start_) / period_));
   while (next() <= now) ticks_ += 1.0;

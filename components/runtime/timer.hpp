@@ -28,7 +28,7 @@ class TANDEM_EXPORT Beat {
   double period_;
   double start_;
   double ticks_ = 1.0;    // number of the next one; a product does not drift as a sum would
-  double skipped_ = 0.0;  // how many before it are left out
+  double skipped_ = 0.0;  // how many later ones before it are left out
 };
 
 struct TimerState;

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
-#include <filesystem>
 #include <future>
 #include <set>
 #include <thread>
 #include <vector>
 
 #include "support/private_domain.hpp"
+#include "support/real_time.hpp"
 #include "support/spin_until.hpp"
 #include "tandem/runtime/local_bus.hpp"
 #include "tandem/runtime/real_time.hpp"
@@ -100,16 +100,8 @@ Scheduling scheduling() {
   return {sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, param.sched_priority, inherited};
 }
 
-bool may_use_real_time() {
-  sched_param param{};
-  param.sched_priority = 2;
-  bool may = false;
-  std::thread{[&] { may = sched_setscheduler(0, SCHED_FIFO, &param) == 0; }}.join();
-  return may;
-}
-
 TEST(NodeThread, HasARealTimePriority) {
-  if (!may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities (`ulimit -r 2`)";
+  if (!test::may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities";
   rt::Node node{"urgent"};
   std::promise<Scheduling> seen;
   auto seeing = seen.get_future();
@@ -124,28 +116,17 @@ TEST(NodeThread, HasARealTimePriority) {
   EXPECT_EQ(found.inherited, SCHED_OTHER);
 }
 
-int threads_with(int policy, int priority) {
-  int count = 0;
-  for (const auto& task : std::filesystem::directory_iterator{"/proc/self/task"}) {
-    const pid_t id = std::stoi(task.path().filename());
-    sched_param param{};
-    sched_getparam(id, &param);
-    if (sched_getscheduler(id) == policy && param.sched_priority == priority) ++count;
-  }
-  return count;
-}
-
 TEST(RealTime, IsGivenToTheThreadsOfDds) {
-  if (!may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities (`ulimit -r 2`)";
+  if (!test::may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities";
   rt::use_real_time_for_dds(2);
   {
     const rt::Node node{"urgent"};
-    EXPECT_GE(threads_with(SCHED_FIFO, 2), 3);  // events, discovery, messages
+    EXPECT_GE(test::threads_with_priority(2), 3);  // events, discovery, messages
     EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
   }
   rt::use_real_time_for_dds(0);
   const rt::Node node{"calm"};
-  EXPECT_EQ(threads_with(SCHED_FIFO, 2), 0);
+  EXPECT_EQ(test::threads_with_priority(2), 0);
 }
 
 // The node works all the same.

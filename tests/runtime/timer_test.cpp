@@ -56,6 +56,16 @@ TEST(Beat, SeesAClockResetWhileItLeavesOutTicks) {
   EXPECT_TRUE(beat.due(0.1));
 }
 
+TEST(Beat, SeesAClockResetAfterLeavingOutTicksForLong) {
+  rt::Beat beat{0.0, 0.1};
+  for (double now = 0.05; now < 100.0; now += 0.05) {
+    beat.skip_until(now + 0.2);
+    ASSERT_FALSE(beat.due(now));
+  }
+  EXPECT_FALSE(beat.due(50.0));
+  EXPECT_TRUE(beat.due(50.1));
+}
+
 TEST(Beat, RefusesAPeriodThatIsNotPositive) {
   EXPECT_THROW(rt::Beat(0.0, 0.0), std::invalid_argument);
   EXPECT_THROW(rt::Beat(0.0, -1.0), std::invalid_argument);

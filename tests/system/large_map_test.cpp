@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map of a million leaves arrives while the robot drives. Decoding it takes time, and neither the
-// planner nor the safety filter may wait for it.
+// A map of two million leaves arrives while the robot drives. Decoding it takes time, and neither
+// the planner nor the safety filter may wait for it.
 #include <algorithm>
 #include <cstdio>
 #include <random>
@@ -16,7 +16,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr int kLeaves = 1000000;
+constexpr int kLeaves = 2000000;
 constexpr double kRate = 20.0;             // [1/s] minimum rate of the planner and of the filter
 constexpr double kBaseStops = 0.1;         // [s] without a command: base_timeout of mir100.yaml
 constexpr double kPlannerIsSilent = 0.12;  // [s] without a plan: shared_timeout of arbitration

@@ -62,19 +62,23 @@ SystemNode read_node(YamlReader& map, const std::string& path) {
   return node;
 }
 
-// The priorities of threads, by their names.
-std::map<std::string, int> read_real_time(YamlReader& map, const std::vector<SystemNode>& nodes) {
+// Takes the priorities of threads, by the names that they have in the file.
+void read_real_time(YamlReader& map, System& system) {
+  const auto thread_of = [](const SystemNode& node) {
+    return node.thread.empty() ? node.options.name : node.thread;
+  };
   std::set<std::string> threads{kDdsThreads};
-  for (const auto& node : nodes) threads.insert(node.thread_name());
-  std::map<std::string, int> priorities;
+  for (const auto& node : system.nodes) threads.insert(thread_of(node));
   for (const auto& [thread, value] : map.rest()) {
     if (!threads.contains(thread))
       value.fail(
           fmt::format("{}: no such thread; there are: {}", value.key(), fmt::join(threads, ", ")));
-    priorities[thread] = value.as<int>();
+    const int priority = value.as<int>();
     (void)value.number(1, 99);
+    if (thread == kDdsThreads) system.dds_priority = priority;
+    for (auto& node : system.nodes)
+      if (thread_of(node) == thread) node.priority = priority;
   }
-  return priorities;
 }
 
 bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
@@ -215,29 +219,36 @@ System load_system(const std::string& path) {
     node.options.use_sim_time = use_sim_time;
     if (node.thread.empty()) node.thread = thread;
   }
-  if (real_time) system.real_time = read_real_time(*real_time, system.nodes);
+  if (real_time) read_real_time(*real_time, system);
   return system;
 }
 
 RunningSystem::RunningSystem(const System& system, const std::vector<std::string>& only) {
   require_names(system, only);
-  const auto priority_of = [&system](const std::string& thread) {
-    const auto found = system.real_time.find(thread);
-    return found == system.real_time.end() ? 0 : found->second;
+  rt::use_real_time_for_dds(system.dds_priority);
+  struct Thread {
+    std::string name;
+    int priority;
+    std::vector<rt::Node*> nodes;
   };
-  rt::use_real_time_for_dds(priority_of(kDdsThreads));
-  std::map<std::pair<std::string, std::size_t>, std::vector<rt::Node*>> threads;  // by name, number
+  std::vector<Thread> threads;
   components_.reserve(system.nodes.size());
   for (const auto& node : system.nodes) {
     if (!wanted(node, only)) continue;
     rt::Node& own = components_.emplace_back(construct(system, node)).node();
-    if (node.options.bus) continue;  // which runs it
-    const std::size_t number = node.thread.empty() ? components_.size() : 0;
-    threads[{node.thread_name(), number}].push_back(&own);
+    if (node.options.bus) continue;  // a LocalBus runs its nodes itself
+    const auto shared = std::find_if(threads.begin(), threads.end(), [&](const Thread& thread) {
+      return !node.thread.empty() && thread.name == node.thread;
+    });
+    if (shared == threads.end())
+      threads.push_back(
+          {node.thread.empty() ? node.options.name : node.thread, node.priority, {&own}});
+    else
+      shared->nodes.push_back(&own);
   }
-  for (const auto& [thread, nodes] : threads)
+  for (const auto& thread : threads)
     threads_.push_back(
-        std::make_unique<rt::NodeThread>(thread.first, nodes, priority_of(thread.first)));
+        std::make_unique<rt::NodeThread>(thread.name, thread.nodes, thread.priority));
 }
 
 void RunningSystem::stop() {

@@ -17,19 +17,15 @@ struct SystemNode {
   std::string component;
   rt::NodeOptions options{};
   std::string thread{};  ///< shared with the nodes that name the same one; empty: one of its own
+  int priority = 0;      ///< real-time priority of its thread; 0: none
   bool respawn = false;  ///< restart it after it ends by itself; needs separate processes
-
-  /// Its thread's name: that of a shared one, or its own.
-  [[nodiscard]] const std::string& thread_name() const {
-    return thread.empty() ? options.name : thread;
-  }
 };
 
 /// Which components run, under which names, with which parameters and remappings.
 struct System {
   std::string path;
   std::vector<SystemNode> nodes;
-  std::map<std::string, int> real_time{};  ///< priorities of threads; `dds`: those of DDS
+  int dds_priority = 0;  ///< real-time priority of the threads of DDS; 0: none
 };
 
 /// Throws std::invalid_argument naming file and line if the file is not a valid system file.

@@ -73,8 +73,8 @@ class GuardedTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& from) override {
     // The buffer belongs to the transport below; a chained transport may modify it.
     const std::span datagram{const_cast<rtps::octet*>(data), size};
-    if (const auto goodbye = goodbye_before(datagram); !goodbye.empty()) {
-      guard_.forget_sender_of(goodbye);
+    if (shows_restart(datagram)) {
+      const auto goodbye = guard_.take_leave_of_sender(datagram);
       above->OnDataReceived(goodbye.data(), static_cast<std::uint32_t>(goodbye.size()), to, from);
     }
     if (!guard_.admits(datagram, source_of(from))) return;
@@ -86,10 +86,14 @@ class GuardedTransport final : public transport::ChainingTransport {
   }
 
  private:
-  std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram) {
-    if (!has_servers_) return {};
+  // Whether the discovery server that sent the datagram has been started again.
+  bool shows_restart(std::span<std::uint8_t> datagram) {
+    if (!has_servers_ || datagram.size() < rtps_message::kHeaderSize ||
+        !is_server(prefix_at(datagram.data() + rtps_message::kPrefixAt)) ||
+        guard_.fault_of(datagram) != Drop::kNone)
+      return false;
     const std::lock_guard lock{servers_mutex_};
-    return servers_.goodbye_before(datagram, steady_seconds());
+    return servers_.are_shown_by(datagram, steady_seconds());
   }
 
 #if TANDEM_FASTDDS_3

@@ -72,7 +72,7 @@ class NodeCore {
                                                                PublishersChanged fn) = 0;
   virtual void add(std::shared_ptr<TimerState> timer) = 0;
   virtual void remove(TimerState& timer) = 0;
-  /// Leaves out ticks, or not, if that saves nothing.
+  /// See Timer::skip_until(). A bus may ignore it.
   virtual void skip_until(TimerState& timer, double time) = 0;
   /// Keeps `part` alive until the running callbacks return: a callback may close its own caller.
   virtual void retire(std::shared_ptr<void> part) = 0;

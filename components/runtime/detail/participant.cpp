@@ -213,14 +213,6 @@ struct NewParticipant {
   int id;
 };
 
-void warn_if_deaf(const Environment& environment, const HeldPorts& held) {
-  if (environment.range == DiscoveryRange::kLocalhost || held.by_multicast) return;
-  Logger{"runtime"}.warn(
-      "UDP port {}, on which the participants of domain {} hear of each other, is taken by another "
-      "program, so they may stay unseen: stop that program, or set ROS_DOMAIN_ID to another domain",
-      multicast_port(environment.domain), environment.domain);
-}
-
 // Whether the ports are ours to choose; a discovery server's clients are found by other means.
 bool chooses_ports(const Environment& environment) {
   return variable(kProfilesVariable).empty() && variable(kServersVariable).empty() &&
@@ -238,10 +230,11 @@ NewParticipant create(const Environment& environment, fdds::DomainParticipantQos
   });
   if (chooses_ports(environment)) set_ports(qos, environment, free_id);
   set_peers(qos, environment, asked);
-  const PriorityOfDds of_its_threads;
-  auto* dds = fdds::DomainParticipantFactory::get_instance()->create_participant(
-      static_cast<uint32_t>(environment.domain), qos, listener, fdds::StatusMask::none());
-  if (dds != nullptr && chooses_ports(environment)) warn_if_deaf(environment, *held);
+  auto* dds = made_with_priority_of_dds([&] {
+    return fdds::DomainParticipantFactory::get_instance()->create_participant(
+        static_cast<uint32_t>(environment.domain), qos, listener, fdds::StatusMask::none());
+  });
+  if (dds != nullptr && chooses_ports(environment)) warn_if_deaf(environment, held->by_multicast);
   return {dds, held->id};
 }
 

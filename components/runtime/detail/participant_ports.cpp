@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include "tandem/runtime/log.hpp"
+
 namespace tandem::runtime {
 namespace {
 
@@ -54,6 +56,14 @@ int first_free_id(int domain) {
     if (port != multicast_port(domain + 1) && is_free(port)) return id;
   }
   return last;
+}
+
+void warn_if_deaf(const Environment& environment, bool has_multicast) {
+  if (environment.range == DiscoveryRange::kLocalhost || has_multicast) return;
+  Logger{"runtime"}.warn(
+      "UDP port {}, on which the participants of domain {} hear of each other, is taken by another "
+      "program, so they may stay unseen: stop that program, or set ROS_DOMAIN_ID to another domain",
+      multicast_port(environment.domain), environment.domain);
 }
 
 }  // namespace tandem::runtime

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "tandem/runtime/environment.hpp"
 #include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
@@ -31,5 +32,8 @@ inline constexpr int kIdsOfDomain = 120;  ///< ids from this one on use ports of
 /// The first id whose port is free on this host; max_participant_id() if none is. Leaves out the id
 /// whose port is the next domain's multicast port: a participant there would make that domain deaf.
 [[nodiscard]] TANDEM_EXPORT_FOR_TESTS int first_free_id(int domain);
+
+/// Logs a warning if a participant that should hear of others by multicast does not.
+void warn_if_deaf(const Environment& environment, bool has_multicast);
 
 }  // namespace tandem::runtime

@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives real-time priorities to threads that a library starts. Private to runtime/.
+// Real-time priorities of threads that Fast DDS starts. Private to runtime/.
 #pragma once
 
-#include <sched.h>
+#include <future>
 
 namespace tandem::runtime {
 
-/// While it exists, threads that the calling thread starts have the priority that was set by
-/// use_real_time_for_dds().
-class PriorityOfDds {
- public:
-  PriorityOfDds();
-  ~PriorityOfDds();
-  PriorityOfDds(const PriorityOfDds&) = delete;
-  PriorityOfDds& operator=(const PriorityOfDds&) = delete;
+/// What use_real_time_for_dds() has set; 0: none.
+[[nodiscard]] int priority_of_dds();
+/// Gives the calling thread, and those that it starts later, a real-time priority.
+void use_real_time_with_children(int priority);
 
- private:
-  bool is_set_ = false;
-  int policy_ = SCHED_OTHER;  // of the calling thread before
-  sched_param before_{};
-};
+/// Returns what `make` returns. The threads that it starts have priority_of_dds(): it is called on
+/// another thread then, because one that has a priority of its own may not pass it on.
+template <class Make>
+auto made_with_priority_of_dds(const Make& make) {
+  const int priority = priority_of_dds();
+  if (priority == 0) return make();
+  return std::async(std::launch::async,
+                    [&] {
+                      use_real_time_with_children(priority);
+                      return make();
+                    })
+      .get();
+}
 
 }  // namespace tandem::runtime

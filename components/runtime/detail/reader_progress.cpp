@@ -155,6 +155,13 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram, double now) {
   }
 }
 
+std::int64_t ReaderProgress::next(const GuidPrefix& prefix, std::uint32_t writer) const {
+  std::array<std::uint8_t, 4> entity;
+  put_u32(entity.data(), writer, false);
+  const auto known = writers_.find(key_of(prefix, entity.data()));
+  return known == writers_.end() ? 0 : known->second.least(kUnknownReader);
+}
+
 void ReaderProgress::forget(const GuidPrefix& prefix) {
   std::erase_if(writers_, [&](const auto& entry) {
     return std::equal(prefix.begin(), prefix.end(), entry.first.begin());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/server_restarts.hpp"
 
-#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -13,7 +12,7 @@ namespace {
 using namespace rtps_message;
 
 constexpr std::size_t kNumberAt = 2;  // of the server, in its prefix
-constexpr std::uint8_t kParticipantGuid = 0x50;
+constexpr std::uint8_t kOwnGuid = 0x50;
 
 // The source time that an INFO_TS gives to the submessages after it, seconds first; 0 if it takes
 // it away.
@@ -25,9 +24,9 @@ std::uint64_t time_of(const Submessage& timestamp) {
 
 // Whether a participant announces itself, and not another one as a server does.
 bool is_own_announcement(const Submessage& data, const GuidPrefix& prefix) {
-  if (data.id != kData) return false;
+  if (data.id != kData || data.entity(8) != kSpdpWriter) return false;
   const auto [list, little] = announced_list(data);
-  const std::size_t guid = find_in_list(data.body, list, little, kParticipantGuid);
+  const std::size_t guid = find_in_list(data.body, list, little, kOwnGuid);
   return guid + 4 + kPrefixSize <= data.body.size() &&
          prefix_at(data.body.data() + guid + 4) == prefix;
 }
@@ -49,7 +48,7 @@ class DatagramWriter {
   }
   DatagramWriter& add_number(std::int64_t number) {
     bytes_.resize(bytes_.size() + 8);
-    put_sequence_number(&*bytes_.end() - 8, number, true);
+    put_sequence_number(bytes_.data() + bytes_.size() - 8, number, true);
     return *this;
   }
   DatagramWriter& add_entities() {  // of announcements: reader, writer
@@ -64,22 +63,6 @@ class DatagramWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-// A HEARTBEAT that says that the writer holds announcement `number` only, so that the reader waits
-// for none before it, and that announcement: the server's key without data, with the status
-// `disposed, unregistered`.
-std::vector<std::uint8_t> goodbye(const GuidPrefix& server, std::int64_t number) {
-  DatagramWriter datagram;
-  datagram.add({'R', 'T', 'P', 'S', 2, 3, 0x01, 0x0f}).add(server);
-  datagram.add({kHeartbeat, 3, 28, 0}).add_entities();  // asks for no answer
-  datagram.add_number(number).add_number(number).add({0xff, 0xff, 0xff, 0x7f});
-  datagram.add({kData, 0x0b, 80, 0}).add({0, 0, 16, 0}).add_entities().add_number(number);
-  datagram.add({0x70, 0, 16, 0}).add_guid_of(server);            // inline QoS: key hash,
-  datagram.add({0x71, 0, 4, 0, 0, 0, 0, 3}).add({1, 0, 0, 0});   // status, end
-  datagram.add({0, 3, 0, 0}).add({kParticipantGuid, 0, 16, 0});  // key
-  datagram.add_guid_of(server).add({1, 0, 0, 0});
-  return std::move(datagram).bytes();
-}
-
 // The writer of a submessage that contains announcements or describes which ones exist; 0 for other
 // submessages.
 std::uint32_t announcing_writer(const Submessage& submessage) {
@@ -88,12 +71,6 @@ std::uint32_t announcing_writer(const Submessage& submessage) {
   if ((!has_data && !describes) || submessage.body.size() < 28) return 0;
   const std::uint32_t writer = submessage.entity(has_data ? 8 : 4);
   return announces(writer, kUnknownReader) ? writer : 0;
-}
-
-// The highest number that such a submessage of kSpdpWriter names.
-std::int64_t highest_number(const Submessage& submessage) {
-  const bool has_data = submessage.id == kData || submessage.id == kDataFrag;
-  return submessage.sequence_number(has_data ? 12 : 16);
 }
 
 }  // namespace
@@ -107,9 +84,9 @@ bool is_server(const GuidPrefix& prefix) {
 }
 
 bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, double now) {
-  const bool is_earlier = number > 0 && at < time;
-  if (is_earlier && !is_suspected(now)) return false;  // an old one that was delayed
-  const bool is_new = number > 0 && at != time && announced <= number;
+  const bool is_known = number > 0;
+  if (is_known && at < time && !is_suspected(now)) return false;  // an old one that was delayed
+  const bool is_new = is_known && at != time && (announced <= number || is_suspected(now));
   number = announced;
   time = at;
   suspected_until = 0.0;
@@ -117,16 +94,14 @@ bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, 
 }
 
 void ServerRestarts::Server::heed(std::uint32_t writer, std::uint32_t count, double now) {
-  std::uint32_t& last_count = counts[writer];
-  if (count < last_count) suspected_until = now + kLongestSuspicion;
-  last_count = count;
+  Count& known = counts[writer];
+  if (count < known.last && now - known.at >= kLeastPause)
+    suspected_until = now + kLongestSuspicion;
+  known = {count, now};
 }
 
-std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<std::uint8_t> datagram,
-                                                         double now) {
-  if (datagram.size() < kHeaderSize) return {};
+bool ServerRestarts::are_shown_by(std::span<std::uint8_t> datagram, double now) {
   const GuidPrefix prefix = prefix_at(datagram.data() + kPrefixAt);
-  if (!is_server(prefix)) return {};
   Server& server = servers_[prefix];
   std::uint64_t time = 0;
   Submessage submessage;
@@ -134,21 +109,29 @@ std::vector<std::uint8_t> ServerRestarts::goodbye_before(std::span<std::uint8_t>
     if (submessage.id == kInfoTimestamp) time = time_of(submessage);
     const std::uint32_t writer = announcing_writer(submessage);
     if (writer == 0) continue;
-    if (time > 0 && writer == kSpdpWriter && is_own_announcement(submessage, prefix)) {
-      const std::int64_t number = submessage.sequence_number(12), last = server.last;
-      if (server.restarts(number, time, now)) {
-        server = {.last = number, .number = number, .time = time};
-        return goodbye(prefix, last + 1);
-      }
-      continue;
+    if (time > 0 && is_own_announcement(submessage, prefix)) {
+      if (!server.restarts(submessage.sequence_number(12), time, now)) continue;
+      server.counts.clear();
+      return true;
     }
     if (submessage.id == kHeartbeat) server.heed(writer, submessage.u32(24), now);
-    if (server.is_suspected(now))
-      mark_removed(bytes_of(datagram, submessage));
-    else if (writer == kSpdpWriter)
-      server.last = std::max(server.last, highest_number(submessage));
+    if (server.is_suspected(now)) mark_removed(bytes_of(datagram, submessage));
   }
-  return {};
+  return false;
+}
+
+std::vector<std::uint8_t> goodbye_of(const GuidPrefix& server, std::int64_t number) {
+  // The server's key without data, with the status `disposed, unregistered`.
+  DatagramWriter datagram;
+  datagram.add({'R', 'T', 'P', 'S', 2, 3, 0x01, 0x0f}).add(server);
+  datagram.add({kHeartbeat, 3, 28, 0}).add_entities();  // asks for no answer
+  datagram.add_number(number).add_number(number).add({0xff, 0xff, 0xff, 0x7f});
+  datagram.add({kData, 0x0b, 80, 0}).add({0, 0, 16, 0}).add_entities().add_number(number);
+  datagram.add({0x70, 0, 16, 0}).add_guid_of(server);           // inline QoS: key hash,
+  datagram.add({0x71, 0, 4, 0, 0, 0, 0, 3}).add({1, 0, 0, 0});  // status, end
+  datagram.add({0, 3, 0, 0}).add({kOwnGuid, 0, 16, 0});         // key
+  datagram.add_guid_of(server).add({1, 0, 0, 0});
+  return std::move(datagram).bytes();
 }
 
 }  // namespace tandem::runtime

@@ -21,29 +21,32 @@ namespace tandem::runtime {
 /// New participants and this one would never meet.
 ///
 /// A server announces itself every 3 s, under the number and with the time that the announcement
-/// had at first. A later time under the same number is of a new server: Fast DDS is then handed the
-/// goodbye that the old one had no time to send. Until then, what the new server announces must not
-/// be acknowledged. HEARTBEATs are counted from 1, so a count that has fallen raises the suspicion.
-/// Not thread-safe.
+/// had at first. Another time under the same number is that of a new server: Fast DDS is then
+/// handed the goodbye that the old one had no time to send. Until then, what the new server
+/// announces must not be acknowledged. HEARTBEATs are counted from 1, so after a pause a lower
+/// count than before raises the suspicion. Not thread-safe.
 class ServerRestarts {
  public:
   /// [s], longer than the 3 s in which a server announces itself.
   static constexpr double kLongestSuspicion = 5.0;
+  /// [s] without HEARTBEATs, which a restart takes. Closer ones may have overtaken each other.
+  static constexpr double kLeastPause = 0.2;
 
-  /// To be called with each datagram that arrives, before it is handled. Removes what must not be
-  /// acknowledged. If the datagram shows that its server has been started again, returns the old
-  /// one's goodbye, to be handled first; otherwise nothing.
-  /// `now`: [s], steady clock.
-  [[nodiscard]] std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram,
-                                                         double now);
+  /// Takes a valid datagram of a server; `now`: [s], steady clock. Removes announcements of a
+  /// server that is suspected. Returns whether the datagram shows that the server has been started
+  /// again; the old one's goodbye must then be handled first.
+  [[nodiscard]] bool are_shown_by(std::span<std::uint8_t> datagram, double now);
 
  private:
+  struct Count {
+    std::uint32_t last = 0;
+    double at = 0.0;  // [s]
+  };
   struct Server {
-    std::int64_t last = 0;                            // highest number of an announcement
-    std::int64_t number = 0;                          // of its announcement of itself; 0: not heard
-    std::uint64_t time = 0;                           // of the same, as in the message
-    double suspected_until = 0.0;                     // of being another one [s]
-    std::map<std::uint32_t, std::uint32_t> counts{};  // of its last HEARTBEATs, by writer
+    std::int64_t number = 0;                // of its announcement of itself; 0: not heard
+    std::uint64_t time = 0;                 // of the same, as in the message
+    double suspected_until = 0.0;           // [s]; of having been started again
+    std::map<std::uint32_t, Count> counts;  // of HEARTBEATs, by writer
 
     /// Takes its announcement of itself. Returns whether it is a new server's.
     [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at, double now);
@@ -53,5 +56,9 @@ class ServerRestarts {
 
   std::map<GuidPrefix, Server> servers_;
 };
+
+/// The datagram with which a server leaves: a HEARTBEAT by which readers wait for no announcement
+/// before `number`, and its goodbye under that number.
+[[nodiscard]] std::vector<std::uint8_t> goodbye_of(const GuidPrefix& server, std::int64_t number);
 
 }  // namespace tandem::runtime

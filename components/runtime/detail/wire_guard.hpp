@@ -40,8 +40,13 @@ class WireGuard {
   [[nodiscard]] bool admits(std::span<std::uint8_t> datagram, std::uint32_t source);
   /// Records a datagram sent by this process.
   void sent(std::span<const std::uint8_t> datagram);
-  /// Forgets how far the writers of the participant that sent the datagram have come.
-  void forget_sender_of(std::span<const std::uint8_t> datagram);
+  /// Why the datagram is not valid, or not allowed in this domain. admits() checks it, too.
+  [[nodiscard]] Drop fault_of(std::span<const std::uint8_t> datagram) const;
+  /// Forgets how far the writers of the discovery server that sent the datagram have come, because
+  /// it has been started again. Returns the goodbye of the one before, to be handed to a
+  /// participant.
+  [[nodiscard]] std::vector<std::uint8_t> take_leave_of_sender(
+      std::span<const std::uint8_t> datagram);
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }

@@ -11,6 +11,7 @@
 #include "bringup/system/processes.hpp"
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
+#include "support/real_time.hpp"
 #include "support/spin_until.hpp"
 
 namespace tandem {
@@ -156,11 +157,24 @@ TEST_F(SystemFile, GivesThreadsRealTimePriorities) {
   const std::string nodes =
       "thread: all\ncomponents:\n  - {component: c}\n  - {component: d, thread: own}\n";
   const System system = load_system(write("real_time: {own: 48, all: 47, dds: 46}\n" + nodes));
-  EXPECT_EQ(system.real_time, (std::map<std::string, int>{{"all", 47}, {"dds", 46}, {"own", 48}}));
+  EXPECT_EQ(system.nodes.at(0).priority, 47);
+  EXPECT_EQ(system.nodes.at(1).priority, 48);
+  EXPECT_EQ(system.dds_priority, 46);
+  EXPECT_EQ(load_system(write(nodes)).nodes.at(0).priority, 0);
   expect_complaint("real_time: {c: 48}\n" + nodes,
                    {path_ + ":1: `real_time.c`: no such thread; there are: all, dds, own"});
   expect_complaint("real_time: {own: 100}\n" + nodes, {path_ + ":1", "real_time.own", "99"});
   expect_complaint("real_time: {own: 0}\n" + nodes, {path_ + ":1", "real_time.own", "1"});
+}
+
+TEST_F(SystemFile, RunsThreadsWithTheirPriorities) {
+  if (!test::may_use_real_time()) GTEST_SKIP() << "no right to real-time priorities";
+  const std::string threads = "thread: one\nreal_time: {one: 3, dds: 2}\n";
+  RunningSystem system{load_system(write(threads + kTwoDoublers))};
+  EXPECT_TRUE(chain_answers());
+  EXPECT_EQ(test::threads_with_priority(3), 1);
+  system.stop();
+  system.wait();
 }
 
 TEST_F(SystemFile, RunsOnlyWhatIsNamed) {

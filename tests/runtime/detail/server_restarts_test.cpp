@@ -18,7 +18,8 @@ constexpr std::uint32_t kServersWriter = 0x000100c2, kServersReader = 0x000100c7
 const Octets kServer{0x44, 0x53, 3, 0x5f, 0x45, 0x50, 0x52, 0x4f, 0x53, 0x49, 0x4d, 0x41};
 const Octets kRobot{9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 1, 2};
 
-constexpr std::uint32_t kStart = 1000, kRestart = 1001;  // [s]
+constexpr double kPause = 1.5 * ServerRestarts::kLeastPause;  // [s]
+constexpr std::uint32_t kStart = 1000, kRestart = 1001;       // [s]
 
 class Restarts : public testing::TestWithParam<bool> {
  protected:
@@ -46,10 +47,10 @@ class Restarts : public testing::TestWithParam<bool> {
         .add_heartbeat(1, last, count, kServersReader, writer)
         .octets();
   }
-  bool restarts(Octets datagram) { return !restarts_.goodbye_before(datagram, now_).empty(); }
+  bool restarts(Octets datagram) { return restarts_.are_shown_by(datagram, now_); }
   bool is_removed(const Octets& datagram) {
     Octets octets = datagram;
-    EXPECT_TRUE(restarts_.goodbye_before(octets, now_).empty());
+    EXPECT_FALSE(restarts_.are_shown_by(octets, now_));
     return octets != datagram;
   }
 
@@ -77,9 +78,9 @@ TEST_P(Restarts, AreNotSeenInChangesAndInWhatAServerSaysOfOthers) {
   EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1)));
 }
 
-TEST_P(Restarts, AreThoseOfServers) {
-  EXPECT_FALSE(restarts(announcement(kRobot, kRobot, kStart)));
-  EXPECT_FALSE(restarts(announcement(kRobot, kRobot, kRestart)));
+TEST(DiscoveryServers, AreKnownByTheirPrefix) {
+  EXPECT_TRUE(rt::is_server(rt::prefix_at(kServer.data())));
+  EXPECT_FALSE(rt::is_server(rt::prefix_at(kRobot.data())));
 }
 
 // What is acknowledged before the goodbye would never come again.
@@ -90,6 +91,7 @@ TEST_P(Restarts, AreSuspectedWhenTheCountOfHeartbeatsFalls) {
   EXPECT_FALSE(is_removed(heartbeat(4, 10)));
   EXPECT_FALSE(is_removed(heartbeat(2, 11)));  // a server's HEARTBEATs differ by the reader
   EXPECT_FALSE(is_removed(of_robot));
+  now_ += kPause;
   EXPECT_TRUE(is_removed(heartbeat(1, 3)));
   EXPECT_TRUE(is_removed(of_robot));
   EXPECT_TRUE(is_removed(heartbeat(7, 20, kPublicationsWriter)));
@@ -103,9 +105,25 @@ TEST_P(Restarts, AreSuspectedWhenTheCountOfHeartbeatsFalls) {
 TEST_P(Restarts, AreNoLongerSuspectedAfterTheSameAnnouncement) {
   ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
   EXPECT_FALSE(is_removed(heartbeat(4, 10)));
-  EXPECT_TRUE(is_removed(heartbeat(4, 9)));  // overtaken on the way
+  now_ += kPause;
+  EXPECT_TRUE(is_removed(heartbeat(4, 9)));
   EXPECT_FALSE(is_removed(announcement(kServer, kServer, kStart)));
   EXPECT_FALSE(is_removed(heartbeat(4, 11)));
+}
+
+TEST_P(Restarts, AreNotSuspectedBecauseHeartbeatsOvertakeEachOther) {
+  EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  now_ += 0.5 * kPause;
+  EXPECT_FALSE(is_removed(heartbeat(4, 9)));
+}
+
+// Its announcement of itself has a higher number than the old one's if it has linked other servers.
+TEST_P(Restarts, AreSeenByAnotherTimeUnderSuspicion) {
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  now_ += kPause;
+  EXPECT_TRUE(is_removed(heartbeat(4, 9)));
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart, 3)));
 }
 
 // As of a host whose clock is set later than the server is started.
@@ -113,6 +131,7 @@ TEST_P(Restarts, AreSeenByAnEarlierTimeUnderSuspicion) {
   ASSERT_FALSE(restarts(announcement(kServer, kServer, kRestart)));
   EXPECT_FALSE(is_removed(heartbeat(4, 10)));
   EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  now_ += kPause;
   EXPECT_TRUE(is_removed(heartbeat(1, 2)));
   EXPECT_TRUE(restarts(announcement(kServer, kServer, kStart)));
   EXPECT_FALSE(is_removed(heartbeat(1, 3)));
@@ -120,6 +139,7 @@ TEST_P(Restarts, AreSeenByAnEarlierTimeUnderSuspicion) {
 
 TEST_P(Restarts, AreSuspectedForALimitedTime) {
   EXPECT_FALSE(is_removed(heartbeat(4, 10)));
+  now_ += kPause;
   EXPECT_TRUE(is_removed(heartbeat(1, 2)));
   now_ += 0.9 * ServerRestarts::kLongestSuspicion;
   EXPECT_TRUE(is_removed(heartbeat(1, 3)));
@@ -127,11 +147,8 @@ TEST_P(Restarts, AreSuspectedForALimitedTime) {
   EXPECT_FALSE(is_removed(heartbeat(1, 4)));
 }
 
-TEST_P(Restarts, AreFollowedByAValidGoodbyeUnderTheNextNumber) {
-  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
-  ASSERT_FALSE(restarts(heartbeat(0x100000001, 1)));
-  Octets again = announcement(kServer, kServer, kRestart);
-  const Octets goodbye = restarts_.goodbye_before(again, now_);
+TEST(DiscoveryServers, LeaveWithAValidGoodbye) {
+  const Octets goodbye = rt::goodbye_of(rt::prefix_at(kServer.data()), 0x100000002);
   EXPECT_EQ(rt::check_datagram(goodbye, {}), rt::Drop::kNone);
   Octets without_heartbeat = goodbye;
   without_heartbeat.erase(without_heartbeat.begin() + 20, without_heartbeat.begin() + 52);
@@ -149,13 +166,16 @@ TEST_P(Restarts, AreFollowedByAValidGoodbyeUnderTheNextNumber) {
 }
 
 TEST_P(Restarts, AreNotSeenInWhatIsTooShort) {
+  constexpr std::size_t kData = 32;  // after the header and the time
   ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
   const Octets again = announcement(kServer, kServer, kRestart);
   const std::size_t guid_end = again.size() - 8;  // before the entity id and the sentinel
-  for (std::size_t size = 0; size < guid_end; ++size) {
+  for (std::size_t size = kData + 4; size < guid_end; ++size) {
     Octets part{again.begin(), again.begin() + static_cast<std::ptrdiff_t>(size)};
-    EXPECT_TRUE(restarts_.goodbye_before(part, now_).empty()) << size;
+    part[kData + 2] = part[kData + 3] = 0;  // the submessage ends with the datagram
+    EXPECT_FALSE(restarts(part)) << size;
   }
+  EXPECT_TRUE(restarts(again));
 }
 
 }  // namespace
