@@ -64,11 +64,8 @@ SystemNode read_node(YamlReader& map, const std::string& path) {
 
 // Takes the priorities of threads, by the names that they have in the file.
 void read_real_time(YamlReader& map, System& system) {
-  const auto thread_of = [](const SystemNode& node) {
-    return node.thread.empty() ? node.options.name : node.thread;
-  };
   std::set<std::string> threads{kDdsThreads};
-  for (const auto& node : system.nodes) threads.insert(thread_of(node));
+  for (const auto& node : system.nodes) threads.insert(node.thread_name());
   for (const auto& [thread, value] : map.rest()) {
     if (!threads.contains(thread))
       value.fail(
@@ -77,7 +74,7 @@ void read_real_time(YamlReader& map, System& system) {
     (void)value.number(1, 99);
     if (thread == kDdsThreads) system.dds_priority = priority;
     for (auto& node : system.nodes)
-      if (thread_of(node) == thread) node.priority = priority;
+      if (node.thread_name() == thread) node.priority = priority;
   }
 }
 
@@ -241,8 +238,7 @@ RunningSystem::RunningSystem(const System& system, const std::vector<std::string
       return !node.thread.empty() && thread.name == node.thread;
     });
     if (shared == threads.end())
-      threads.push_back(
-          {node.thread.empty() ? node.options.name : node.thread, node.priority, {&own}});
+      threads.push_back({node.thread_name(), node.priority, {&own}});
     else
       shared->nodes.push_back(&own);
   }

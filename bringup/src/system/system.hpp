@@ -19,6 +19,11 @@ struct SystemNode {
   std::string thread{};  ///< shared with the nodes that name the same one; empty: one of its own
   int priority = 0;      ///< real-time priority of its thread; 0: none
   bool respawn = false;  ///< restart it after it ends by itself; needs separate processes
+
+  /// Its thread's name: that of a shared one, or its own.
+  [[nodiscard]] const std::string& thread_name() const {
+    return thread.empty() ? options.name : thread;
+  }
 };
 
 /// Which components run, under which names, with which parameters and remappings.

@@ -14,8 +14,8 @@ using namespace rtps_message;
 constexpr std::size_t kNumberAt = 2;  // of the server, in its prefix
 constexpr std::uint8_t kOwnGuid = 0x50;
 
-// The source time that an INFO_TS gives to the submessages after it, seconds first; 0 if it takes
-// it away.
+// The source time that an INFO_TS gives to the submessages after it, seconds first; 0 if it
+// invalidates the last one.
 std::uint64_t time_of(const Submessage& timestamp) {
   constexpr std::uint8_t kInvalidate = 2;
   if ((timestamp.flags & kInvalidate) != 0 || timestamp.body.size() < 8) return 0;
@@ -87,6 +87,8 @@ bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, 
   const bool is_known = number > 0;
   if (is_known && at < time && !is_suspected(now)) return false;  // an old one that was delayed
   const bool is_new = is_known && at != time && (announced <= number || is_suspected(now));
+  if (is_new && restarted && now - *restarted < kLeastLife) return false;
+  if (is_new) restarted = now;
   number = announced;
   time = at;
   suspected_until = 0.0;

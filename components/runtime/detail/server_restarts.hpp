@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,9 @@ class ServerRestarts {
   static constexpr double kLongestSuspicion = 5.0;
   /// [s] without HEARTBEATs, which a restart takes. Closer ones may have overtaken each other.
   static constexpr double kLeastPause = 0.2;
+  /// [s] between two restarts: a goodbye keeps Fast DDS busy for about 10 ms, and announcements can
+  /// be forged.
+  static constexpr double kLeastLife = 1.0;
 
   /// Takes a valid datagram of a server; `now`: [s], steady clock. Removes announcements of a
   /// server that is suspected. Returns whether the datagram shows that the server has been started
@@ -46,6 +50,7 @@ class ServerRestarts {
     std::int64_t number = 0;                // of its announcement of itself; 0: not heard
     std::uint64_t time = 0;                 // of the same, as in the message
     double suspected_until = 0.0;           // [s]; of having been started again
+    std::optional<double> restarted;        // last time that it was [s]
     std::map<std::uint32_t, Count> counts;  // of HEARTBEATs, by writer
 
     /// Takes its announcement of itself. Returns whether it is a new server's.

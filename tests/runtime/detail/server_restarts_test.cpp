@@ -65,7 +65,20 @@ TEST_P(Restarts, AreSeenByALaterTimeUnderTheSameNumber) {
   EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart)));
   EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart)));  // reported before
   EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));    // delayed
+  now_ += ServerRestarts::kLeastLife;
   EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1)));
+}
+
+// Forged announcements must not keep Fast DDS busy, nor hide the server's own.
+TEST_P(Restarts, AreRare) {
+  ASSERT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  int seen = 0;
+  for (std::uint32_t i = 0; i < 1000; ++i, now_ += 0.01)
+    if (restarts(announcement(kServer, kServer, kRestart + i))) ++seen;
+  EXPECT_GE(seen, 9);
+  EXPECT_LE(seen, 11);
+  now_ += ServerRestarts::kLeastLife;
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart + 1000)));
 }
 
 TEST_P(Restarts, AreNotSeenInChangesAndInWhatAServerSaysOfOthers) {
