@@ -5,6 +5,7 @@
 //   fleet_peer model NAMESPACE       a robot's nodes and endpoints without their components
 // Each prints one JSON object, or nothing.
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ constexpr double kLookPeriod = 0.1;  // [s]
 
 struct Count {
   int nodes = 0, participants = 0, endpoints = 0;
+  std::map<std::string, int> nodes_of;  // by namespace
 };
 
 Count count(const rt::Domain& domain) {
@@ -28,7 +30,8 @@ Count count(const rt::Domain& domain) {
   seen.participants = static_cast<int>(domain.participants.size());
   seen.endpoints = static_cast<int>(domain.endpoints.size());
   for (const auto& participant : domain.participants)
-    if (!participant.ours) seen.nodes += static_cast<int>(participant.nodes.size());
+    for (const auto& node : participant.nodes)
+      if (!participant.ours) ++seen.nodes, ++seen.nodes_of[node.substr(0, node.rfind('/'))];
   return seen;
 }
 
@@ -49,8 +52,14 @@ int watch(int nodes, double seconds) {
   }
   std::printf(
       "{\"nodes\": %d, \"participants\": %d, \"endpoints\": %d, \"nodes_known\": %.2f, "
-      "\"endpoints_known\": %.2f}\n",
+      "\"endpoints_known\": %.2f, \"nodes_of\": {",
       seen.nodes, seen.participants, seen.endpoints, nodes_known, endpoints_known);
+  const char* separator = "";
+  for (const auto& [ns, nodes_there] : seen.nodes_of) {
+    std::printf("%s\"%s\": %d", separator, ns.c_str(), nodes_there);
+    separator = ", ";
+  }
+  std::printf("}}\n");
   return nodes_known < 0.0 ? 1 : 0;
 }
 

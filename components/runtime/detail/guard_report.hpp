@@ -7,6 +7,7 @@
 #include <msgs.hpp>
 
 #include "tandem/runtime/detail/codec.hpp"
+#include "tandem/runtime/detail/guarded_transport.hpp"
 #include "tandem/runtime/detail/wire_guard.hpp"
 
 namespace tandem::runtime {
@@ -33,7 +34,7 @@ class GuardReport {
   void publish();
 
   DdsNode& node_;
-  WireGuard& guard_ = WireGuard::shared();
+  WireGuard& guard_ = process_guard();
   std::shared_ptr<Codec> codec_;
   std::shared_ptr<Writer> writer_;
   diagnostic_msgs::msg::DiagnosticStatus status_;

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "tandem/runtime/detail/dds_settings.hpp"
-#include "tandem/runtime/detail/server_restarts.hpp"
+#include "tandem/runtime/detail/participant_guard.hpp"
 #include "tandem/runtime/detail/wire_guard.hpp"
 #include "tandem/runtime/environment.hpp"
 #include "tandem/runtime/time.hpp"
@@ -36,9 +36,11 @@ std::uint32_t source_of(const rtps::Locator_t& locator) {
 
 class GuardedTransport final : public transport::ChainingTransport {
  public:
-  GuardedTransport(const transport::ChainingTransportDescriptor& descriptor, WireGuard& guard,
+  GuardedTransport(const transport::ChainingTransportDescriptor& descriptor, WireGuard& of_process,
                    Listening listening)
-      : ChainingTransport{descriptor}, guard_{guard}, listening_{std::move(listening)} {}
+      : ChainingTransport{descriptor},
+        guard_{of_process, !variable(kServersVariable).empty()},
+        listening_{std::move(listening)} {}
 
   transport::TransportDescriptorInterface* get_configuration() override {
     return low_level_transport_->get_configuration();
@@ -63,7 +65,7 @@ class GuardedTransport final : public transport::ChainingTransport {
   bool send(rtps::SenderResource* below, const rtps::octet* data, std::uint32_t size,
             rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
             const std::chrono::steady_clock::time_point& deadline) override {
-    guard_.sent({data, size});
+    guard_.sent({data, size}, steady_seconds());
     return below->send(data, size, first, last, deadline);
   }
 #endif
@@ -73,11 +75,10 @@ class GuardedTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& from) override {
     // The buffer belongs to the transport below; a chained transport may modify it.
     const std::span datagram{const_cast<rtps::octet*>(data), size};
-    if (shows_restart(datagram)) {
-      const auto goodbye = guard_.take_leave_of_sender(datagram);
+    const double now = steady_seconds();
+    if (const auto goodbye = guard_.goodbye_before(datagram, now); !goodbye.empty())
       above->OnDataReceived(goodbye.data(), static_cast<std::uint32_t>(goodbye.size()), to, from);
-    }
-    if (!guard_.admits(datagram, source_of(from))) return;
+    if (!guard_.admits(datagram, source_of(from), now)) return;
     // Serialize announcements: while Fast DDS 2.9.1 authenticates a participant, an announcement
     // handled by another thread changes the data being read, and the two may never match.
     std::unique_lock lock{announcements_, std::defer_lock};
@@ -86,16 +87,6 @@ class GuardedTransport final : public transport::ChainingTransport {
   }
 
  private:
-  // Whether the discovery server that sent the datagram has been started again.
-  bool shows_restart(std::span<std::uint8_t> datagram) {
-    if (!has_servers_ || datagram.size() < rtps_message::kHeaderSize ||
-        !is_server(prefix_at(datagram.data() + rtps_message::kPrefixAt)) ||
-        guard_.fault_of(datagram) != Drop::kNone)
-      return false;
-    const std::lock_guard lock{servers_mutex_};
-    return servers_.are_shown_by(datagram, steady_seconds());
-  }
-
 #if TANDEM_FASTDDS_3
   // Joins the buffers of a datagram. Only acknowledgements matter, and those are short; longer
   // datagrams are ignored.
@@ -107,15 +98,12 @@ class GuardedTransport final : public transport::ChainingTransport {
       std::memcpy(joined.data() + size, buffer.buffer, buffer.size);
       size += buffer.size;
     }
-    guard_.sent({joined.data(), size});
+    guard_.sent({joined.data(), size}, steady_seconds());
   }
 #endif
 
-  WireGuard& guard_;
+  ParticipantGuard guard_;
   Listening listening_;
-  const bool has_servers_ = !variable(kServersVariable).empty();
-  std::mutex servers_mutex_;
-  ServerRestarts servers_;
   static inline std::mutex announcements_;  // shared by all transports of the process
 };
 
@@ -136,10 +124,15 @@ struct GuardedDescriptor final : transport::ChainingTransportDescriptor {
 
 }  // namespace
 
+WireGuard& process_guard() {
+  static WireGuard guard{{.sample_size = largest_sample()}};
+  return guard;
+}
+
 std::shared_ptr<TransportDescriptor> guarded(const std::shared_ptr<TransportDescriptor>& transport,
                                              Listening listening) {
   if (dynamic_cast<transport::UDPTransportDescriptor*>(transport.get()) == nullptr) return nullptr;
-  return std::make_shared<GuardedDescriptor>(transport, WireGuard::shared(), std::move(listening));
+  return std::make_shared<GuardedDescriptor>(transport, process_guard(), std::move(listening));
 }
 
 }  // namespace tandem::runtime

@@ -13,7 +13,12 @@ namespace tandem::runtime {
 
 using TransportDescriptor = eprosima::fastdds::rtps::TransportDescriptorInterface;
 
-/// Puts the process's WireGuard in front of `transport`; null if that is not a UDP transport. Calls
+class WireGuard;
+
+/// The guard of this process, with limits from its environment.
+[[nodiscard]] WireGuard& process_guard();
+
+/// Puts the process's guard in front of `transport`; null if that is not a UDP transport. Calls
 /// `listening` with each port that is opened to receive.
 [[nodiscard]] std::shared_ptr<TransportDescriptor> guarded(
     const std::shared_ptr<TransportDescriptor>& transport,

@@ -304,7 +304,7 @@ Participant::Participant(const Environment& environment, const Security& securit
     Logger{"runtime"}.warn(
         "TANDEM_UNGUARDED_TRANSPORTS=1: transports other than UDP may be used; packets on them are "
         "not checked, and a malformed one can crash this process");
-  WireGuard::shared().expect_protection(security.protects_all);
+  process_guard().expect_protection(security.protects_all);
   const DdsErrors errors;
   const auto participant =
       create(environment, participant_qos(environment, security), is_first ? &discovery_ : nullptr);

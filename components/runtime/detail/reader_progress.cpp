@@ -94,8 +94,8 @@ void ReaderProgress::Source::acknowledge(std::uint32_t reader, std::int64_t base
 }
 
 // A reader ignores a HEARTBEAT whose count is not above the last one, so a forged count could make
-// it ignore the writer's own. Counted here, each HEARTBEAT is above the last. The same HEARTBEAT,
-// received by several participants of this process, keeps its count.
+// it ignore the writer's own. Counted here, each HEARTBEAT is above the last. One that is received
+// again keeps its count.
 std::uint32_t ReaderProgress::Source::renumbered(std::uint32_t writers_count) {
   if (passed > 0 && writers_count == count) return passed;
   count = writers_count;
@@ -117,8 +117,8 @@ ReaderProgress::Source& ReaderProgress::of(const GuidPrefix& prefix, const std::
   return writers_.try_emplace(key, WriterReach::kLeap, kWindow).first->second;
 }
 
-// Forgets the least used of a few writers, and one that a reader of this process has answered only
-// among its like: forged GUIDs displace each other.
+// Forgets the least used of a few writers, and one that a reader has answered only among its
+// like: forged GUIDs displace each other.
 void ReaderProgress::forget_one() {
   std::size_t bucket = mixed(++forgotten_) % writers_.bucket_count();
   ReaderProgressKey least_used{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Removes sequence numbers that a writer cannot have reached, and bounds how far a message moves a
-// reader, based on the earlier traffic of this process. Private to runtime/.
+// reader, based on the earlier traffic of a participant. Private to runtime/.
 #pragma once
 
 #include <array>
@@ -46,12 +46,12 @@ class WriterReach {
 
 using ReaderProgressKey = std::array<std::uint8_t, 16>;  ///< a writer's GUID
 
-/// Tracks the progress of each reliable reader of this process with each writer: its last ACKNACK
-/// and what has arrived in order since. Fast DDS 2.9.1 keeps a list entry for each sequence number
-/// that is farther ahead, and counts through those that a HEARTBEAT or GAP skips while it holds the
-/// reader's lock; either may skip 2⁶³. A discovery server passes on to each participant only the
-/// announcements that it needs, so its numbers leap farther than those of other writers. Times are
-/// of a steady clock [s]. Not thread-safe.
+/// Tracks the progress of each reliable reader of one participant with each writer: its last
+/// ACKNACK and what has arrived in order since. Fast DDS 2.9.1 keeps a list entry for each sequence
+/// number that is farther ahead, and counts through those that a HEARTBEAT or GAP skips while it
+/// holds the reader's lock; either may skip 2⁶³. A discovery server passes on to each participant
+/// only the announcements that it needs, so its numbers leap farther than those of other writers.
+/// Times are of a steady clock [s]. Not thread-safe.
 class ReaderProgress {
  public:
   static constexpr std::int64_t kWindow = 2048;  ///< numbers accepted ahead of the first missing
@@ -62,14 +62,14 @@ class ReaderProgress {
   /// Numbers that one HEARTBEAT may skip; counting through them takes Fast DDS about 10 ms.
   static constexpr std::int64_t kStep = std::int64_t{1} << 22;
 
-  /// Records the acknowledgements in a datagram sent by this process.
+  /// Records the acknowledgements in a datagram sent by the participant.
   void sent(std::span<const std::uint8_t> datagram, double now);
   /// Narrows wide GAPs or replaces them by an equivalent HEARTBEAT, shortens leaps, renumbers
   /// HEARTBEATs, and removes submessages beyond the window, which a reliable writer repeats.
   /// Returns the number of removed submessages, without the samples that arrive while a reader is
   /// taken to a writer that is far ahead.
   [[nodiscard]] int narrow(std::span<std::uint8_t> datagram, double now);
-  /// The first number that a reader of this process misses of that writer, the lowest of several
+  /// The first number that a reader of the participant misses of that writer, the lowest of several
   /// readers; 0 if none has acknowledged anything.
   [[nodiscard]] std::int64_t next(const GuidPrefix& prefix, std::uint32_t writer) const;
   /// Forgets the writers of a participant, which has been started again.
@@ -97,7 +97,7 @@ class ReaderProgress {
     std::uint32_t passed = 0;    // count of the last HEARTBEAT that was passed on; 0: none
     std::uint32_t messages = 0;  // believed ones; the least used source is forgotten first
     bool catching_up = false;    // whether the last HEARTBEAT was shortened to kStep
-    bool acknowledged = false;   // whether a reader of this process has answered it
+    bool acknowledged = false;   // whether a reader has answered it
   };
   struct KeyHash {
     std::size_t operator()(const ReaderProgressKey& key) const;

@@ -6,10 +6,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "tandem/runtime/detail/server_restarts.hpp"
-#include "tandem/runtime/environment.hpp"
-#include "tandem/runtime/time.hpp"
-
 namespace tandem::runtime {
 namespace {
 
@@ -27,51 +23,31 @@ void add(const std::array<std::uint64_t, kDropKinds>& counts, const std::string&
 
 }  // namespace
 
-WireGuard& WireGuard::shared() {
-  static WireGuard guard{{.sample_size = largest_sample()}};
-  return guard;
-}
-
 Drop WireGuard::fault_of(std::span<const std::uint8_t> datagram) const {
   GuardLimits limits = limits_;
   limits.all_protected = all_protected_;
   return check_datagram(datagram, limits);
 }
 
-bool WireGuard::admits(std::span<std::uint8_t> datagram, std::uint32_t source) {
+bool WireGuard::admits(std::span<const std::uint8_t> datagram, std::uint32_t source) {
   ++received_;
-  if (const Drop drop = fault_of(datagram); drop != Drop::kNone) {
-    if (drop != Drop::kGoodbye) count(drop, source);  // genuine goodbyes are not attacks
-    return false;
-  }
-  // DDS Security authenticates the whole datagram, so any change would invalidate it.
-  if (all_protected_ && is_protected(datagram)) return true;
-  int far = 0, many = 0;
+  const Drop drop = fault_of(datagram);
+  if (drop == Drop::kNone) return true;
+  if (drop != Drop::kGoodbye) count(drop, source);  // genuine goodbyes are not attacks
+  return false;
+}
+
+bool WireGuard::must_not_change(std::span<const std::uint8_t> datagram) const {
+  return all_protected_ && is_protected(datagram);
+}
+
+void WireGuard::thin(std::span<std::uint8_t> datagram, std::uint32_t source, double now) {
+  int many = 0;
   {
-    const double now = steady_seconds();
-    const std::lock_guard lock{watch_mutex_};
-    far = progress_.narrow(datagram, now);
+    const std::lock_guard lock{announcements_mutex_};
     many = announcements_.thin(datagram, now);
   }
-  if (far > 0) count(Drop::kSequence, source, far);
-  if (many > 0) count(Drop::kAnnouncement, source, many);
-  return true;
-}
-
-void WireGuard::sent(std::span<const std::uint8_t> datagram) {
-  const double now = steady_seconds();
-  const std::lock_guard lock{watch_mutex_};
-  progress_.sent(datagram, now);
-}
-
-// The number lies far ahead of what any participant of this process has been told, so that none
-// ignores the goodbye as known. Fast DDS counts through the numbers in between, in about 10 ms.
-std::vector<std::uint8_t> WireGuard::take_leave_of_sender(std::span<const std::uint8_t> datagram) {
-  const GuidPrefix server = prefix_at(datagram.data() + rtps_message::kPrefixAt);
-  const std::lock_guard lock{watch_mutex_};
-  const std::int64_t next = progress_.next(server, rtps_message::kSpdpWriter);
-  progress_.forget(server);
-  return goodbye_of(server, next + ReaderProgress::kStep);
+  count(Drop::kAnnouncement, source, many);
 }
 
 WireGuard::Reported* WireGuard::claim_report(const void* who) {
@@ -83,6 +59,7 @@ WireGuard::Reported* WireGuard::claim_report(const void* who) {
 void WireGuard::release_report(const void* who) { reporter_.compare_exchange_strong(who, nullptr); }
 
 void WireGuard::count(Drop drop, std::uint32_t source, int times) {
+  if (times == 0) return;
   dropped_ += static_cast<std::uint64_t>(times);
   const std::lock_guard lock{mutex_};
   const bool apart = by_source_.contains(source) || by_source_.size() < kMaxSources;

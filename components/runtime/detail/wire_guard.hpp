@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Filters the datagrams received by all transports of the process. Private to runtime/.
+// Checks the datagrams received by all participants of the process. Private to runtime/.
 #pragma once
 
 #include <array>
@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "tandem/runtime/detail/announcements.hpp"
-#include "tandem/runtime/detail/reader_progress.hpp"
 #include "tandem/runtime/detail/rtps_guard.hpp"
 
 namespace tandem::runtime {
@@ -22,7 +21,8 @@ struct DropCount {
   std::uint64_t count;
 };
 
-/// Checks each datagram before Fast DDS parses it and counts the dropped ones. Thread-safe.
+/// Checks each datagram before Fast DDS parses it and counts the dropped ones. `source`: the IPv4
+/// address, or the last 4 bytes of an IPv6 address, in network order. Thread-safe.
 class WireGuard {
  public:
   static constexpr std::size_t kMaxSources = 64;  ///< sources counted separately
@@ -31,22 +31,18 @@ class WireGuard {
 
   /// Sets GuardLimits::all_protected: whether the domain's governance protects every datagram.
   void expect_protection(bool of_all) { all_protected_ = of_all; }
-  /// The guard of this process, with limits from its environment.
-  static WireGuard& shared();
 
-  /// Whether to pass the datagram to Fast DDS. Removes submessages that would make Fast DDS keep
-  /// too much. `source`: the IPv4 address, or the last 4 bytes of an IPv6 address, in network
-  /// order.
-  [[nodiscard]] bool admits(std::span<std::uint8_t> datagram, std::uint32_t source);
-  /// Records a datagram sent by this process.
-  void sent(std::span<const std::uint8_t> datagram);
-  /// Why the datagram is not valid, or not allowed in this domain. admits() checks it, too.
+  /// Whether the datagram is valid and allowed in this domain; counts it.
+  [[nodiscard]] bool admits(std::span<const std::uint8_t> datagram, std::uint32_t source);
+  /// Why the datagram is not admitted.
   [[nodiscard]] Drop fault_of(std::span<const std::uint8_t> datagram) const;
-  /// Forgets how far the writers of the discovery server that sent the datagram have come, because
-  /// it has been started again. Returns the goodbye of the one before, to be handed to a
-  /// participant.
-  [[nodiscard]] std::vector<std::uint8_t> take_leave_of_sender(
-      std::span<const std::uint8_t> datagram);
+  /// Whether DDS Security authenticates the datagram as a whole, which any change would invalidate.
+  [[nodiscard]] bool must_not_change(std::span<const std::uint8_t> datagram) const;
+  /// Removes announcements beyond what the process keeps, and counts them. `now`: [s], steady
+  /// clock.
+  void thin(std::span<std::uint8_t> datagram, std::uint32_t source, double now);
+  /// Counts drops.
+  void count(Drop drop, std::uint32_t source, int times = 1);
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -65,15 +61,12 @@ class WireGuard {
   void release_report(const void* who);
 
  private:
-  void count(Drop drop, std::uint32_t source, int times = 1);
-
   const GuardLimits limits_;
   std::atomic<bool> all_protected_ = false;
   std::atomic<std::uint64_t> received_ = 0, dropped_ = 0;
   std::atomic<const void*> reporter_ = nullptr;
-  Reported reported_;       // used by the reporter only
-  std::mutex watch_mutex_;  // guards progress_ and announcements_
-  ReaderProgress progress_;
+  Reported reported_;  // used by the reporter only
+  std::mutex announcements_mutex_;
   Announcements announcements_;
   mutable std::mutex mutex_;  // guards the members below
   std::map<std::uint32_t, std::array<std::uint64_t, kDropKinds>> by_source_;

@@ -268,7 +268,7 @@ TEST_P(Progress, RenumbersHeartbeatsAfterAForgedCount) {
   };
   acknowledge(7);
   EXPECT_EQ(count_of(100), 100u);
-  EXPECT_EQ(count_of(100), 100u) << "the same one, for another participant";
+  EXPECT_EQ(count_of(100), 100u) << "the same one, received again";
   EXPECT_EQ(count_of(0xffffff00), 101u);
   EXPECT_EQ(count_of(101), 102u);
   EXPECT_EQ(count_of(102), 103u);
