@@ -3,8 +3,8 @@
 
 namespace tandem::runtime {
 
-// The goodbye's number lies far ahead of what the participant has been told, so that it is not
-// ignored as known. Fast DDS counts through the numbers in between, in about 10 ms.
+// The goodbye's number is above all that the participant has been told, or it would be ignored as
+// known. Fast DDS counts through the numbers in between, 65,536 of them in about 0.2 ms.
 std::vector<std::uint8_t> ParticipantGuard::goodbye_before(std::span<std::uint8_t> datagram,
                                                            double now) {
   if (!has_servers_ || datagram.size() < rtps_message::kHeaderSize) return {};
@@ -12,9 +12,9 @@ std::vector<std::uint8_t> ParticipantGuard::goodbye_before(std::span<std::uint8_
   if (!is_server(sender) || process_.fault_of(datagram) != Drop::kNone) return {};
   const std::lock_guard lock{mutex_};
   if (!servers_.are_shown_by(datagram, now)) return {};
-  const std::int64_t next = progress_.next(sender, rtps_message::kSpdpWriter);
+  const std::int64_t number = progress_.beyond(sender, rtps_message::kSpdpWriter);
   progress_.forget(sender);
-  return goodbye_of(sender, next + ReaderProgress::kStep);
+  return goodbye_of(sender, number);
 }
 
 bool ParticipantGuard::admits(std::span<std::uint8_t> datagram, std::uint32_t source, double now) {

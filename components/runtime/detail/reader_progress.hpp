@@ -69,9 +69,9 @@ class ReaderProgress {
   /// Returns the number of removed submessages, without the samples that arrive while a reader is
   /// taken to a writer that is far ahead.
   [[nodiscard]] int narrow(std::span<std::uint8_t> datagram, double now);
-  /// The first number that a reader of the participant misses of that writer, the lowest of several
-  /// readers; 0 if none has acknowledged anything.
-  [[nodiscard]] std::int64_t next(const GuidPrefix& prefix, std::uint32_t writer) const;
+  /// A number above all that readers of the participant can have been told of that writer; 1 if
+  /// nothing has come from it.
+  [[nodiscard]] std::int64_t beyond(const GuidPrefix& prefix, std::uint32_t writer) const;
   /// Forgets the writers of a participant, which has been started again.
   void forget(const GuidPrefix& prefix);
 

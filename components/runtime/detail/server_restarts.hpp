@@ -32,8 +32,8 @@ class ServerRestarts {
   static constexpr double kLongestSuspicion = 5.0;
   /// [s] without HEARTBEATs, which a restart takes. Closer ones may have overtaken each other.
   static constexpr double kLeastPause = 0.2;
-  /// [s] between two restarts: a goodbye keeps Fast DDS busy for about 10 ms, and announcements can
-  /// be forged.
+  /// [s] between two restarts: announcements can be forged, and each goodbye has Fast DDS match the
+  /// server anew.
   static constexpr double kLeastLife = 1.0;
 
   /// Takes a valid datagram of a server; `now`: [s], steady clock. Removes announcements of a

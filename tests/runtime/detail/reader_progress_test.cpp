@@ -261,6 +261,17 @@ TEST_P(Progress, IgnoresAnAcknowledgementThatNoWriterReaches) {
   EXPECT_LE(first_of(octets).sequence_number(16), WriterReach::kLeap);
 }
 
+TEST_P(Progress, KnowsANumberBeyondAllThatAReaderWasTold) {
+  const auto beyond = [&] { return progress_.beyond(rt::prefix_at(kPeer.data()), 0x00001203); };
+  EXPECT_EQ(beyond(), 1);
+  acknowledge(7);
+  EXPECT_GT(beyond(), 7);
+  EXPECT_TRUE(passes(heartbeat(1, 30, 1)));
+  EXPECT_GT(beyond(), 30);
+  const Octets leap = narrowed(heartbeat(1, 1'000'000, 2));
+  EXPECT_GT(beyond(), first_of(leap).sequence_number(16));
+}
+
 // A reader ignores counts that are not above the last one.
 TEST_P(Progress, RenumbersHeartbeatsAfterAForgedCount) {
   const auto count_of = [&](std::uint32_t count) {
