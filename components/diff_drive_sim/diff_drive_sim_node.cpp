@@ -13,6 +13,8 @@
 namespace tandem {
 namespace {
 
+constexpr double kPatience = 0.1;  // [s] of commands, which count from the next tick
+
 Pose2 start_of(const DiffDriveSimNodeParams& params) {
   if (params.start.size() != 3)
     throw std::invalid_argument("start: expected three numbers: x, y and heading");
@@ -67,6 +69,7 @@ DiffDriveSimNode::DiffDriveSimNode(rt::Node& node)
                [this](const Twist2& twist) { on_command(twist); }} {
   cmd_vel_.set_frames(params_->frames);
   cmd_vel_.check_stamps_by([this] { return sim_.state().t; });
+  cmd_vel_.may_wait(kPatience);
   subscribe();
   publish_frames();
   if (params_->publish_description)

@@ -42,6 +42,8 @@ class FramesInput {
               Changed changed = {});
   /// The topics that it opens.
   [[nodiscard]] static rt::Interface interface();
+  /// As Subscription::may_wait(), for `/tf`.
+  void may_wait(double seconds) { tf_.may_wait(seconds); }
   FramesInput(const FramesInput&) = delete;
   FramesInput& operator=(const FramesInput&) = delete;
 

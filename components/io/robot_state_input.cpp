@@ -19,6 +19,11 @@ RobotStateInput::RobotStateInput(rt::Node& node, const RobotStateParams& params,
   time_jump_ = node.on_time_jump([this] { localization_.on_time_jump(); });
 }
 
+void RobotStateInput::may_wait(double seconds) {
+  odom_.may_wait(seconds);
+  frames_.may_wait(seconds);
+}
+
 rt::Interface RobotStateInput::interface() {
   return rt::Interface{.subscribes = {topics::odom}} + FramesInput::interface();
 }

@@ -33,12 +33,19 @@ rt::Interface TwistInput::interface(const rt::Topic<geometry_msgs::msg::Twist>& 
   return {.subscribes = {{topic, qos}, {stamped(topic), qos, "a node publishes TwistStamped"}}};
 }
 
+void TwistInput::may_wait(double seconds) {
+  patience_ = seconds;
+  plain_.may_wait(seconds);
+  if (stamped_) stamped_->may_wait(seconds);
+}
+
 void TwistInput::subscribe_stamped(const rt::QoS& qos) {
   node_.log().info("{} is received as TwistStamped too", stamped_topic_.name);
   stamped_ = node_.create_subscription(stamped_topic_, qos, [this](const auto& msg) {
     if (is_of_robot(msg.header().frame_id()) && check_.in_time(msg.header().stamp()))
       receive(msg.twist(), *stamped_);
   });
+  stamped_->may_wait(patience_);
 }
 
 bool TwistInput::is_of_robot(const std::string& frame) const {

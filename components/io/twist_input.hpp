@@ -42,6 +42,8 @@ class TwistInput {
   void set_frames(Frames frames) { frames_ = std::move(frames); }
   /// Also delivers commands that are not finite, for a node that stops on them.
   void pass_not_finite() { passes_not_finite_ = true; }
+  /// As Subscription::may_wait(), for a node that uses commands in timers only.
+  void may_wait(double seconds);
   /// The publisher of the last command; valid within its callback.
   [[nodiscard]] rt::PublisherId sender() const { return sender_; }
   /// Whether the last command was a TwistStamped; valid within its callback.
@@ -60,6 +62,7 @@ class TwistInput {
   Command command_;
   Frames frames_;
   bool passes_not_finite_ = false;
+  double patience_ = 0.0;  // [s]
   rt::PublisherId sender_{};
   bool is_stamped_ = false;
   rt::Subscription plain_;

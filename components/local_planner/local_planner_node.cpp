@@ -9,6 +9,11 @@
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
+namespace {
+
+constexpr double kPatience = 0.1;  // [s] of what only the planning cycle uses
+
+}  // namespace
 
 rt::Interface LocalPlannerNode::interface() {
   return rt::Interface{.subscribes = {topics::obstacles,
@@ -43,7 +48,11 @@ LocalPlannerNode::LocalPlannerNode(rt::Node& node)
                [this](const Twist2& twist) { inputs_.on_user(twist, node_.now()); }},
       on_command_{node, topics::cmd_vel, params_->stamp,
                   [this](const Twist2& twist) { inputs_.on_command(twist, node_.now()); }} {
-  for (TwistInput* input : {&on_user_, &on_command_}) input->set_frames(params_->input.frames);
+  for (TwistInput* input : {&on_user_, &on_command_}) {
+    input->set_frames(params_->input.frames);
+    input->may_wait(kPatience);
+  }
+  robot_.may_wait(kPatience);
   if (params_->publish_description)
     description_.emplace(node, urdf_of(params_->robot, params_->input.frames.base));
   const auto& goal = params_->goal;
@@ -92,6 +101,7 @@ void LocalPlannerNode::subscribe() {
       node_.log().warn_every(1.0, "{} obstacles are {}: dropped", obstacles.refused, kNotValid);
     inputs_.on_obstacles(std::move(obstacles.all), node_.now());
   });
+  on_obstacles_.may_wait(kPatience);
   on_leader_ =
       node_.create_subscription(topics::leader_pose, topics::kUserInput, [this](const auto& msg) {
         if (!leader_stamp_.in_time(msg.header().stamp())) return;
@@ -117,6 +127,7 @@ void LocalPlannerNode::subscribe() {
   on_filter_ = node_.create_subscription(topics::filter_status, [this](const auto& msg) {
     inputs_.on_filter(msg.enforcing(), msg.refused(), node_.now());
   });
+  on_filter_.may_wait(kPatience);
 }
 
 void LocalPlannerNode::plan() {

@@ -9,6 +9,11 @@
 #include "tandem/runtime/component.hpp"
 
 namespace tandem {
+namespace {
+
+constexpr double kPatience = 0.1;  // [s] of odometry and /tf, which are read when a list is due
+
+}  // namespace
 
 rt::Interface ObstacleExtractorNode::interface() {
   return MapInput::interface() + RobotStateInput::interface() +
@@ -34,6 +39,7 @@ ObstacleExtractorNode::ObstacleExtractorNode(rt::Node& node)
     on_people_ = std::make_unique<ObstacleTracksInput>(node, robot_.frames(), [this](auto all) {
       people_ = {std::move(all), node_.now()};
     });
+  robot_.may_wait(kPatience);
   map_.on_live_map([this] { fit_live_map(); });
   timer_ = node.create_timer(params_->period, [this] { extract(); });
   time_jump_ = node.on_time_jump([this] { people_.reset(); });

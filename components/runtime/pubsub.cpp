@@ -65,6 +65,10 @@ std::uint64_t Subscription::sequence() const { return port_ ? port_->sequence() 
 
 long Subscription::malformed() const { return port_ ? port_->malformed() : 0; }
 
+void Subscription::may_wait(double seconds) const {
+  if (port_) port_->may_wait(seconds);
+}
+
 void Subscription::close() {
   if (port_) port_->close();
   port_.reset();

@@ -9,6 +9,7 @@
 namespace tandem {
 namespace {
 
+constexpr double kPatience = 0.1;   // [s] of odometry and /tf, which are read when a stick moves
 constexpr double kReminder = 10.0;  // [s] between two log lines of the same warning
 
 std::string name_of(const rt::PublisherId& id) { return {id.begin(), id.end()}; }
@@ -48,6 +49,7 @@ TeleopNode::TeleopNode(rt::Node& node)
       diagnostics_{node, {topics::teleop_status.name, topics::cmd_vel_user.name}},
       on_twist_{node, topics::cmd_vel_user, topics::kUserInput, params_->stamp,
                 [this](const Twist2& twist) { on_twist(twist); }} {
+  robot_.may_wait(kPatience);
   diagnostics_.report_well("no stick is ignored");
   joy_ = node.create_subscription(topics::joy, topics::kStickInput,
                                   [this](const auto& msg) { on_joy(msg); });

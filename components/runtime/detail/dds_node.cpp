@@ -272,7 +272,9 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
   if (deliver_sample)
     reader->receive_directly(participant_->direct_topic(endpoint.topic, endpoint.type),
                              std::move(deliver_sample));
-  reader->on_arrival([wake_up = wake_up_] { wake_up->notify(); });
+  reader->on_arrival([wake_up = wake_up_, &reader = *reader] {
+    if (reader.patience() <= 0.0) wake_up->notify();
+  });
   readers_.push_back(reader);
   return reader;
 }

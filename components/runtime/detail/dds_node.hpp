@@ -122,6 +122,7 @@ class DdsNode final : public NodeCore {
   std::vector<std::weak_ptr<ThreadWorker>> workers_;
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
+  double awake_ = 0.0;     // when the node was last awake [s], steady clock
   double next_due_ = 0.0;  // of a timer or poller [s], steady clock; for run_if_due()
   std::unique_ptr<GuardReport> guard_report_;
 };

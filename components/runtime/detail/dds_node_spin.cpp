@@ -61,6 +61,7 @@ bool DdsNode::dispatch(double max_wait) {
 
 bool DdsNode::run_due() {
   dispatching_ = true;
+  awake_ = steady_seconds();
   // The clock is read after the readers are selected, so that a message which came after a jump
   // back is delivered after the jump is reported; messages and timers then see one time.
   const auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
@@ -77,8 +78,11 @@ bool DdsNode::run_due() {
 double DdsNode::time_to_next(double max_wait) const {
   const double now_steady = steady_seconds();
   double wait = max_wait, due = kForever;  // `due`: on /clock
-  for (const auto& reader : readers_)
+  for (const auto& reader : readers_) {
     if (reader->waiting()) return 0.0;
+    if (const double patience = reader->patience(); patience > 0.0)
+      wait = std::min(wait, awake_ + patience - now_steady);
+  }
   for (const auto& timer : timers_) {
     if (timer->wall || !use_sim_time)
       wait = std::min(wait, timer->beat.next() - now_steady);

@@ -74,10 +74,16 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   }
   int drain_samples();  ///< of this process
   int drain_bytes();    ///< of DDS
-  [[nodiscard]] bool waiting() const { return waiting_ || has_samples(); }
+  [[nodiscard]] bool waiting() const {
+    return waiting_ || (patience_ > 0.0 ? samples_left_ : has_samples());
+  }
   /// Whether drain() has anything to do.
   [[nodiscard]] bool is_due() const { return has_samples() || has_bytes(); }
   void close();  ///< stops delivery
+
+  /// How long what arrives may wait [s] for a drain(); 0, the default: not at all.
+  void set_patience(double seconds) { patience_ = seconds; }
+  [[nodiscard]] double patience() const { return patience_; }
 
   [[nodiscard]] rtps::GUID_t guid() const { return dds_->guid(); }
   [[nodiscard]] Participant& participant() const { return topic_.participant(); }
@@ -116,7 +122,9 @@ class TANDEM_EXPORT_FOR_TESTS Reader {
   rtps::GUID_t sender_;
   std::atomic<long> malformed_ = 0;
   bool waiting_ = true;  // DDS may have brought something before on_arrival(), or more than a batch
+  bool samples_left_ = false;  // there was more than a batch
   std::atomic<bool> closed_ = false;
+  std::atomic<double> patience_ = 0.0;
 };
 
 /// Writes bytes to a topic.

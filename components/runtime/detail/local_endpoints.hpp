@@ -35,6 +35,7 @@ class LocalReader final : public SubscriptionPort,
   [[nodiscard]] PublisherId sender() const override { return sender_; }
   [[nodiscard]] std::uint64_t sequence() const override { return sequence_; }
   [[nodiscard]] long malformed() const override { return malformed_; }
+  void may_wait(double) override {}
   void close() override;
   void run() override;
 

@@ -83,7 +83,7 @@ void NodeCore::set_use_sim_time(bool wanted) {
     follow_clock();
   else
     close_clock();
-  report_time_jump();
+  report_time_jump(steady_now());
   on_clock();
 }
 
@@ -96,11 +96,12 @@ void NodeCore::follow_clock() {
 void NodeCore::set_clock(std::int64_t time, double arrival, bool jumped_back) {
   clock_ = time;
   clock_arrival_ = std::max(clock_arrival_.load(), arrival);
-  if (jumped_back) report_time_jump();
+  if (jumped_back) report_time_jump(arrival);
   on_clock();
 }
 
-void NodeCore::report_time_jump() {
+void NodeCore::report_time_jump(double arrival) {
+  jumped_ = arrival;
   std::erase_if(time_jumps_, [](const auto& fn) { return fn.expired(); });
   for (const auto& weak : std::vector(time_jumps_))  // a copy, because a call may add to the list
     if (const auto fn = weak.lock()) (*fn)();
@@ -117,7 +118,7 @@ std::string NodeCore::resolve(const char* topic) const {
 }
 
 double NodeCore::now() const {
-  return use_sim_time ? 1e-9 * static_cast<double>(clock_) : steady_now();
+  return (use_sim_time ? 1e-9 * static_cast<double>(clock_) : steady_now()) - waited_;
 }
 
 bool NodeCore::clock_is_silent() const {
@@ -125,7 +126,8 @@ bool NodeCore::clock_is_silent() const {
 }
 
 builtin_interfaces::msg::Time NodeCore::stamp() const {
-  return to_stamp(use_sim_time ? clock_.load() : system_nanoseconds());
+  const auto waited = static_cast<std::int64_t>(1e9 * waited_);
+  return to_stamp((use_sim_time ? clock_.load() : system_nanoseconds()) - waited);
 }
 
 }  // namespace tandem::runtime

@@ -3,6 +3,7 @@
 // outlive the Node. Private to runtime/.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -93,6 +94,19 @@ class NodeCore {
   [[nodiscard]] bool clock_is_silent() const;
   [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
+  /// Calls `deliver` for a message that arrived `waited` [s] ago, of a subscription whose messages
+  /// may wait for `patience` [s]: now() and stamp() are those of its arrival. Returns the result;
+  /// true, without a call, if time has jumped back since.
+  template <class Deliver>
+  bool at_arrival(double waited, double patience, Deliver deliver) {
+    if (patience <= 0.0) return deliver();
+    struct Reset {
+      ~Reset() { waited = 0.0; }
+      std::atomic<double>& waited;
+    } const at_end{waited_};
+    waited_ = std::clamp(waited, 0.0, patience);
+    return steady_now() - waited_ < jumped_ || deliver();
+  }
 
   const NodeOptions options;
   const NodeName name;
@@ -123,13 +137,15 @@ class NodeCore {
  private:
   void declare_params();
   void set_use_sim_time(bool wanted);
-  void report_time_jump();
+  void report_time_jump(double arrival);
   void follow_clock();
 
   std::vector<std::weak_ptr<std::function<void()>>> time_jumps_;  // called when the time jumps
   std::unique_ptr<NodeServices> services_;
   std::atomic<std::int64_t> clock_ = 0;      // the node's time on /clock [ns]
   std::atomic<double> clock_arrival_ = 0.0;  // its arrival, or the node's start [s], steady clock
+  std::atomic<double> waited_ = 0.0;         // how long ago the message that is handled arrived [s]
+  double jumped_ = 0.0;  // arrival of the last jump of the time [s], steady clock
   std::atomic<bool> stopped_ = false;
 };
 

@@ -37,6 +37,8 @@ class SubscriptionPort {
   [[nodiscard]] virtual PublisherId sender() const = 0;
   [[nodiscard]] virtual std::uint64_t sequence() const = 0;
   [[nodiscard]] virtual long malformed() const = 0;
+  /// As Subscription::may_wait().
+  virtual void may_wait(double seconds) = 0;
   virtual void close() = 0;
 };
 

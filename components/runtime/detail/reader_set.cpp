@@ -5,9 +5,15 @@
 #include <utility>
 
 #include "tandem/runtime/detail/dds_node.hpp"
+#include "tandem/runtime/time.hpp"
 
 namespace tandem::runtime {
 namespace {
+
+// Since it was received [s].
+double waited(const fdds::SampleInfo& info) {
+  return 1e-9 * static_cast<double>(system_nanoseconds() - info.reception_timestamp.to_ns());
+}
 
 int strength(const Policies& requested) { return requested.reliability + requested.durability; }
 
@@ -46,19 +52,28 @@ bool ReaderSet::Route::takes(std::size_t index, const rtps::GUID_t& publisher,
 
 void ReaderSet::open(const QoS& qos) {
   const std::size_t index = readers_.size();
-  auto deliver = [route = route_, index](const Bytes& bytes, const auto& info) {
+  auto deliver = [&node = node_, route = route_, index](const Bytes& bytes, const auto& info) {
     const auto& identity = info.sample_identity;
-    return !route->takes(index, identity.writer_guid(), identity.sequence_number().to64long()) ||
-           route->deliver(bytes, info);
+    if (!route->takes(index, identity.writer_guid(), identity.sequence_number().to64long()))
+      return true;
+    return node.at_arrival(waited(info), route->patience,
+                           [&] { return route->deliver(bytes, info); });
   };
-  auto deliver_sample = [route = route_, index](const Sample& sample) {
-    return !route->takes(index, to_guid(sample.sender), sample.number) ||
-           route->deliver_sample(sample);
+  auto deliver_sample = [&node = node_, route = route_, index](const Sample& sample) {
+    if (!route->takes(index, to_guid(sample.sender), sample.number)) return true;
+    return node.at_arrival(steady_seconds() - sample.published, route->patience,
+                           [&] { return route->deliver_sample(sample); });
   };
   Endpoint endpoint = endpoint_;
   endpoint.qos = qos;
   route_->requested.push_back(policies_of(qos));
   readers_.push_back(node_.open_reader(endpoint, std::move(deliver), std::move(deliver_sample)));
+  readers_.back()->set_patience(route_->patience);
+}
+
+void ReaderSet::may_wait(double seconds) {
+  route_->patience = std::max(0.0, seconds);
+  for (const auto& reader : readers_) reader->set_patience(route_->patience);
 }
 
 void ReaderSet::accept_every_publisher(std::function<QoS(const QoS&)> tuned) {

@@ -32,6 +32,7 @@ class ReaderSet final : public SubscriptionPort {
   [[nodiscard]] PublisherId sender() const override { return to_id(route_->sender); }
   [[nodiscard]] std::uint64_t sequence() const override { return route_->sequence; }
   [[nodiscard]] long malformed() const override;
+  void may_wait(double seconds) override;
 
  private:
   // Shared with the readers, which may still be running when the set is closed.
@@ -45,6 +46,7 @@ class ReaderSet final : public SubscriptionPort {
     std::vector<Policies> requested;  // one per reader, in the order of opening
     rtps::GUID_t sender;              // sender of the last sample
     std::uint64_t sequence = 0;
+    double patience = 0.0;  // how long a message may wait [s]
   };
 
   void open(const QoS& qos);
