@@ -44,7 +44,7 @@ class RobotStateInput {
   /// Calls `fn` with the state, if there is one, after each odometry message and each new
   /// map → odom transform.
   void on_state(std::function<void(const RobotState&)> fn) { on_state_ = std::move(fn); }
-  /// As Subscription::may_wait(), for a node that reads the state in timers only.
+  /// As Subscription::may_wait(), for a node that something else wakes when it needs the state.
   void may_wait(double seconds);
   RobotStateInput(const RobotStateInput&) = delete;
   RobotStateInput& operator=(const RobotStateInput&) = delete;

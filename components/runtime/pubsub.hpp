@@ -146,10 +146,10 @@ class TANDEM_EXPORT Subscription {
   /// Number of samples dropped so far because they failed to decode.
   [[nodiscard]] long malformed() const;
 
-  /// From now on a message does not wake the node, but waits until the node is awake for something
-  /// else, at most `seconds`: for what only timers use. In the callback, Node::now() and
-  /// Node::stamp() are of the message's arrival; messages that wait while the time jumps back are
-  /// dropped. A LocalBus, on which waking costs nothing, ignores this.
+  /// From now on a message does not wake the node, but waits until it is awake for something else,
+  /// at most `seconds`, and then comes before what woke it. Beyond the depth the oldest is lost. In
+  /// the callback, Node::now() and stamp() are of the arrival, except under simulated time. What
+  /// waits while the time jumps back is dropped. A LocalBus, where waking is free, ignores this.
   void may_wait(double seconds) const;
 
  private:

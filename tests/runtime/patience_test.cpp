@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ctime>
 
 #include "support/child_process.hpp"
 #include "support/private_domain.hpp"
@@ -28,7 +29,7 @@ class Patience : public ::testing::Test {
     return subscription;
   }
 
-  // Sleeps until that many messages have been heard. Unlike spin_until(), it does not wake the
+  // Sleeps until that many messages have arrived. Unlike spin_until(), it does not wake the
   // node.
   bool hears(int messages) {
     const double end = node_.now() + test::kTimeout;
@@ -105,14 +106,27 @@ TEST_F(Patience, AMessageFromBeforeAJumpOfTheTimeIsDropped) {
   EXPECT_TRUE(test::spin_until([&] { return heard == 1; }, test::kTimeout, follower));
 }
 
+// A batch is 32.
+TEST_F(Patience, ANodeSleepsAfterAWholeBatch) {
+  const auto publisher = node_.create_publisher(kPong);
+  const auto subscription = hear({.depth = 100}, kPatience);
+  for (int i = 0; i < 32; ++i) publisher.publish({});
+  node_.spin_some(0.0);
+  ASSERT_EQ(heard_, 32);
+  const std::clock_t begin = std::clock();  // processor time
+  const double end = node_.now() + kPatience;
+  while (node_.now() < end) node_.spin_some(end - node_.now());
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, kPatience / 2);
+}
+
 TEST_F(Patience, EndsWhenTheNodeIsAwake) {
   const auto publisher = node_.create_publisher(kPong);
-  const auto later = hear(rt::kDefault, 1e6);
   int heard_at_once = 0;
   const auto at_once = node_.create_subscription(kPing, [&](const Twist&) {
-    EXPECT_EQ(heard_, 1) << "those of subscriptions that were made earlier come first";
+    EXPECT_EQ(heard_, 1) << "what has waited comes first";
     ++heard_at_once;
   });
+  const auto later = hear(rt::kDefault, 1e6);
   const auto waking = node_.create_publisher(kPing);
   node_.spin_some(0.0);
   publisher.publish({});

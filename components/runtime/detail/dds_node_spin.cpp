@@ -64,7 +64,10 @@ bool DdsNode::run_due() {
   awake_ = steady_seconds();
   // The clock is read after the readers are selected, so that a message which came after a jump
   // back is delivered after the jump is reported; messages and timers then see one time.
-  const auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
+  auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
+  // What has waited comes first: the callbacks of what woke the node may need it.
+  std::stable_partition(due.begin(), due.end(),
+                        [](const auto& reader) { return reader->patience() > 0.0; });
   const bool jumped_back = read_clock();
   const bool received = run(due);
   const bool worked = run_done();

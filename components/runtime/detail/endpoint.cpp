@@ -191,7 +191,7 @@ int Reader::drain_samples() {
   int taken = 0;
   for (; taken < kBatch && !closed_ && has_samples(); ++taken)
     if (const auto sample = queue_->pop()) take_one(*sample);
-  samples_left_ = taken == kBatch;
+  samples_left_ = taken == kBatch && has_samples();
   return taken;
 }
 
@@ -225,7 +225,7 @@ void Reader::on_arrival(std::function<void()> fn, std::function<void()> direct) 
 }
 
 void Reader::take_one(const Sample& sample) {
-  if (steady_seconds() > sample.published + qos_.lifespan + patience_) return refused_.late();
+  if (steady_seconds() > sample.published + qos_.lifespan) return refused_.late();
   if (deliver_sample_(sample)) return;
   ++malformed_;
   refused_.malformed(sample.bytes().size());
@@ -248,7 +248,7 @@ bool Reader::is_late(const fdds::SampleInfo& info) {
     return 1e-9 * static_cast<double>(nanoseconds);
   };
   return transit_[sender_].is_late(seconds(info.source_timestamp.to_ns()),
-                                   seconds(system_nanoseconds()), qos_.lifespan + patience_);
+                                   seconds(system_nanoseconds()), qos_.lifespan);
 }
 
 int Reader::matched() const {

@@ -118,7 +118,7 @@ std::string NodeCore::resolve(const char* topic) const {
 }
 
 double NodeCore::now() const {
-  return (use_sim_time ? 1e-9 * static_cast<double>(clock_) : steady_now()) - waited_;
+  return use_sim_time ? 1e-9 * static_cast<double>(clock_) : steady_now() - waited_;
 }
 
 bool NodeCore::clock_is_silent() const {
@@ -127,7 +127,7 @@ bool NodeCore::clock_is_silent() const {
 
 builtin_interfaces::msg::Time NodeCore::stamp() const {
   const auto waited = static_cast<std::int64_t>(1e9 * waited_);
-  return to_stamp((use_sim_time ? clock_.load() : system_nanoseconds()) - waited);
+  return to_stamp(use_sim_time ? clock_.load() : system_nanoseconds() - waited);
 }
 
 }  // namespace tandem::runtime

@@ -95,8 +95,9 @@ class NodeCore {
   [[nodiscard]] std::shared_ptr<void> on_time_jump(std::function<void()> fn);
   [[nodiscard]] builtin_interfaces::msg::Time stamp() const;
   /// Calls `deliver` for a message that arrived `waited` [s] ago, of a subscription whose messages
-  /// may wait for `patience` [s]: now() and stamp() are those of its arrival. Returns the result;
-  /// true, without a call, if time has jumped back since.
+  /// may wait for `patience` [s]: now() and stamp() are those of its arrival, but for simulated
+  /// time, whose speed is not known. Returns the result; true, without a call, if time has jumped
+  /// back since.
   template <class Deliver>
   bool at_arrival(double waited, double patience, Deliver deliver) {
     if (patience <= 0.0) return deliver();

@@ -3,8 +3,8 @@
 
 namespace tandem::runtime {
 
-// The goodbye's number is above all that the participant has been told, or it would be ignored as
-// known. Fast DDS counts through the numbers in between, 65,536 of them in about 0.2 ms.
+// The goodbye's number is above all that the participant has received, or it would be ignored as
+// known. Fast DDS counts through the numbers in between, about 66,000, in 0.2 ms.
 std::vector<std::uint8_t> ParticipantGuard::goodbye_before(std::span<std::uint8_t> datagram,
                                                            double now) {
   if (!has_servers_ || datagram.size() < rtps_message::kHeaderSize) return {};

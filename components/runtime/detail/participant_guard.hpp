@@ -13,8 +13,9 @@
 
 namespace tandem::runtime {
 
-/// What the process's guard does for one participant. Each participant has its own progress:
-/// readers of the same builtin topic have the same entity id in all participants of a process.
+/// What the process's guard does for one transport; a participant has one, unless a profile names
+/// several. Each participant has its own progress: readers of the same builtin topic have the same
+/// entity id in all participants of a process.
 /// `now`: [s], steady clock. Thread-safe.
 class ParticipantGuard {
  public:

@@ -155,14 +155,14 @@ void ReaderProgress::sent(std::span<const std::uint8_t> datagram, double now) {
   }
 }
 
-// passes_heartbeat() may tell of a leap beyond top().
+// Numbers farther ahead do not reach a reader that has acknowledged something. What the writer
+// claims must not count: it can be forged, and Fast DDS counts up to the result.
 std::int64_t ReaderProgress::beyond(const GuidPrefix& prefix, std::uint32_t writer) const {
   std::array<std::uint8_t, 4> entity;
   put_u32(entity.data(), writer, false);
   const auto known = writers_.find(key_of(prefix, entity.data()));
-  if (known == writers_.end()) return 1;
-  const WriterReach& reach = known->second.reach;
-  return std::max<std::int64_t>(reach.top(), 0) + reach.leap() + 1;
+  const std::int64_t least = known == writers_.end() ? 0 : known->second.least(kUnknownReader);
+  return least == 0 ? 1 + kStep : least + known->second.window + kWide + 1;
 }
 
 void ReaderProgress::forget(const GuidPrefix& prefix) {

@@ -69,8 +69,8 @@ class ReaderProgress {
   /// Returns the number of removed submessages, without the samples that arrive while a reader is
   /// taken to a writer that is far ahead.
   [[nodiscard]] int narrow(std::span<std::uint8_t> datagram, double now);
-  /// A number above all that readers of the participant can have been told of that writer; 1 if
-  /// nothing has come from it.
+  /// A number above all that readers of the participant can have received from that writer, at most
+  /// kStep above what they have acknowledged.
   [[nodiscard]] std::int64_t beyond(const GuidPrefix& prefix, std::uint32_t writer) const;
   /// Forgets the writers of a participant, which has been started again.
   void forget(const GuidPrefix& prefix);
