@@ -56,7 +56,7 @@ TEST_F(TwoGuards, WhatOneParticipantHasTheOtherMayMiss) {
   EXPECT_EQ(gap.sequence_number(8), 2);
 }
 
-TEST_F(TwoGuards, CountTheProcesssDrops) {
+TEST_F(TwoGuards, CountDropsForTheirProcess) {
   datagram_ = Octets(8, 1);
   EXPECT_FALSE(first_.admits(datagram_, kLoopback, 1.0));
   EXPECT_FALSE(second_.admits(datagram_, kLoopback, 1.0));
