@@ -34,7 +34,6 @@ const char* topic_behind(const std::string& why) {
 std::string with_remedy(const std::string& why, const std::string& remedy) {
   return remedy.empty() ? why : why + " (" + remedy + ")";
 }
-std::string with_remedy(const std::string& why) { return with_remedy(why, remedy_for(why)); }
 
 }  // namespace
 
@@ -160,7 +159,6 @@ void ArbitrationNode::decide(Source arrived) {
   const bool in_charge = decision.source == arrived || decision.source == Source::kNone ||
                          (decision.source == Source::kBlend && arrived == Source::kUser);
   decision_ = decision;
-  log_reason(rt::LogLevel::kInfo);
   if (std::abs(decision.performance - performance_) > kTellPerformance) {
     performance_ = decision.performance;
     node_.log().info("performance {:.2f}, the planner's share {:.2f}", performance_,
@@ -171,20 +169,11 @@ void ArbitrationNode::decide(Source arrived) {
   published_ = node_.steady_now();
 }
 
-// An alternating reason is logged as one event; the next line gives the count.
-void ArbitrationNode::log_reason(rt::LogLevel level) {
-  if (std::exchange(logged_, decision_.reason) == decision_.reason) return;
-  const std::string what =
-      fmt::format("{}: {}", name(decision_.source), with_remedy(name(decision_.reason)));
-  node_.log().write_every(kReminder, level, what, what);
-}
-
 bool ArbitrationNode::stands_without_clock() {
   if (!node_.clock_is_silent()) return false;
   cmd_vel_arbitrated_.publish(to_msg(Twist2{}));
   decision_ = Decision{};
   decision_.reason = ArbitrationReason::kClockSilent;
-  log_reason(rt::LogLevel::kWarn);
   say_why();
   return true;
 }
@@ -216,15 +205,18 @@ void ArbitrationNode::say_why() {
     diagnostics_.report_well(why);
   else
     diagnostics_.report_cause(why, remedy_);
-  if (std::exchange(why_, why) == why) return;
-  publish_status();
-  const bool returns_to_own = std::exchange(logged_other_, !is_own) && is_own;
-  if (is_own && !returns_to_own) return;  // decide() has logged it
-  // A changed count in brackets is not a new reason. The return has a key of its own, so that the
-  // log does not end with a trouble that is over.
-  const std::string key = (is_own ? "again " : "") + why.substr(0, why.find('('));
-  node_.log().write_every(kReminder, rt::LogLevel::kInfo, key,
-                          fmt::format("{}: {}", name(decision_.source), with_remedy(why, remedy_)));
+  if (std::exchange(why_, why) != why) publish_status();
+  log_why();
+}
+
+// An alternating reason is logged as one event; the next line gives the count. A changed count in
+// brackets is not a new reason.
+void ArbitrationNode::log_why() {
+  const auto source = name(decision_.source);
+  const bool is_warning = decision_.reason == ArbitrationReason::kClockSilent;
+  reasons_.enter(is_warning ? rt::LogLevel::kWarn : rt::LogLevel::kInfo,
+                 fmt::format("{}: {}", source, why_.substr(0, why_.find('('))),
+                 fmt::format("{}: {}", source, with_remedy(why_, remedy_)));
 }
 
 void ArbitrationNode::publish_status() {

@@ -66,11 +66,11 @@ class ArbitrationNode {
   void update_stop_senders();
   void offer_services();
   void decide(Source arrived);
-  void log_reason(rt::LogLevel level);
   [[nodiscard]] bool stands_without_clock();
   void watch();
   [[nodiscard]] Causes::Cause explain();
   void say_why();
+  void log_why();
   void publish_status();
 
   rt::Node& node_;
@@ -79,10 +79,9 @@ class ArbitrationNode {
   Decision decision_;
   double performance_ = 1.0;  ///< last logged value
   double published_ = -1.0;   ///< time of the last command, steady time [s]
-  std::optional<ArbitrationReason> logged_;
-  bool logged_other_ = false;  ///< the last line named another node's trouble
-  std::string why_;            ///< last published reason
-  std::string remedy_;         ///< remedy for why_
+  rt::StateLog reasons_{node_.log(), kReminder};
+  std::string why_;     ///< last published reason
+  std::string remedy_;  ///< remedy for why_
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_arbitrated_;
   rt::Publisher<tandem_msgs::msg::ArbitrationStatus> status_;

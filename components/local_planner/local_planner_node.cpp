@@ -139,7 +139,7 @@ void LocalPlannerNode::plan() {
   }
   if (const auto reason = inputs_.missing(method_, now)) return stop(*reason);
   if (!std::exchange(planning_, true)) start_watchdog(params_->live.nmpc.control_period);
-  standing_for_ = {};
+  reasons_.leave();
   inputs_.advance(robot->X_MB.position());
   const PlanRequest request = inputs_.request(method_, *robot, now);
   publish(nmpc_.solve(request), request);
@@ -220,8 +220,7 @@ void LocalPlannerNode::publish_paths(const Plan& plan, const PlanRequest& reques
 void LocalPlannerNode::stop(const std::string& reason) {
   planning_ = false;
   watchdog_ = {};
-  if (std::exchange(standing_for_, reason) != reason)
-    node_.log().missing_every(1.0, "standing: {}", reason);
+  reasons_.enter_missing("standing: " + reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   write_status({.status = PlanStatus::kRefused, .source = PlanSource::kStanding});
   write_reason(reason);

@@ -110,7 +110,7 @@ class LocalPlannerNode {
   TwistInput on_user_, on_command_;
   rt::Subscription on_obstacles_, on_leader_, on_goal_, on_filter_;
   bool planning_ = false;
-  std::string standing_for_;  ///< last logged reason for standing
+  rt::StateLog reasons_{node_.log(), 1.0};  ///< for standing
   std::optional<NavigationActions> navigation_;
   rt::Timer timer_;
   rt::Timer watchdog_;  // while planning_

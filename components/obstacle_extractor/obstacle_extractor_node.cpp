@@ -85,11 +85,11 @@ void ObstacleExtractorNode::publish_fitted() {
 
 void ObstacleExtractorNode::report_none(const std::string& why, const char* waits_for) {
   diagnostics_.report_trouble(why, waits_for);
-  if (std::exchange(none_for_, why) != why) node_.log().missing_every(1.0, "no obstacles: {}", why);
+  reasons_.enter_missing("no obstacles: " + why);
 }
 
 void ObstacleExtractorNode::publish(const std::vector<Obstacle>& shapes) {
-  none_for_.clear();
+  reasons_.leave();
   diagnostics_.report_well("publishing nearby obstacles");
   const auto map_header = header(node_.stamp(), params_->input.frames.map);
   obstacles_.publish(to_msg(shapes, map_header));

@@ -80,7 +80,7 @@ class ObstacleExtractorNode {
   BackgroundExtractor shapes_;
   std::shared_ptr<const StaticMap> listed_map_;  ///< of the last list that was published at once
   int lists_ = 0;
-  std::string none_for_;  ///< the reason for publishing no list that was logged last
+  rt::StateLog reasons_{node_.log(), 1.0};  ///< for publishing no list
   Stamped<std::vector<Obstacle>> people_;
   std::unique_ptr<ObstacleTracksInput> on_people_;
 

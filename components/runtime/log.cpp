@@ -128,7 +128,9 @@ void Logger::set_clock(std::function<double()> clock) {
   state_->start = state_->now();
 }
 
-bool Logger::is_young() const { return state_->now() < state_->start + State::kYouth; }
+LogLevel Logger::missing_level() const {
+  return state_->now() < state_->start + State::kYouth ? LogLevel::kInfo : LogLevel::kWarn;
+}
 
 // The text may contain received strings (topics, frames, reasons): replace control characters.
 void Logger::write(LogLevel level, const std::string& raw, const Place& place) {
@@ -140,7 +142,12 @@ void Logger::write(LogLevel level, const std::string& raw, const Place& place) {
 
 void Logger::write_every(double period, LogLevel level, std::string_view key,
                          const std::string& text, const Place& place) {
-  if (!enabled(level)) return;
+  if (!try_write(period, level, key, text, place)) suppress(key);
+}
+
+bool Logger::try_write(double period, LogLevel level, std::string_view key, const std::string& text,
+                       const Place& place) {
+  if (!enabled(level)) return true;
   const double now = state_->now();
   long held_back = 0;
   {
@@ -148,15 +155,38 @@ void Logger::write_every(double period, LogLevel level, std::string_view key,
     const auto [entry, first] =
         state_->throttles.try_emplace(std::string{key}, State::Throttle{now});
     auto& throttle = entry->second;
-    if (!first && now < throttle.last + period) {
-      ++throttle.held_back;
-      return;
-    }
+    if (!first && now < throttle.last + period) return false;
     held_back = std::exchange(throttle.held_back, 0);
     throttle.last = now;
   }
   write(level, held_back > 0 ? fmt::format("{} (and {} times before)", text, held_back) : text,
         place);
+  return true;
+}
+
+void Logger::suppress(std::string_view key) {
+  const std::lock_guard lock{state_->mutex};
+  if (const auto entry = state_->throttles.find(key); entry != state_->throttles.end())
+    ++entry->second.held_back;
+}
+
+void StateLog::enter(LogLevel level, std::string_view key, const std::string& text,
+                     const Place& place) {
+  if (key == key_ && !is_pending_) return;
+  if (key != key_) {
+    leave();
+    key_ = key;
+  }
+  is_pending_ = !log_.try_write(period_, level, key, text, place);
+}
+
+void StateLog::enter_missing(const std::string& text, const Place& place) {
+  enter(log_.missing_level(), text, text, place);
+}
+
+void StateLog::leave() {
+  if (std::exchange(is_pending_, false)) log_.suppress(key_);
+  key_.clear();
 }
 
 }  // namespace tandem::runtime

@@ -113,7 +113,7 @@ class TANDEM_EXPORT Logger {
   void missing_every(double period, LogFormat<std::type_identity_t<Args>...> format,
                      Args&&... args) {
     const auto text = fmt::format(format.text, std::forward<Args>(args)...);
-    write_every(period, is_young() ? LogLevel::kInfo : LogLevel::kWarn, text, text, format.place);
+    write_every(period, missing_level(), text, text, format.place);
   }
 
   /// The name it was given.
@@ -139,6 +139,8 @@ class TANDEM_EXPORT Logger {
                    const Place& place = Place::here());
 
  private:
+  friend class StateLog;
+
   template <class... Args>
   void log(LogLevel level, const LogFormat<std::type_identity_t<Args>...>& format, Args&&... args) {
     if (enabled(level))
@@ -153,10 +155,40 @@ class TANDEM_EXPORT Logger {
                   fmt::format(format.text, std::forward<Args>(args)...), format.place);
   }
 
-  [[nodiscard]] bool is_young() const;
+  [[nodiscard]] LogLevel missing_level() const;
+
+  /// False if a line with this key was written less than `period` [s] ago.
+  bool try_write(double period, LogLevel level, std::string_view key, const std::string& text,
+                 const Place& place);
+  /// Counts a line for the next one with this key, which says how many were suppressed.
+  void suppress(std::string_view key);
 
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// Logs the states of a node, for example why it stands, each when it is entered, but at most once
+/// per period. A state that is entered again within the period is logged at its end if it still
+/// lasts, so that the log ends with the present state. Not thread-safe.
+class TANDEM_EXPORT StateLog {
+ public:
+  /// `period` [s]; `log` must outlive it.
+  StateLog(Logger& log, double period) : log_{log}, period_{period} {}
+
+  /// To be called again and again while the state lasts. States with the same `key` are the same;
+  /// the text may differ, for example by a count.
+  void enter(LogLevel level, std::string_view key, const std::string& text,
+             const Place& place = Place::here());
+  /// As enter(), for a missing input, with the level of Logger::missing_every().
+  void enter_missing(const std::string& text, const Place& place = Place::here());
+  /// The node is in none of the states that are logged.
+  void leave();
+
+ private:
+  Logger& log_;
+  double period_;
+  std::string key_;
+  bool is_pending_ = false;  ///< not logged yet
 };
 
 }  // namespace tandem::runtime

@@ -45,7 +45,7 @@ void SharedDwaNode::choose() {
     diagnostics_.report_well(text_of(Reason::kUserSilent));  // waiting for a person is normal
     return stop(text_of(Reason::kUserSilent));
   }
-  standing_for_ = {};
+  reasons_.leave();
   const double start = node_.steady_now();
   const DwaChoice choice = dwa_.choose(robot->X_MB, robot->twist, user_.value, *map);
   publish(choice, node_.steady_now() - start);
@@ -78,8 +78,7 @@ void SharedDwaNode::stop_in_trouble(const std::string& reason, const char* waits
 }
 
 void SharedDwaNode::stop(const std::string& reason) {
-  if (std::exchange(standing_for_, reason) != reason)
-    node_.log().missing_every(1.0, "standing: {}", reason);
+  reasons_.enter_missing("standing: " + reason);
   cmd_vel_shared_.publish(to_msg(Twist2{}));
   // A new message, because the last choice's clearance would be mistaken for the present one.
   tandem_msgs::msg::PlannerStatus standing;

@@ -57,7 +57,7 @@ class SharedDwaNode {
   RobotStateInput robot_;
   MapInput map_;
   Stamped<Twist2> user_;
-  std::string standing_for_;  ///< last logged reason for standing
+  rt::StateLog reasons_{node_.log(), 1.0};  ///< for standing
   tandem_msgs::msg::PlannerStatus status_;
 
   rt::Publisher<geometry_msgs::msg::Twist> cmd_vel_shared_;

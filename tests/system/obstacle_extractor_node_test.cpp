@@ -46,9 +46,12 @@ class ExtractorOverDds : public OneComponent {
       frame_ = msg.header().frame_id();
       ++lists_;
     });
-    beat_ = node_.create_wall_timer(0.02, [this] { odom_.publish(odometry_); });
+    start_odometry();
   }
 
+  void start_odometry() {
+    beat_ = node_.create_wall_timer(0.02, [this] { odom_.publish(odometry_); });
+  }
   static octomap_msgs::msg::Octomap forest() {
     return octomap(encode_octomap(*load_octomap(source_path("maps/forest.bt"))));
   }
@@ -240,6 +243,19 @@ TEST_F(ExtractorOverDds, FallsSilentWithOdometry) {
   ASSERT_TRUE(wait_until([&] { return diagnoses == 2; }));  // a second later
   EXPECT_LT(lists_, heard + 20);  // those under way; who goes on says 40 in that time
   EXPECT_EQ(log_.lines(reason), said + 1) << "once";
+}
+
+TEST_F(ExtractorOverDds, LogsASilenceThatSoonReturns) {
+  map_.publish(forest());
+  ASSERT_TRUE(wait_for_lists(1));
+  for (int silence = 1; silence <= 3; ++silence) {
+    beat_ = {};
+    const std::string reason = "no obstacles: not localized";
+    const int said = log_.lines(reason);
+    EXPECT_TRUE(wait_until([&] { return log_.lines(reason) > said; })) << silence;
+    start_odometry();
+    ASSERT_TRUE(wait_for_lists(1));
+  }
 }
 
 class ExtractorWithoutAFinishedMap : public ExtractorOverDds {

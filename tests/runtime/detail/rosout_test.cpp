@@ -111,16 +111,6 @@ TEST_F(RosOut, CarriesLinesOfOtherThreadsInTheirOrder) {
   }
 }
 
-TEST(Logger, CallsASinkUntilItIsTakenAway) {
-  rt::Logger log{"drain"};
-  int lines = 0;
-  log.set_sink([&](const rt::LogLine&) { ++lines; });
-  log.info("counted");
-  log.set_sink({});
-  log.info("not counted");
-  EXPECT_EQ(lines, 1);
-}
-
 class LoggerLevels : public RosOut {
  protected:
   bool set(const std::string& logger, std::uint32_t level) {
