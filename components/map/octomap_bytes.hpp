@@ -2,7 +2,7 @@
 // Validates the bytes of an OctoMap tree, counts its nodes, and walks its leaves.
 #pragma once
 
-#include <octomap/OcTreeKey.h>
+#include <octomap/OcTree.h>  // OcTreeKey.h does not include what it needs
 
 #include <cstddef>
 #include <optional>
