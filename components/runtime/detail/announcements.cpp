@@ -2,6 +2,7 @@
 #include "tandem/runtime/detail/announcements.hpp"
 
 #include <algorithm>
+#include <new>
 #include <random>
 
 #include "tandem/runtime/detail/rtps_payload.hpp"
@@ -48,7 +49,12 @@ bool TokenBucket::take(double tokens, double now) {
 }
 
 Announcements::Announcements()
-    : hash_{std::random_device{}() * 0x100000001ULL}, known_{64, hash_}, seen_(kSlots) {}
+    : hash_{std::random_device{}() * 0x100000001ULL},
+      known_{64, hash_},
+      // calloc, because its pages take no memory until a participant is seen: 1 MB of each process.
+      seen_{static_cast<Seen*>(std::calloc(kSlots, sizeof(Seen)))} {
+  if (seen_ == nullptr) throw std::bad_alloc{};
+}
 
 int Announcements::thin(std::span<std::uint8_t> datagram, double now) {
   return take_out(datagram, [&](const Submessage& submessage, const GuidPrefix& source) {

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <span>
 #include <unordered_map>
-#include <vector>
 
 #include "tandem/runtime/detail/rtps_edit.hpp"
 
@@ -45,8 +46,11 @@ class Announcements {
     int endpoints;
   };
   struct Seen {
-    std::uint32_t mark = 0;
-    double at = 0.0;  // [s]
+    std::uint32_t mark;
+    double at;  // [s]
+  };
+  struct Freed {
+    void operator()(void* block) const { std::free(block); }
   };
 
   [[nodiscard]] bool admits_participant(const GuidPrefix& prefix, double lease, double now);
@@ -56,7 +60,7 @@ class Announcements {
 
   GuidPrefixHash hash_;
   std::unordered_map<GuidPrefix, Known, GuidPrefixHash> known_;
-  std::vector<Seen> seen_;
+  std::unique_ptr<Seen[], Freed> seen_;
   double next_look_ = 0.0;
   // A fleet starts at once, hence the bursts. Each admitted participant costs Fast DDS 0.2 ms a
   // second until its lease ends, and a message to every other one at first, hence the low rates.
