@@ -23,7 +23,7 @@ function(tandem_add_component name)
   include(GNUInstallDirs)
   # It exports nothing, neither of its own code nor of the static libraries that it links: two modules
   # may contain different versions of the same function.
-  target_link_options(tandem_${name} PRIVATE LINKER:--exclude-libs,ALL)
+  target_link_options(tandem_${name} PRIVATE LINKER:--exclude-libs,ALL LINKER:--gc-sections)
   install(TARGETS tandem_${name} DESTINATION ${CMAKE_INSTALL_LIBDIR}/tandem)
   # For colcon, which adds it to the setup file of a workspace if the package's colcon.pkg names it.
   if(NOT PROJECT_NAME STREQUAL "tandem")
