@@ -35,6 +35,17 @@ std::string with_remedy(const std::string& why, const std::string& remedy) {
   return remedy.empty() ? why : why + " (" + remedy + ")";
 }
 
+std::string without_brackets(const std::string& text) {
+  std::string rest;
+  int depth = 0;
+  for (const char c : text) {
+    if (c == '(') ++depth;
+    if (depth == 0) rest += c;
+    if (c == ')') --depth;
+  }
+  return rest;
+}
+
 }  // namespace
 
 rt::Interface ArbitrationNode::interface() {
@@ -206,17 +217,15 @@ void ArbitrationNode::say_why() {
   else
     diagnostics_.report_cause(why, remedy_);
   if (std::exchange(why_, why) != why) publish_status();
-  log_why();
+  log_why(is_own);
 }
 
-// An alternating reason is logged as one event; the next line gives the count. A changed count in
-// brackets is not a new reason.
-void ArbitrationNode::log_why() {
-  const auto source = name(decision_.source);
+// Another node's trouble is the same for all sources, also when a count in brackets changes.
+void ArbitrationNode::log_why(bool is_own) {
+  const std::string line = fmt::format("{}: {}", name(decision_.source), why_);
   const bool is_warning = decision_.reason == ArbitrationReason::kClockSilent;
   reasons_.enter(is_warning ? rt::LogLevel::kWarn : rt::LogLevel::kInfo,
-                 fmt::format("{}: {}", source, why_.substr(0, why_.find('('))),
-                 fmt::format("{}: {}", source, with_remedy(why_, remedy_)));
+                 is_own ? line : without_brackets(why_), with_remedy(line, remedy_));
 }
 
 void ArbitrationNode::publish_status() {

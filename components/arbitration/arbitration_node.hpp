@@ -52,7 +52,7 @@ class ArbitrationNode {
 
   static constexpr int kStopDepth = 100;  // messages queued while the process is stalled
 
-  static constexpr double kReminder = 10.0;        // [s] between two log lines with the same reason
+  static constexpr double kReminder = 10.0;  // [s] in which a reason that alternates is logged once
   static constexpr double kTellPerformance = 0.1;  // [1] smallest change that is logged
 
   explicit ArbitrationNode(rt::Node& node);
@@ -70,7 +70,7 @@ class ArbitrationNode {
   void watch();
   [[nodiscard]] Causes::Cause explain();
   void say_why();
-  void log_why();
+  void log_why(bool is_own);
   void publish_status();
 
   rt::Node& node_;

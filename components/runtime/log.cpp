@@ -128,8 +128,10 @@ void Logger::set_clock(std::function<double()> clock) {
   state_->start = state_->now();
 }
 
+double Logger::now() const { return state_->now(); }
+
 LogLevel Logger::missing_level() const {
-  return state_->now() < state_->start + State::kYouth ? LogLevel::kInfo : LogLevel::kWarn;
+  return now() < state_->start + State::kYouth ? LogLevel::kInfo : LogLevel::kWarn;
 }
 
 // The text may contain received strings (topics, frames, reasons): replace control characters.
@@ -173,11 +175,14 @@ void Logger::suppress(std::string_view key) {
 void StateLog::enter(LogLevel level, std::string_view key, const std::string& text,
                      const Place& place) {
   if (key == key_ && !is_pending_) return;
+  const double now = log_.now();
   if (key != key_) {
     leave();
     key_ = key;
+    entered_ = now;
   }
-  is_pending_ = !log_.try_write(period_, level, key, text, place);
+  const double period = now - entered_ >= kSettled ? 0.0 : period_;
+  is_pending_ = !log_.try_write(period, level, key, text, place);
 }
 
 void StateLog::enter_missing(const std::string& text, const Place& place) {
@@ -185,8 +190,8 @@ void StateLog::enter_missing(const std::string& text, const Place& place) {
 }
 
 void StateLog::leave() {
-  if (std::exchange(is_pending_, false)) log_.suppress(key_);
-  key_.clear();
+  if (std::exchange(is_pending_, false)) log_.suppress(*key_);
+  key_.reset();
 }
 
 }  // namespace tandem::runtime

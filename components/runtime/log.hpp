@@ -155,6 +155,7 @@ class TANDEM_EXPORT Logger {
                   fmt::format(format.text, std::forward<Args>(args)...), format.place);
   }
 
+  [[nodiscard]] double now() const;
   [[nodiscard]] LogLevel missing_level() const;
 
   /// False if a line with this key was written less than `period` [s] ago.
@@ -167,16 +168,18 @@ class TANDEM_EXPORT Logger {
   std::unique_ptr<State> state_;
 };
 
-/// Logs the states of a node, for example why it stands, each when it is entered, but at most once
-/// per period. A state that is entered again within the period is logged at its end if it still
-/// lasts, so that the log ends with the present state. Not thread-safe.
+/// Logs each state of a node, for example why it stands, when it is entered, at most once per
+/// period. A state that is entered again within the period is logged when it has lasted for
+/// kSettled or the period ends. Not thread-safe.
 class TANDEM_EXPORT StateLog {
  public:
+  static constexpr double kSettled = 1.0;  ///< [s]
+
   /// `period` [s]; `log` must outlive it.
   StateLog(Logger& log, double period) : log_{log}, period_{period} {}
 
-  /// To be called again and again while the state lasts. States with the same `key` are the same;
-  /// the text may differ, for example by a count.
+  /// Call it repeatedly while the state lasts. States with the same `key` are the same; the text
+  /// may differ, for example by a count.
   void enter(LogLevel level, std::string_view key, const std::string& text,
              const Place& place = Place::here());
   /// As enter(), for a missing input, with the level of Logger::missing_every().
@@ -187,8 +190,9 @@ class TANDEM_EXPORT StateLog {
  private:
   Logger& log_;
   double period_;
-  std::string key_;
-  bool is_pending_ = false;  ///< not logged yet
+  std::optional<std::string> key_;  ///< of the present state
+  double entered_ = 0.0;            ///< [s]
+  bool is_pending_ = false;         ///< not logged yet
 };
 
 }  // namespace tandem::runtime

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/shared_dwa/shared_dwa_node.hpp"
 
-#include <utility>
-
 #include "tandem/io/reason_code.hpp"
 #include "tandem/io/topics.hpp"
 #include "tandem/runtime/component.hpp"

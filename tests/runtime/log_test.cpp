@@ -58,6 +58,18 @@ TEST_F(StatesInALog, AreLoggedAfterThePeriodIfTheyReturnedWithinItAndLast) {
   EXPECT_EQ(lines_, (Lines{"no odometry", "no odometry"})) << "and no more";
 }
 
+TEST_F(StatesInALog, AreLoggedWithinALongPeriodOnceTheyHaveSettled) {
+  rt::StateLog states{log_, 10.0};
+  const auto enter = [&](const char* state) { states.enter(rt::LogLevel::kInfo, state, state); };
+  enter("in charge");
+  enter("silent");
+  for (now_ = 2.0; now_ < 2.95; now_ += 0.1) enter("in charge");
+  EXPECT_EQ(lines_, (Lines{"in charge", "silent"}));
+  now_ = 3.05;
+  enter("in charge");
+  EXPECT_EQ(lines_, (Lines{"in charge", "silent", "in charge"}));
+}
+
 TEST_F(StatesInALog, ThatAlternateAreCountedAndTheLastOneIsLogged) {
   for (int i = 0; i < 10; ++i, now_ += 0.05) {
     enter("in charge");

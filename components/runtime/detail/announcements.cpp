@@ -51,7 +51,7 @@ bool TokenBucket::take(double tokens, double now) {
 Announcements::Announcements()
     : hash_{std::random_device{}() * 0x100000001ULL},
       known_{64, hash_},
-      // calloc, because its pages take no memory until a participant is seen: 1 MB of each process.
+      // calloc: the 1 MB takes no memory until participants are seen.
       seen_{static_cast<Seen*>(std::calloc(kSlots, sizeof(Seen)))} {
   if (seen_ == nullptr) throw std::bad_alloc{};
 }
