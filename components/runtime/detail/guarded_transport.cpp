@@ -76,7 +76,8 @@ class GuardedTransport final : public transport::ChainingTransport {
     // The buffer belongs to the transport below; a chained transport may modify it.
     const std::span datagram{const_cast<rtps::octet*>(data), size};
     const double now = steady_seconds();
-    if (const auto goodbye = guard_.goodbye_before(datagram, now); !goodbye.empty())
+    const std::uint64_t source = std::uint64_t{source_of(from)} << 32 | from.port;
+    if (const auto goodbye = guard_.goodbye_before(datagram, source, now); !goodbye.empty())
       above->OnDataReceived(goodbye.data(), static_cast<std::uint32_t>(goodbye.size()), to, from);
     if (!guard_.admits(datagram, source_of(from), now)) return;
     // Serialize announcements: while Fast DDS 2.9.1 authenticates a participant, an announcement

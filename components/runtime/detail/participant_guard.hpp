@@ -25,9 +25,9 @@ class ParticipantGuard {
 
   /// If the datagram shows that its sender, a discovery server, has been started again: the goodbye
   /// of the one before, to be handed to the participant first. Otherwise empty. To be called before
-  /// admits(), with the same datagram.
+  /// admits(), with the same datagram. `from`: its source address and port.
   [[nodiscard]] std::vector<std::uint8_t> goodbye_before(std::span<std::uint8_t> datagram,
-                                                         double now);
+                                                         std::uint64_t from, double now);
   /// Whether to pass the datagram to Fast DDS. Removes submessages that would make Fast DDS keep
   /// too much. `source`: see WireGuard.
   [[nodiscard]] bool admits(std::span<std::uint8_t> datagram, std::uint32_t source, double now);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/runtime/detail/server_restarts.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -13,6 +14,7 @@ using namespace rtps_message;
 
 constexpr std::size_t kNumberAt = 2;  // of the server, in its prefix
 constexpr std::uint8_t kOwnGuid = 0x50;
+constexpr std::size_t kMostSources = 8;  // of a server with several addresses
 
 // The source time that an INFO_TS gives to the submessages after it, seconds first; 0 if it
 // invalidates the last one.
@@ -83,26 +85,43 @@ bool is_server(const GuidPrefix& prefix) {
   return numberless == kServer;
 }
 
-bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, double now) {
-  const bool is_known = number > 0;
-  if (is_known && at < time && !is_suspected(now)) return false;  // an old one that was delayed
-  const bool is_new = is_known && at != time && (announced <= number || is_suspected(now));
+bool ServerRestarts::Server::has(std::uint64_t source) const {
+  return std::find(sources.begin(), sources.end(), source) != sources.end();
+}
+
+void ServerRestarts::Server::add(std::uint64_t source) {
+  if (has(source)) return;
+  if (sources.size() == kMostSources) sources.erase(sources.begin());
+  sources.push_back(source);
+}
+
+bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, std::uint64_t from,
+                                      double now) {
+  const bool is_known = number > 0, is_suspected = is_known && !has(from);
+  if (is_known && at < time && !is_suspected) return false;  // an old one that was delayed
+  const bool is_new = is_known && at != time && (announced <= number || is_suspected);
   if (is_new && restarted && now - *restarted < kLeastLife) return false;
-  if (is_new) restarted = now;
+  if (is_new) {
+    restarted = now;
+    sources.clear();
+  }
   number = announced;
   time = at;
-  suspected_until = 0.0;
+  add(from);
   return is_new;
 }
 
-void ServerRestarts::Server::heed(std::uint32_t writer, std::uint32_t count, double now) {
-  Count& known = counts[writer];
-  if (count < known.last && now - known.at >= kLeastPause)
-    suspected_until = now + kLongestSuspicion;
-  known = {count, now};
+bool ServerRestarts::Server::suspects(std::uint64_t from, double now) {
+  if (sources.empty()) add(from);
+  if (has(from)) return false;
+  if (std::exchange(suspect, from) != from) suspected_since = now;
+  if (now - suspected_since < kLongestSuspicion) return true;
+  add(from);
+  return false;
 }
 
-bool ServerRestarts::are_shown_by(std::span<std::uint8_t> datagram, double now) {
+bool ServerRestarts::are_shown_by(std::span<std::uint8_t> datagram, std::uint64_t from,
+                                  double now) {
   const GuidPrefix prefix = prefix_at(datagram.data() + kPrefixAt);
   Server& server = servers_[prefix];
   std::uint64_t time = 0;
@@ -112,12 +131,10 @@ bool ServerRestarts::are_shown_by(std::span<std::uint8_t> datagram, double now) 
     const std::uint32_t writer = announcing_writer(submessage);
     if (writer == 0) continue;
     if (time > 0 && is_own_announcement(submessage, prefix)) {
-      if (!server.restarts(submessage.sequence_number(12), time, now)) continue;
-      server.counts.clear();
-      return true;
+      if (server.restarts(submessage.sequence_number(12), time, from, now)) return true;
+    } else if (server.suspects(from, now)) {
+      mark_removed(bytes_of(datagram, submessage));
     }
-    if (submessage.id == kHeartbeat) server.heed(writer, submessage.u32(24), now);
-    if (server.is_suspected(now)) mark_removed(bytes_of(datagram, submessage));
   }
   return false;
 }

@@ -24,39 +24,38 @@ namespace tandem::runtime {
 /// A server announces itself every 3 s, under the number and with the time that the announcement
 /// had at first. Another time under the same number is that of a new server: Fast DDS is then
 /// handed the goodbye that the old one had no time to send. Until then, what the new server
-/// announces must not be acknowledged. HEARTBEATs are counted from 1, so after a pause a lower
-/// count than before raises the suspicion. Not thread-safe.
+/// announces must not be acknowledged. It sends from another port than the old one, so its
+/// announcements are removed until the one of itself has come from there. Not thread-safe.
 class ServerRestarts {
  public:
-  /// [s], longer than the 3 s in which a server announces itself.
-  static constexpr double kLongestSuspicion = 5.0;
-  /// [s] without HEARTBEATs, which a restart takes. Closer ones may have overtaken each other.
-  static constexpr double kLeastPause = 0.2;
+  /// [s]; several announcements of itself may be lost. Afterwards it is taken for a live server's
+  /// second address.
+  static constexpr double kLongestSuspicion = 15.0;
   /// [s] between two restarts: announcements can be forged, and each goodbye has Fast DDS match the
   /// server anew.
   static constexpr double kLeastLife = 1.0;
 
-  /// Takes a valid datagram of a server; `now`: [s], steady clock. Removes announcements of a
-  /// server that is suspected. Returns whether the datagram shows that the server has been started
-  /// again; the old one's goodbye must then be handled first.
-  [[nodiscard]] bool are_shown_by(std::span<std::uint8_t> datagram, double now);
+  /// Takes a valid datagram of a server; `from`: its source address and port; `now`: [s], steady
+  /// clock. Removes announcements from a source of which the server has not announced itself.
+  /// Returns whether the datagram shows that the server has been started again; the old one's
+  /// goodbye must then be handled first.
+  [[nodiscard]] bool are_shown_by(std::span<std::uint8_t> datagram, std::uint64_t from, double now);
 
  private:
-  struct Count {
-    std::uint32_t last = 0;
-    double at = 0.0;  // [s]
-  };
   struct Server {
-    std::int64_t number = 0;                // of its announcement of itself; 0: not heard
-    std::uint64_t time = 0;                 // of the same, as in the message
-    double suspected_until = 0.0;           // [s]; of having been started again
-    std::optional<double> restarted;        // last time that it was [s]
-    std::map<std::uint32_t, Count> counts;  // of HEARTBEATs, by writer
+    std::int64_t number = 0;             // of its announcement of itself; 0: not heard
+    std::uint64_t time = 0;              // of the same, as in the message
+    std::optional<double> restarted;     // last time that it was [s]
+    std::vector<std::uint64_t> sources;  // the oldest first
+    std::uint64_t suspect = 0;           // another source,
+    double suspected_since = 0.0;        // since when [s]
 
     /// Takes its announcement of itself. Returns whether it is a new server's.
-    [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at, double now);
-    void heed(std::uint32_t writer, std::uint32_t count, double now);
-    [[nodiscard]] bool is_suspected(double now) const { return now < suspected_until; }
+    [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at, std::uint64_t from,
+                                double now);
+    [[nodiscard]] bool suspects(std::uint64_t from, double now);
+    [[nodiscard]] bool has(std::uint64_t source) const;
+    void add(std::uint64_t source);
   };
 
   std::map<GuidPrefix, Server> servers_;
