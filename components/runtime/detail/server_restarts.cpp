@@ -91,7 +91,8 @@ bool ServerRestarts::Server::has(std::uint64_t source) const {
 
 void ServerRestarts::Server::add(std::uint64_t source) {
   if (has(source)) return;
-  if (sources.size() == kMostSources) sources.erase(sources.begin());
+  if (sources.size() == kMostSources)
+    sources.pop_back();  // a forged one must not push out the first
   sources.push_back(source);
 }
 
@@ -101,12 +102,10 @@ bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, 
   if (is_known && at < time && !is_suspected) return false;  // an old one that was delayed
   const bool is_new = is_known && at != time && (announced <= number || is_suspected);
   if (is_new && restarted && now - *restarted < kLeastLife) return false;
-  if (is_new) {
-    restarted = now;
-    sources.clear();
-  }
+  if (is_new) restarted = now;
   number = announced;
   time = at;
+  suspected.reset();
   add(from);
   return is_new;
 }
@@ -114,8 +113,9 @@ bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, 
 bool ServerRestarts::Server::suspects(std::uint64_t from, double now) {
   if (sources.empty()) add(from);
   if (has(from)) return false;
-  if (std::exchange(suspect, from) != from) suspected_since = now;
-  if (now - suspected_since < kLongestSuspicion) return true;
+  const bool is_first = !suspected || now - *suspected > 2.0 * kLongestSuspicion;
+  if (is_first) suspected = now;
+  if (now - *suspected < kLongestSuspicion) return true;
   add(from);
   return false;
 }

@@ -28,15 +28,15 @@ namespace tandem::runtime {
 /// announcements are removed until the one of itself has come from there. Not thread-safe.
 class ServerRestarts {
  public:
-  /// [s]; several announcements of itself may be lost. Afterwards it is taken for a live server's
-  /// second address.
+  /// [s]; several announcements of itself may be lost. After that the source counts as a second
+  /// address of a live server.
   static constexpr double kLongestSuspicion = 15.0;
   /// [s] between two restarts: announcements can be forged, and each goodbye has Fast DDS match the
   /// server anew.
   static constexpr double kLeastLife = 1.0;
 
   /// Takes a valid datagram of a server; `from`: its source address and port; `now`: [s], steady
-  /// clock. Removes announcements from a source of which the server has not announced itself.
+  /// clock. Removes announcements from a source from which the server has not announced itself.
   /// Returns whether the datagram shows that the server has been started again; the old one's
   /// goodbye must then be handled first.
   [[nodiscard]] bool are_shown_by(std::span<std::uint8_t> datagram, std::uint64_t from, double now);
@@ -46,9 +46,8 @@ class ServerRestarts {
     std::int64_t number = 0;             // of its announcement of itself; 0: not heard
     std::uint64_t time = 0;              // of the same, as in the message
     std::optional<double> restarted;     // last time that it was [s]
-    std::vector<std::uint64_t> sources;  // the oldest first
-    std::uint64_t suspect = 0;           // another source,
-    double suspected_since = 0.0;        // since when [s]
+    std::vector<std::uint64_t> sources;  // also those before its restarts
+    std::optional<double> suspected;     // since when it has sent from other sources [s]
 
     /// Takes its announcement of itself. Returns whether it is a new server's.
     [[nodiscard]] bool restarts(std::int64_t announced, std::uint64_t at, std::uint64_t from,
