@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)announces_participant(datagram);
   std::vector<std::uint8_t> of_server = datagram;
   std::fill_n(of_server.begin() + rtps_message::kPrefixAt, rtps_message::kPrefixSize, 1);
-  (void)restarts.are_shown_by(of_server, now);
+  (void)restarts.are_shown_by(of_server, size % 3, now);  // from three ports
   (void)progress.narrow(datagram, now);
   (void)announcements.thin(datagram, now += 0.001);
   if (check_datagram(datagram, {}) != Drop::kNone) std::abort();
