@@ -22,7 +22,7 @@ function(tandem_add_component name)
                         INSTALL_RPATH "$ORIGIN/..")
   include(GNUInstallDirs)
   # It exports nothing, neither of its own code nor of the static libraries that it links: two modules
-  # may contain different versions of the same function.
+  # may contain different versions of the same function. It contains only the functions that it uses.
   target_link_options(tandem_${name} PRIVATE LINKER:--exclude-libs,ALL LINKER:--gc-sections)
   install(TARGETS tandem_${name} DESTINATION ${CMAKE_INSTALL_LIBDIR}/tandem)
   # For colcon, which adds it to the setup file of a workspace if the package's colcon.pkg names it.

@@ -14,7 +14,7 @@ using namespace rtps_message;
 
 constexpr std::size_t kNumberAt = 2;  // of the server, in its prefix
 constexpr std::uint8_t kOwnGuid = 0x50;
-constexpr std::size_t kMostSources = 8;  // of a server with several addresses
+constexpr std::size_t kMostSources = 8;  // of a server, also before its restarts
 
 // The source time that an INFO_TS gives to the submessages after it, seconds first; 0 if it
 // invalidates the last one.
