@@ -5,8 +5,8 @@
 // `peer join`: ends with 0 as soon as it has heard three messages of /odom.
 // `peer probe`: for 2 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy;
 // ends with 3 if it heard anything or anybody heard it. `peer meet N`: reports on /met once its
-// publisher of /meeting is matched with N subscriptions, one in each such process. `peer throw`: a
-// callback throws. Ends with 0 on SIGTERM.
+// publisher of /meeting is matched with N subscriptions, one in each such process. `peer pair`: has
+// two nodes. `peer throw`: a callback throws. Ends with 0 on SIGTERM.
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
@@ -114,6 +114,12 @@ void meet(int others) {
   node.spin();
 }
 
+void pair() {
+  rt::Node first{"first"};
+  const rt::Node second{"second"};
+  first.spin();
+}
+
 void throw_in_callback() {
   rt::Node node{"thrower"};
   const auto timer = node.create_timer(0.01, [] { throw std::runtime_error("on purpose"); });
@@ -132,6 +138,7 @@ int main(int argc, char** argv) try {
   if (mode == "trigger") trigger();
   if (mode == "ask") ask();
   if (mode == "meet" && argc > 2) meet(std::atoi(argv[2]));
+  if (mode == "pair") pair();
   if (mode == "throw") throw_in_callback();
   return 0;
 } catch (const std::exception& error) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tandem/runtime/log.hpp"
+#include "tandem/runtime/shutdown.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -89,7 +90,7 @@ void Graph::add_node(const NodeName& node) {
 void Graph::remove_node(const NodeName& node) {
   const std::lock_guard lock{mutex_};
   nodes_.erase(node.full());
-  announce();
+  if (!nodes_.empty()) announce();
 }
 
 void Graph::add_reader(const NodeName& node, const rtps::GUID_t& reader) {
@@ -109,9 +110,20 @@ void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
   auto& endpoints = endpoints_of(node);
   std::erase(endpoints.readers, endpoint);
   std::erase(endpoints.writers, endpoint);
-  if (kind_ == Nodes::kHidden && endpoints.readers.empty() && endpoints.writers.empty())
+  if (kind_ == Nodes::kHidden && endpoints.readers.empty() && endpoints.writers.empty()) {
     nodes_.erase(node.full());
-  announce();
+    announce();
+  } else if (is_listed(endpoint)) {
+    announce();
+  }
+}
+
+bool Graph::is_listed(const rtps::GUID_t& endpoint) const {
+  return std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& entry) {
+    const Endpoints& of = entry.second;
+    return std::count(of.readers.begin(), of.readers.end(), endpoint) > 0 ||
+           std::count(of.writers.begin(), of.writers.end(), endpoint) > 0;
+  });
 }
 
 Graph::Endpoints& Graph::endpoints_of(const NodeName& node) {
@@ -130,6 +142,7 @@ Graph::Batch::~Batch() {
 }
 
 void Graph::announce() {
+  if (shutting_down()) return;
   if (batches_ > 0)
     changed_ = true;
   else

@@ -20,6 +20,10 @@ namespace tandem::runtime {
 [[nodiscard]] std::optional<std::string> shown_name(const std::string& hidden);
 
 /// Publishes which endpoints each node of this process has, after each change or batch of changes.
+/// Changes that DDS discovery reports by itself are published only with the next one: the end of an
+/// endpoint, and of the last node, with which the participant ends. A ROS 2 tool that reads a late
+/// sample after the participant's end lists its nodes for good (rmw_dds_common's
+/// GraphCache::update_participant_entities), so a process that ends publishes none.
 class TANDEM_EXPORT_FOR_TESTS Graph {
  public:
   /// kOwn: the process's nodes. kHidden: the same nodes under hidden names ("_name_2"), so that
@@ -55,6 +59,8 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
 
   void announce();  // with mutex_ held
   void write();     // with mutex_ held
+  // Whether a node lists it, with mutex_ held: several nodes share the reader of a clock.
+  [[nodiscard]] bool is_listed(const rtps::GUID_t& endpoint) const;
   Endpoints& endpoints_of(const NodeName& node);
 
   Participant& participant_;

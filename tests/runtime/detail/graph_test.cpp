@@ -25,9 +25,8 @@ namespace tandem {
 namespace {
 
 using rmw_dds_common::msg::ParticipantEntitiesInfo;
-using test::spin_until;
-
 using test::kTimeout;
+using test::spin_until;
 
 class GraphTest : public testing::Test {
  protected:
@@ -104,37 +103,6 @@ TEST_F(GraphTest, ListsANodeWithTheGidsOfItsEndpoints) {
             (std::vector<int>{0, 0, 1, 0xc1}));  // a participant's entity id
   for (const auto& gid : node.writer_gid_seq())
     EXPECT_TRUE(std::equal(prefix, prefix + 12, gid.data().begin()));
-}
-
-TEST_F(GraphTest, ReportsABatchOfChangesInOneSample) {
-  std::vector<std::size_t> writers;  // of the node, sample by sample
-  rt::Reader every{*participant_,
-                   {"ros_discovery_info", codec_.dds_name(), {.depth = 100}},
-                   [&](const rt::Bytes& bytes, const auto&) {
-                     ParticipantEntitiesInfo info;
-                     EXPECT_TRUE(codec_.decode(bytes, &info));
-                     writers.push_back(info.node_entities_info_seq().at(0).writer_gid_seq().size());
-                     return true;
-                   },
-                   {[](std::size_t) {}, [] {}}};
-  const rt::Topic<std_msgs::msg::Bool> topic{"a"};
-  std::vector<rt::Publisher<std_msgs::msg::Bool>> publishers;
-  const auto publish = [&] { publishers.push_back(node_.create_publisher(topic)); };
-  ASSERT_TRUE(spin_until([&] { return every.matched() > 0; }, kTimeout, node_));
-  publish();
-  {
-    const rt::Graph::Batch outer{participant_->graph()}, inner{participant_->graph()};
-    publish();
-    publish();
-  }
-  publish();
-  ASSERT_TRUE(spin_until(
-      [&] {
-        every.drain();
-        return !writers.empty() && writers.back() == 4;
-      },
-      kTimeout, node_));
-  EXPECT_EQ(writers, (std::vector<std::size_t>{1, 3, 4}));
 }
 
 TEST_F(GraphTest, EncodesGidsOfSixteenBytes) {
