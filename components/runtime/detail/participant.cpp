@@ -33,6 +33,7 @@ constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kMulticast = "239.255.0.1";  // of discovery: OMG RTPS 2.5, 9.6.2.4.1
 constexpr int kParticipantThreads = 8;             // needed by Fast DDS 2.9, with some margin
 constexpr uint32_t kSocketBuffer = 4U << 20;       // [bytes]; the kernel lowers it to its own limit
+constexpr std::size_t kSendBuffers = 2;            // more are made when more threads send at once
 constexpr int kSpareIds = 16;  // asked beyond the own id, because others may start meanwhile
 
 // Resolves a host name to its first IPv4 address; an address resolves to itself.
@@ -188,6 +189,10 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
   // a participant exists and nobody finds it.
   qos.wire_protocol().builtin.mutation_tries =
       static_cast<uint32_t>(max_participant_id(environment.domain));
+  // Of 128 kB each. The default is one for each thread of DDS, and a sender that finds none free
+  // waits.
+  qos.allocation().send_buffers.preallocated_number = kSendBuffers;
+  qos.allocation().send_buffers.dynamic = true;
   set_super_client(qos);
   secure(qos, security);
   return qos;
