@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/joystick/joystick_node.hpp"
 
-#include <SDL2/SDL.h>
-
-#include <algorithm>
-#include <stdexcept>
+#include <cstdlib>
+#include <exception>
 #include <utility>
 
 #include "tandem/io/topics.hpp"
@@ -13,69 +11,17 @@
 namespace tandem {
 namespace {
 
-std::string text(const char* name) { return name == nullptr ? "?" : name; }
-
-// SDL counts its users. It must not handle Ctrl-C, and must report events although no window has
-// the focus.
-std::shared_ptr<void> start_sdl() {
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
-  SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
-  if (SDL_InitSubSystem(SDL_INIT_JOYSTICK) != 0)
-    throw std::runtime_error(std::string{"SDL cannot access joysticks: "} + SDL_GetError());
-  SDL_JoystickEventState(SDL_IGNORE);  // states are polled; the event queue is not read
-  static int token = 0;
-  return {&token, [](void*) { SDL_QuitSubSystem(SDL_INIT_JOYSTICK); }};
+// Whether to load SDL; its variable names further devices.
+bool may_have_device() {
+  return may_have_joystick() || std::getenv("SDL_JOYSTICK_DEVICE") != nullptr;
 }
 
-// Index of the device that the parameters select; −1: not present.
-int find_device(const JoystickNodeParams& params) {
-  const int count = SDL_NumJoysticks();
-  if (params.device_name.empty()) return params.device_id < count ? params.device_id : -1;
-  for (int i = 0; i < count; ++i)
-    if (text(SDL_JoystickNameForIndex(i)).find(params.device_name) != std::string::npos) return i;
-  return -1;
+std::unique_ptr<JoystickDevices> load_devices() {
+  void* made = rt::function_of_module("libtandem-sdl.so", "tandem_joysticks");
+  return std::unique_ptr<JoystickDevices>{reinterpret_cast<JoystickDevices* (*)()>(made)()};
 }
 
 }  // namespace
-
-class JoystickNode::Device {
- public:
-  explicit Device(int index) : joystick_{SDL_JoystickOpen(index)} {}
-  ~Device() {
-    if (joystick_ != nullptr) SDL_JoystickClose(joystick_);
-  }
-  Device(const Device&) = delete;
-  Device& operator=(const Device&) = delete;
-
-  [[nodiscard]] bool attached() const {
-    return joystick_ != nullptr && SDL_JoystickGetAttached(joystick_) == SDL_TRUE;
-  }
-  [[nodiscard]] std::string name() const { return text(SDL_JoystickName(joystick_)); }
-
-  /// `intensity` in [0, 1]; a device without motors ignores it.
-  void rumble(float intensity) const {
-    const float share = intensity > 0.0F ? std::min(intensity, 1.0F) : 0.0F;  // NaN: none
-    const auto strength = static_cast<Uint16>(65535.0F * share);
-    SDL_JoystickRumble(joystick_, strength, strength, kRumble);
-  }
-
-  [[nodiscard]] RawJoystick read() const {
-    RawJoystick raw;
-    for (int i = 0; i < SDL_JoystickNumAxes(joystick_); ++i)
-      raw.axes.push_back(SDL_JoystickGetAxis(joystick_, i));
-    for (int i = 0; i < SDL_JoystickNumButtons(joystick_); ++i)
-      raw.buttons.push_back(SDL_JoystickGetButton(joystick_, i) != 0);
-    for (int i = 0; i < SDL_JoystickNumHats(joystick_); ++i) {
-      const auto hat = SDL_JoystickGetHat(joystick_, i);
-      raw.hats.push_back({(hat & SDL_HAT_LEFT) != 0, (hat & SDL_HAT_RIGHT) != 0,
-                          (hat & SDL_HAT_UP) != 0, (hat & SDL_HAT_DOWN) != 0});
-    }
-    return raw;
-  }
-
- private:
-  SDL_Joystick* joystick_;
-};
 
 rt::Interface JoystickNode::interface() {
   return {.subscribes = {topics::joy_feedback},
@@ -88,11 +34,10 @@ JoystickNode::JoystickNode(rt::Node& node)
     : node_{node},
       params_{node.declare_parameters<Params>()},
       joystick_{params_->joystick},
-      sdl_{start_sdl()},
       joy_{node.create_publisher(topics::joy)} {
   feedback_ = node.create_subscription(topics::joy_feedback, [this](const auto& msg) {
     const bool rumbles = msg.type() == sensor_msgs::msg::JoyFeedback_Constants::TYPE_RUMBLE;
-    if (device_ && rumbles) device_->rumble(msg.intensity());
+    if (device_ && rumbles) device_->rumble(msg.intensity(), kRumble);
   });
   look();
   if (!device_) node.log().info("no joystick found; waiting for one");
@@ -105,7 +50,7 @@ void JoystickNode::poll_every(double period) {
 }
 
 void JoystickNode::poll() {
-  SDL_JoystickUpdate();
+  if (devices_) devices_->update();
   if (!device_) {
     look();
   } else if (!device_->attached()) {
@@ -125,15 +70,18 @@ void JoystickNode::poll() {
 }
 
 void JoystickNode::look() {
-  const int index = find_device(*params_);
-  if (index < 0) return;
-  auto device = std::make_shared<Device>(index);
-  if (!device->attached()) {
-    node_.log().warn_every(10.0, "joystick {} cannot be opened: {}", index, SDL_GetError());
-    return;
+  try {
+    open();
+  } catch (const std::exception& error) {
+    node_.log().warn_every(10.0, "{}", error.what());
   }
-  device_ = std::move(device);
-  node_.log().info("joystick: {}", device_->name());
+}
+
+void JoystickNode::open() {
+  if (!devices_ && may_have_device()) devices_ = load_devices();
+  if (!devices_) return;
+  device_ = devices_->open(params_->device_name, params_->device_id);
+  if (device_) node_.log().info("joystick: {}", device_->name());
 }
 
 }  // namespace tandem

@@ -194,6 +194,20 @@ const std::vector<std::string>& component_folders() {
   return folders;
 }
 
+void* function_of_module(const std::string& file, const char* symbol) {
+  for (const fs::path folder : component_folders()) {
+    std::error_code ignored;
+    if (!fs::exists(folder / file, ignored)) continue;
+    void* module = dlopen((folder / file).c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* function = module == nullptr ? nullptr : dlsym(module, symbol);
+    if (function == nullptr)
+      throw std::runtime_error(std::string{"install Tandem again: "} + dlerror());
+    return function;
+  }
+  throw std::runtime_error(
+      file + ", which belongs beside the modules of components, is missing: install Tandem again");
+}
+
 std::vector<std::string> list_components() {
   std::set<std::string> names;
   for (const auto& folder : component_folders()) names.merge(names_in(folder));

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "support/temporary_folder.hpp"
+#include "tandem/joystick/joystick_devices.hpp"
+
 namespace tandem {
 namespace {
 
@@ -82,6 +88,35 @@ TEST(Joystick, AButtonHeldAtConnectionCountsFromItsNextPress) {
     EXPECT_EQ(joystick.update(&device, 0.3)->buttons, (std::vector<int>{1, 1}));
     (void)joystick.update(nullptr, 0.4);
   }
+}
+
+class InputClass : public testing::Test {
+ protected:
+  // `axes`: as the kernel prints them.
+  void add(const std::string& device, const std::string& axes) const {
+    const auto capabilities = folder_.path() / device / "device/capabilities";
+    std::filesystem::create_directories(capabilities);
+    std::ofstream{capabilities / "abs"} << axes << "\n";
+  }
+  [[nodiscard]] bool may_have() const { return may_have_joystick(folder_.path()); }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(InputClass, MayHaveAJoystickIfADeviceHasAxes) {
+  EXPECT_FALSE(may_have_joystick("/nowhere"));
+  EXPECT_FALSE(may_have());
+  add("event0", "0");    // a power button
+  add("event1", "0 0");  // a keyboard
+  EXPECT_FALSE(may_have());
+  add("event2", "3003f");  // a gamepad
+  EXPECT_TRUE(may_have());
+}
+
+TEST_F(InputClass, MayHaveAJoystickWhoseAxesAreInTheHigherWord) {
+  add("event0", "100000000000000 0");
+  EXPECT_TRUE(may_have());
 }
 
 }  // namespace

@@ -56,13 +56,17 @@ class VirtualJoystick {
 class JoystickOverDds : public OneComponent {
  protected:
   JoystickOverDds() {
+    setenv("SDL_JOYSTICK_DEVICE", "/dev/null", 1);  // a reason to load SDL
     SDL_InitSubSystem(SDL_INIT_JOYSTICK);
     joy_ = node_.create_subscription(topics::joy, [this](const auto& msg) {
       last_ = msg;
       ++count_;
     });
   }
-  ~JoystickOverDds() override { SDL_QuitSubSystem(SDL_INIT_JOYSTICK); }
+  ~JoystickOverDds() override {
+    SDL_QuitSubSystem(SDL_INIT_JOYSTICK);
+    unsetenv("SDL_JOYSTICK_DEVICE");
+  }
 
   [[nodiscard]] bool pressed() const { return !last_.buttons().empty() && last_.buttons()[0] == 1; }
 
