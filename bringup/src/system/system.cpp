@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bringup/system/system.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <set>
@@ -82,6 +84,9 @@ bool wanted(const SystemNode& node, const std::vector<std::string>& only) {
   return only.empty() || std::find(only.begin(), only.end(), node.options.name) != only.end();
 }
 
+// [s]; after it, the memory that only the start needed is given back, which takes 1 ms.
+constexpr double kStart = 3.0;
+
 // Without it, a system in which all is well would print nothing.
 void announce(const System& system) {
   rt::Logger{"tandem"}.info("running the {} nodes of {} in domain {}; Ctrl-C stops them",
@@ -95,6 +100,7 @@ int run_here(const System& system, const std::vector<std::string>& only) {
     for (const auto& key : rt::unused_wildcard_keys())
       rt::Logger{"tandem"}.warn("{}: unknown parameter; no component of {} has it", key,
                                 system.path);
+  if (!rt::wait_for_shutdown(kStart)) malloc_trim(0);
   rt::wait_for_shutdown();
   running.stop();
   running.wait();
