@@ -176,7 +176,7 @@ TEST_F(StudyProgram, DrivesTheSameInAnotherCheckoutAndEnvironment) {
   const std::string copy = out("another checkout");
   fs::create_directories(copy + "/share");
   fs::create_directories(copy + "/somewhere");
-  ASSERT_EQ(std::system(("cp ../tandem ../libtandem_* '" + copy + "' && cp -rL ../share/tandem '" +
+  ASSERT_EQ(std::system(("cp ../tandem ../libtandem* '" + copy + "' && cp -rL ../share/tandem '" +
                          copy + "/share'")
                             .c_str()),
             0);

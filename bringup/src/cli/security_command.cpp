@@ -160,12 +160,6 @@ void create(const CreateRequest& request) {
 
 }  // namespace
 
-void add_enclave_option(CLI::App& command) {
-  command.add_option_function<std::string>("--enclave", rt::set_enclave,
-                                           "enclave in ROS_SECURITY_KEYSTORE, with "
-                                           "ROS_SECURITY_ENABLE=true");
-}
-
 void add_security_command(CLI::App& app) {
   auto* security = app.add_subcommand("security", "Keys and permissions for DDS Security");
   security->require_subcommand(1);

@@ -9,7 +9,4 @@ namespace tandem {
 
 void add_security_command(CLI::App& app);
 
-/// Adds `--enclave NAME` to a command that creates nodes.
-void add_enclave_option(CLI::App& command);
-
 }  // namespace tandem

@@ -133,13 +133,13 @@ std::uint64_t checksum_of(const fs::path& file, std::uint64_t sum) {
   return sum;
 }
 
-// Of the program, its runtime library and the modules of its components.
+// Of the program, its runtime library and its modules.
 std::string checksum_of_build() {
   std::set<fs::path> files;
   for (const fs::path folder : rt::component_folders()) {
     std::error_code missing;
     for (const auto& entry : fs::directory_iterator{folder, missing})
-      if (entry.path().filename().string().starts_with("libtandem_")) files.insert(entry.path());
+      if (entry.path().filename().string().starts_with("libtandem")) files.insert(entry.path());
   }
   std::uint64_t sum = checksum_of("/proc/self/exe", checksum({}));
   for (const auto& file : files) sum = checksum_of(file, sum);

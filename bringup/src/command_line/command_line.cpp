@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entry point of the program `tandem` with all its commands.
-#include <CLI/CLI.hpp>
+#include "bringup/command_line/command_line.hpp"
+
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
-#include "bringup/cli/describe_command.hpp"
-#include "bringup/cli/map_command.hpp"
-#include "bringup/cli/measure_command.hpp"
-#include "bringup/cli/metrics_command.hpp"
-#include "bringup/cli/play_command.hpp"
-#include "bringup/cli/record_command.hpp"
-#include "bringup/cli/robot_command.hpp"
-#include "bringup/cli/run_command.hpp"
-#include "bringup/cli/scenario_command.hpp"
-#include "bringup/cli/security_command.hpp"
-#include "bringup/cli/study_command.hpp"
-#include "bringup/cli/teleop_command.hpp"
-#include "bringup/system/container.hpp"
-#include "bringup/system/doctor.hpp"
+#include "tandem/runtime/dds_security.hpp"
 #include "tandem/version.hpp"
 
+namespace tandem {
 namespace {
 
 // The word in the position of a required command; empty if there is none.
@@ -43,27 +32,13 @@ std::string explained(const std::exception& error) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int run_command_line(int argc, char** argv,
+                     const std::function<void(CLI::App&, int& status)>& add) {
   CLI::App app{"Tandem: shared control for differential-drive robots"};
   app.require_subcommand(1);
   app.set_version_flag("--version", "tandem " TANDEM_VERSION);
   int status = 0;
-  tandem::add_run_command(app, status);
-  tandem::add_container_command(app);
-  tandem::add_teleop_command(app);
-  tandem::add_scenario_command(app, status);
-  tandem::add_study_command(app);
-  tandem::add_record_command(app);
-  tandem::add_play_command(app);
-  tandem::add_metrics_command(app);
-  tandem::add_measure_command(app);
-  tandem::add_robot_command(app);
-  tandem::add_doctor_command(app, status);
-  tandem::add_describe_command(app);
-  tandem::add_map_command(app);
-  tandem::add_security_command(app);
-  for (const char* command : {"run", "container", "teleop", "scenario", "record", "play", "doctor"})
-    tandem::add_enclave_option(*app.get_subcommand(command));
+  add(app, status);
   try {
     for (int i = 1; i < argc; ++i)  // CLI11 would treat an empty argument as not given
       if (*argv[i] == '\0')
@@ -86,3 +61,11 @@ int main(int argc, char** argv) {
     return 1;
   }
 }
+
+void add_enclave_option(CLI::App& command) {
+  command.add_option_function<std::string>("--enclave", runtime::set_enclave,
+                                           "enclave in ROS_SECURITY_KEYSTORE, with "
+                                           "ROS_SECURITY_ENABLE=true");
+}
+
+}  // namespace tandem

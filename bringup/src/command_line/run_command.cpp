@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bringup/cli/run_command.hpp"
+#include "bringup/command_line/run_command.hpp"
 
 #include <cstdio>
 #include <memory>
