@@ -132,10 +132,15 @@ bool DashboardNode::serve(Lane lane) {
 }
 
 void DashboardNode::look() {
-  topics_.look(clients_);
-  services_.look(clients_);
+  if (!clients_.empty()) look_at_domain();
+  topics_.rest();
   told_.clear();
   if (!came_to_.empty()) tell_trial(came_to_);
+}
+
+void DashboardNode::look_at_domain() {
+  topics_.look(clients_);
+  services_.look(clients_);
 }
 
 void DashboardNode::on_event(const WebEvent& event) {
@@ -161,6 +166,7 @@ void DashboardNode::on_event(const WebEvent& event) {
 }
 
 void DashboardNode::on_join(ClientId client) {
+  if (clients_.empty()) look_at_domain();  // nobody has looked since the last client left
   clients_.insert(client);
   const auto session = std::to_string(rt::system_nanoseconds());
   web_.send(client,

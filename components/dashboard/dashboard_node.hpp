@@ -48,7 +48,7 @@ class DashboardNode {
   using Params = DashboardParams;
 
   static constexpr double kTick = 0.005;  // [s] between two ticks, which handle the clients' events
-  static constexpr double kIdleTick = 0.05;     // [s] the same while no client is connected
+  static constexpr double kIdleTick = 0.1;      // [s] the same while no client is connected
   static constexpr double kUsual = 0.0015;      // [s] of a tick for frames of connected clients
   static constexpr double kLastWords = 0.0005;  // [s] of a tick for frames of clients that left
   static constexpr int kMaxUrgent = 64;         // emergency stop messages handled per tick
@@ -64,6 +64,7 @@ class DashboardNode {
   void start_ticks();
   void tick();
   void look();
+  void look_at_domain();
   bool serve(Lane lane);
   void serve_for(double time, Lane lane);
   void on_event(const WebEvent& event);

@@ -27,6 +27,7 @@ HapticsNode::HapticsNode(rt::Node& node)
     robot_ = {*twist, node_.steady_now()};
     clearance_ = msg.clearance();
   });
+  on_filter_.may_wait(kPeriod);  // it is read before feel() is called
   timer_ = node.create_wall_timer(kPeriod, [this] { feel(); });
 }
 

@@ -25,7 +25,7 @@ class HapticsNode {
   using Params = HapticsNodeParams;
 
   static constexpr double kPeriod = 0.1;   // [s]
-  static constexpr double kSilence = 0.2;  // [s] an older input is ignored
+  static constexpr double kSilence = 0.2;  // [s] an input that was read earlier is ignored
 
   explicit HapticsNode(rt::Node& node);
   [[nodiscard]] static rt::Interface interface();

@@ -77,7 +77,7 @@ class SdlJoysticks final : public JoystickDevices {
   }
 
  private:
-  // The number of joysticks if there is none of that name.
+  // The number of joysticks if no name contains `name`.
   static int index_of(const std::string& name) {
     int index = 0;
     const int count = SDL_NumJoysticks();

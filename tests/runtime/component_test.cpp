@@ -102,6 +102,28 @@ TEST(Component, WhoseFileIsCutOffIsRefused) {
   std::filesystem::remove(cut);
 }
 
+std::string complaint_about(const std::string& module, const char* symbol) {
+  try {
+    (void)rt::function_of_module(module, symbol);
+    return "";
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+TEST(Module, IsNamedWithTheRemedyIfItIsMissingOrBroken) {
+  const auto expect = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+    EXPECT_NE(text.find("install Tandem again"), std::string::npos) << text;
+  };
+  expect(complaint_about("libtandem-absent.so", "f"), "libtandem-absent.so");
+  expect(complaint_about("libtandem_test_component.so", "no_such_function"), "no_such_function");
+  const auto broken = std::filesystem::path{test::binary_path("tests")} / "libtandem-broken.so";
+  std::ofstream{broken} << "text";
+  expect(complaint_about("libtandem-broken.so", "f"), "libtandem-broken.so");
+  std::filesystem::remove(broken);
+}
+
 TEST(Component, NameThatIsNoFileNameIsRefused) {
   for (const std::string& name :
        {std::string{"../../x"}, std::string{"/tmp/x"}, std::string{}, std::string(300, 'a'),

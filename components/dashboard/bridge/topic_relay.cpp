@@ -55,7 +55,6 @@ void TopicRelay::look(const std::set<ClientId>& clients) {
   if (!come.empty()) web_.send_text(clients, foxglove::advertise(come));
   if (!gone.empty()) web_.send_text(clients, foxglove::unadvertise(gone));
   if (!come.empty() || !gone.empty()) announcement_.reset();
-  rest();
 }
 
 void TopicRelay::announce_all(ClientId client) {

@@ -35,6 +35,8 @@ class TopicRelay {
   void unsubscribe(ClientId client, const foxglove::Unsubscribe& request);
   /// Subscribes to one of the topics that clients are waiting for.
   void listen_to_next();
+  /// Ends one of the subscriptions that no client has used for kRest; to be called regularly.
+  void rest();
 
   /// Sends a message on an own channel, if the client subscribes to it.
   void send_own(ClientId client, std::uint32_t channel, const std::string& payload);
@@ -62,7 +64,6 @@ class TopicRelay {
   void listen(Relayed& relayed);
   void relay(Relayed& relayed, const std::vector<std::uint8_t>& bytes);
   void send(const Listener& to, const Body& body);
-  void rest();
 
   rt::Node& node_;
   WebServer& web_;
