@@ -91,7 +91,7 @@ ArbitrationNode::ArbitrationNode(rt::Node& node)
         arbiter_.on_filter(nothing_passes ? msg.reason() : "", node_.now());
       })} {
   for (TwistInput* input : {&user_, &shared_, &nav_}) input->set_frames(params_->frames);
-  filter_.may_wait(kRepeat);  // it explains a stop, and decides nothing
+  filter_.may_wait(kStatusPeriod);  // it explains a stop, and decides nothing
   // As if a sender had pressed and left; sequence numbers begin at 1.
   if (params_->start_stopped) on_stop(rt::PublisherId{}, 1, true);
   subscribe_emergency_stop();
@@ -195,11 +195,14 @@ void ArbitrationNode::watch() {
   if (stands_without_clock()) return;
   const Source in_charge = arbiter_.decide(node_.now()).source;
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;
-  if (just_stopped || node_.steady_now() - published_ >= kRepeat) decide(in_charge);
+  if (just_stopped || node_.steady_now() >= repeat_at()) decide(in_charge);
   say_why();
   // While nothing drives, there is nothing to watch until the stop is repeated.
-  if (in_charge == Source::kNone) watchdog_.skip_until(published_ + kRepeat);
+  if (in_charge == Source::kNone) watchdog_.skip_until(repeat_at());
 }
+
+// Half a tick early, because published_ is a little later than its tick.
+double ArbitrationNode::repeat_at() const { return published_ + kRepeat - 0.5 * kWatchdog; }
 
 // Reason and remedy: those of the first cause, if other nodes' troubles lead to one.
 Causes::Cause ArbitrationNode::explain() {

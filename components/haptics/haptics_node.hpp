@@ -25,7 +25,7 @@ class HapticsNode {
   using Params = HapticsNodeParams;
 
   static constexpr double kPeriod = 0.1;   // [s]
-  static constexpr double kSilence = 0.2;  // [s] an input that was read earlier is ignored
+  static constexpr double kSilence = 0.2;  // [s] an input is ignored this long after it was read
 
   explicit HapticsNode(rt::Node& node);
   [[nodiscard]] static rt::Interface interface();

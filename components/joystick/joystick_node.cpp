@@ -7,6 +7,7 @@
 
 #include "tandem/io/topics.hpp"
 #include "tandem/runtime/component.hpp"
+#include "tandem/runtime/extension.hpp"
 
 namespace tandem {
 namespace {
@@ -17,7 +18,7 @@ bool may_have_device() {
 }
 
 std::unique_ptr<JoystickDevices> load_devices() {
-  void* made = rt::function_of_module("libtandem-sdl.so", "tandem_joysticks");
+  void* made = rt::function_of_extension("sdl", "tandem_joysticks");
   return std::unique_ptr<JoystickDevices>{reinterpret_cast<JoystickDevices* (*)()>(made)()};
 }
 

@@ -15,14 +15,11 @@ std::string text(const char* name) { return name == nullptr ? "?" : name; }
 
 class SdlJoystick final : public JoystickDevice {
  public:
-  explicit SdlJoystick(int index) : joystick_{SDL_JoystickOpen(index)} {
+  explicit SdlJoystick(int index) : owned_{SDL_JoystickOpen(index)}, joystick_{owned_.get()} {
     if (joystick_ == nullptr || !attached())
       throw std::runtime_error("joystick " + std::to_string(index) +
                                " cannot be opened: " + SDL_GetError());
   }
-  ~SdlJoystick() override { SDL_JoystickClose(joystick_); }
-  SdlJoystick(const SdlJoystick&) = delete;
-  SdlJoystick& operator=(const SdlJoystick&) = delete;
 
   [[nodiscard]] bool attached() const override {
     return SDL_JoystickGetAttached(joystick_) == SDL_TRUE;
@@ -50,6 +47,10 @@ class SdlJoystick final : public JoystickDevice {
   }
 
  private:
+  struct Close {
+    void operator()(SDL_Joystick* joystick) const { SDL_JoystickClose(joystick); }
+  };
+  std::unique_ptr<SDL_Joystick, Close> owned_;
   SDL_Joystick* joystick_;
 };
 

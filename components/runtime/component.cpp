@@ -16,6 +16,7 @@
 #include "tandem/runtime/detail/dds_node.hpp"
 #include "tandem/runtime/detail/graph.hpp"
 #include "tandem/runtime/detail/module_file.hpp"
+#include "tandem/runtime/detail/module_folders.hpp"
 #include "tandem/runtime/every_node.hpp"
 #include "tandem/runtime/names.hpp"
 #include "tandem/runtime/node_thread.hpp"
@@ -46,19 +47,6 @@ std::optional<Component> find_registered(const std::string& name) {
   return found->second;
 }
 
-fs::path program_folder() {
-  std::error_code ignored;
-  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
-}
-
-// The path of libtandem_runtime.so.
-fs::path runtime_file() {
-  Dl_info info{};
-  if (dladdr(reinterpret_cast<const void*>(&registry), &info) == 0) return {};
-  std::error_code ignored;
-  return fs::weakly_canonical(info.dli_fname, ignored);
-}
-
 fs::path file_of(const std::string& component) {
   return std::string{kModulePrefix} + component + std::string{kSuffix};
 }
@@ -70,13 +58,9 @@ std::vector<std::string> find_folders() {
     for (std::string folder; std::getline(stream, folder, ':');)
       if (!folder.empty()) folders.push_back(fs::absolute(folder));
   }
-  folders.push_back(program_folder());
-  if (const auto folder = runtime_file().parent_path(); !folder.empty()) {
-    if (folder != program_folder()) folders.push_back(folder);
-    folders.push_back(folder / "tandem");
-    // A component that is built beside Debian's packages goes to /usr/local unless told otherwise.
-    if (folder.string().starts_with("/usr/lib/")) folders.push_back("/usr/local/lib/tandem");
-  }
+  for (const auto& folder : own_module_folders()) folders.push_back(folder);
+  // A component that is built beside Debian's packages goes to /usr/local unless told otherwise.
+  if (runtime_file().string().starts_with("/usr/lib/")) folders.push_back("/usr/local/lib/tandem");
   return folders;
 }
 
@@ -192,20 +176,6 @@ bool register_component(const char* name, const Component& component) {
 const std::vector<std::string>& component_folders() {
   static const std::vector<std::string> folders = find_folders();
   return folders;
-}
-
-void* function_of_module(const std::string& file, const char* symbol) {
-  for (const fs::path folder : component_folders()) {
-    std::error_code ignored;
-    if (!fs::exists(folder / file, ignored)) continue;
-    void* module = dlopen((folder / file).c_str(), RTLD_NOW | RTLD_LOCAL);
-    void* function = module == nullptr ? nullptr : dlsym(module, symbol);
-    if (function == nullptr)
-      throw std::runtime_error(std::string{"install Tandem again: "} + dlerror());
-    return function;
-  }
-  throw std::runtime_error(
-      file + ", which belongs beside the modules of components, is missing: install Tandem again");
 }
 
 std::vector<std::string> list_components() {

@@ -79,10 +79,6 @@ template <class C>
 /// /usr/local/lib/tandem. Absolute, and found once: what becomes of the environment or the current
 /// folder later has no effect.
 [[nodiscard]] TANDEM_EXPORT const std::vector<std::string>& component_folders();
-/// The function `symbol` of a module that is no component, such as libtandem-commands.so, which is
-/// searched in component_folders(), loaded and never unloaded. Throws std::runtime_error, naming
-/// the file and the remedy, if it is missing or cannot be loaded.
-[[nodiscard]] TANDEM_EXPORT void* function_of_module(const std::string& file, const char* symbol);
 /// Names of the components that can be loaded: registered ones, and those of modules that were
 /// built for this Tandem.
 [[nodiscard]] TANDEM_EXPORT std::vector<std::string> list_components();

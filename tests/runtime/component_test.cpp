@@ -9,11 +9,13 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "support/paths.hpp"
 #include "support/private_domain.hpp"
 #include "support/spin_until.hpp"
+#include "tandem/runtime/extension.hpp"
 
 namespace tandem {
 namespace {
@@ -102,25 +104,26 @@ TEST(Component, WhoseFileIsCutOffIsRefused) {
   std::filesystem::remove(cut);
 }
 
-std::string complaint_about(const std::string& module, const char* symbol) {
+std::string complaint_about(const std::string& extension) {
   try {
-    (void)rt::function_of_module(module, symbol);
+    (void)rt::function_of_extension(extension, "no_such_function");
     return "";
   } catch (const std::runtime_error& error) {
     return error.what();
   }
 }
 
-TEST(Module, IsNamedWithTheRemedyIfItIsMissingOrBroken) {
-  const auto expect = [](const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text;
-    EXPECT_NE(text.find("install Tandem again"), std::string::npos) << text;
-  };
-  expect(complaint_about("libtandem-absent.so", "f"), "libtandem-absent.so");
-  expect(complaint_about("libtandem_test_component.so", "no_such_function"), "no_such_function");
+TEST(Extension, IsNamedWithTheRemedyIfItCannotBeUsed) {
   const auto broken = std::filesystem::path{test::binary_path("tests")} / "libtandem-broken.so";
   std::ofstream{broken} << "text";
-  expect(complaint_about("libtandem-broken.so", "f"), "libtandem-broken.so");
+  for (const auto& [name, fault] :
+       {std::pair{"absent", "libtandem-absent.so is in none of"},
+        std::pair{"broken", "libtandem-broken.so"}, std::pair{"outdated", "is of Tandem 0.0.1"},
+        std::pair{"empty", "no_such_function"}}) {
+    const std::string text = complaint_about(name);
+    EXPECT_NE(text.find(fault), std::string::npos) << text;
+    EXPECT_NE(text.find("install Tandem again"), std::string::npos) << text;
+  }
   std::filesystem::remove(broken);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other process of the runtime's tests. `peer echo`: sends each Twist of /ping back on /pong.
-// `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer.
-// `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on /pong.
-// `peer join`: ends with 0 as soon as it has heard three messages of /odom.
-// `peer probe`: for 2 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy;
-// ends with 3 if it heard anything or anybody heard it. `peer meet N`: reports on /met once its
-// publisher of /meeting is matched with N subscriptions, one in each such process. `peer pair`: has
-// two nodes. `peer throw`: a callback throws. Ends with 0 on SIGTERM.
+// `peer trigger`: serves /trigger. `peer ask`: calls it once and prints the answer; it has two
+// nodes. `peer listen`: answers each Odometry, Joy and PointCloud2 of /odom, /joy and /points on
+// /pong. `peer join`: ends with 0 as soon as it has heard three messages of /odom. `peer probe`:
+// for 2 s hears /cmd_vel, /odom and /joy and drives backwards on /cmd_vel and /joy; ends with 3 if
+// it heard anything or anybody heard it. `peer meet N`: reports on /met once its publisher of
+// /meeting is matched with N subscriptions, one in each such process. `peer pair`: has two nodes.
+// `peer throw`: a callback throws. Ends with 0 on SIGTERM.
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
@@ -90,6 +90,7 @@ void trigger() {
 }
 
 void ask() {
+  const rt::Node beside{"beside"};
   rt::Node node{"asker"};
   const auto client = node.create_client(rt::ServiceName<Trigger>{"trigger"});
   constexpr double kPatience = 30.0;  // [s]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entry point of the program `tandem`. A process of a robot loads only what runs nodes: the other
-// commands are in a module, with the libraries that they need for pictures, studies and recordings.
+// Entry point of the program `tandem`. It contains the commands `run` and `container`, which start
+// robots; the others are in an extension, with their libraries for pictures, studies and
+// recordings.
 #include <cstdio>
 #include <exception>
 #include <string_view>
@@ -8,7 +9,7 @@
 #include "bringup/command_line/command_line.hpp"
 #include "bringup/command_line/run_command.hpp"
 #include "bringup/system/container.hpp"
-#include "tandem/runtime/component.hpp"
+#include "tandem/runtime/extension.hpp"
 
 namespace {
 
@@ -26,8 +27,7 @@ int main(int argc, char** argv) {
   if (command == "run" || command == "container")
     return tandem::run_command_line(argc, argv, add_commands_of_a_robot);
   try {
-    void* commands =
-        tandem::runtime::function_of_module("libtandem-commands.so", "tandem_commands");
+    void* commands = tandem::runtime::function_of_extension("commands", "tandem_commands");
     return reinterpret_cast<int (*)(int, char**)>(commands)(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tandem: %s\n", error.what());

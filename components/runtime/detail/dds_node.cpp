@@ -97,7 +97,10 @@ DdsNode::DdsNode(NodeOptions node_options)
   report_security(participant_->security());
   participant_->graph().add_node(name);
   guard_report_ = std::make_unique<GuardReport>(*this);
-  guard_poller_->poll = [this](double steady_now) { return guard_report_->poll(steady_now); };
+  guard_poller_->poll = [this](double steady_now) {
+    participant_->publish_ends();
+    return guard_report_->poll(steady_now);
+  };
   add(guard_poller_);
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "tandem/runtime/log.hpp"
-#include "tandem/runtime/shutdown.hpp"
 
 namespace tandem::runtime {
 namespace {
@@ -90,7 +89,7 @@ void Graph::add_node(const NodeName& node) {
 void Graph::remove_node(const NodeName& node) {
   const std::lock_guard lock{mutex_};
   nodes_.erase(node.full());
-  if (!nodes_.empty()) announce();
+  has_ended_ = true;
 }
 
 void Graph::add_reader(const NodeName& node, const rtps::GUID_t& reader) {
@@ -110,20 +109,14 @@ void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
   auto& endpoints = endpoints_of(node);
   std::erase(endpoints.readers, endpoint);
   std::erase(endpoints.writers, endpoint);
-  if (kind_ == Nodes::kHidden && endpoints.readers.empty() && endpoints.writers.empty()) {
+  if (kind_ == Nodes::kHidden && endpoints.readers.empty() && endpoints.writers.empty())
     nodes_.erase(node.full());
-    announce();
-  } else if (is_listed(endpoint)) {
-    announce();
-  }
+  has_ended_ = true;
 }
 
-bool Graph::is_listed(const rtps::GUID_t& endpoint) const {
-  return std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& entry) {
-    const Endpoints& of = entry.second;
-    return std::count(of.readers.begin(), of.readers.end(), endpoint) > 0 ||
-           std::count(of.writers.begin(), of.writers.end(), endpoint) > 0;
-  });
+void Graph::publish_ends() {
+  const std::lock_guard lock{mutex_};
+  if (has_ended_) announce();
 }
 
 Graph::Endpoints& Graph::endpoints_of(const NodeName& node) {
@@ -142,7 +135,6 @@ Graph::Batch::~Batch() {
 }
 
 void Graph::announce() {
-  if (shutting_down()) return;
   if (batches_ > 0)
     changed_ = true;
   else
@@ -150,6 +142,7 @@ void Graph::announce() {
 }
 
 void Graph::write() {
+  has_ended_ = false;
   const rtps::GUID_t& self = participant_.dds().guid();
   Bytes bytes;
   const bool encoded = participant_.speaks_humble() ? encode<Humble>(self, nodes_, bytes)

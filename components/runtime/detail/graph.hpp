@@ -20,10 +20,10 @@ namespace tandem::runtime {
 [[nodiscard]] std::optional<std::string> shown_name(const std::string& hidden);
 
 /// Publishes which endpoints each node of this process has, after each change or batch of changes.
-/// Changes that DDS discovery reports by itself are published only with the next one: the end of an
-/// endpoint, and of the last node, with which the participant ends. A ROS 2 tool that reads a late
-/// sample after the participant's end lists its nodes for good (rmw_dds_common's
-/// GraphCache::update_participant_entities), so a process that ends publishes none.
+/// Ends of nodes and endpoints are published with the next other change or by publish_ends(), which
+/// nobody calls in a process that is ending. A ROS 2 tool that reads a sample after the
+/// participant's end would list its nodes for good, because rmw_dds_common takes the participant up
+/// again (GraphCache::update_participant_entities).
 class TANDEM_EXPORT_FOR_TESTS Graph {
  public:
   /// kOwn: the process's nodes. kHidden: the same nodes under hidden names ("_name_2"), so that
@@ -50,6 +50,8 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
   void add_reader(const NodeName& node, const rtps::GUID_t& reader);
   void add_writer(const NodeName& node, const rtps::GUID_t& writer);
   void remove(const NodeName& node, const rtps::GUID_t& endpoint);
+  /// Publishes the ends since the last sample, if there are any.
+  void publish_ends();
 
  private:
   struct Endpoints {
@@ -59,8 +61,6 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
 
   void announce();  // with mutex_ held
   void write();     // with mutex_ held
-  // Whether a node lists it, with mutex_ held: several nodes share the reader of a clock.
-  [[nodiscard]] bool is_listed(const rtps::GUID_t& endpoint) const;
   Endpoints& endpoints_of(const NodeName& node);
 
   Participant& participant_;
@@ -69,7 +69,8 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
   std::mutex mutex_;
   std::map<std::string, Endpoints> nodes_;  // key: full name
   int batches_ = 0;
-  bool changed_ = false;  // during the current batches
+  bool changed_ = false;    // during the current batches
+  bool has_ended_ = false;  // a node or endpoint, since the last sample
 };
 
 }  // namespace tandem::runtime

@@ -171,6 +171,16 @@ void secure(fdds::DomainParticipantQos& qos, const Security& security) {
   for (const auto& [name, value] : security.properties) properties.emplace_back(name, value);
 }
 
+// Of 128 kB each. Fast DDS's default, written 0, is one for each of its threads, and a sender that
+// finds none free waits.
+void set_send_buffers(fdds::DomainParticipantQos& qos) {
+  auto& buffers = qos.allocation().send_buffers;
+  const bool from_profile = buffers.preallocated_number > 0 || buffers.dynamic;
+  if (from_profile) return;
+  buffers.preallocated_number = kSendBuffers;
+  buffers.dynamic = true;
+}
+
 fdds::DomainParticipantQos participant_qos(const Environment& environment,
                                            const Security& security) {
   fdds::DomainParticipantQos qos;
@@ -189,10 +199,7 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
   // a participant exists and nobody finds it.
   qos.wire_protocol().builtin.mutation_tries =
       static_cast<uint32_t>(max_participant_id(environment.domain));
-  // Of 128 kB each. The default is one for each thread of DDS, and a sender that finds none free
-  // waits.
-  qos.allocation().send_buffers.preallocated_number = kSendBuffers;
-  qos.allocation().send_buffers.dynamic = true;
+  set_send_buffers(qos);
   set_super_client(qos);
   secure(qos, security);
   return qos;
@@ -335,6 +342,16 @@ Participant& Participant::second() {
   const std::lock_guard lock{mutex_};
   if (!second_) second_.reset(new Participant{environment_, security_, false});
   return *second_;
+}
+
+void Participant::publish_ends() {
+  graph_->publish_ends();
+  Participant* second = nullptr;
+  {
+    const std::lock_guard lock{mutex_};  // DDS must not be called with it held
+    second = second_.get();
+  }
+  if (second != nullptr) second->graph_->publish_ends();
 }
 
 std::shared_ptr<ClockSource> Participant::clock(const Endpoint& endpoint) {

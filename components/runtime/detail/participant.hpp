@@ -56,6 +56,8 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   [[nodiscard]] fdds::Publisher& publisher() { return *publisher_; }
   [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
   [[nodiscard]] Graph& graph() { return *graph_; }
+  /// Publishes which nodes and endpoints have ended. Each node calls it once a second.
+  void publish_ends();
   [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// The process's reader of a clock topic with that QoS; exists as long as anybody follows it.
   [[nodiscard]] std::shared_ptr<ClockSource> clock(const Endpoint& endpoint);

@@ -149,9 +149,9 @@ TEST_F(EndOfAProcess, BySignalIsNotPublished) {
   });
 }
 
-TEST_F(EndOfAProcess, WithItsOnlyNodeIsNotPublished) {
+TEST_F(EndOfAProcess, WithoutASignalIsNotPublished) {
   std::optional<rt::Service> service;
-  expect_no_sample_of_the_end("ask", 1, [&](ChildProcess& peer) {
+  expect_no_sample_of_the_end("ask", 2, [&](ChildProcess& peer) {
     service.emplace(node_.create_service(rt::ServiceName<std_srvs::srv::Trigger>{"trigger"},
                                          [](const auto&, auto&) {}));
     std::optional<int> status;
