@@ -33,7 +33,6 @@ constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kMulticast = "239.255.0.1";  // of discovery: OMG RTPS 2.5, 9.6.2.4.1
 constexpr int kParticipantThreads = 8;             // needed by Fast DDS 2.9, with some margin
 constexpr uint32_t kSocketBuffer = 4U << 20;       // [bytes]; the kernel lowers it to its own limit
-constexpr std::size_t kSendBuffers = 2;            // more are made when more threads send at once
 constexpr int kSpareIds = 16;  // asked beyond the own id, because others may start meanwhile
 
 // Resolves a host name to its first IPv4 address; an address resolves to itself.
@@ -171,16 +170,6 @@ void secure(fdds::DomainParticipantQos& qos, const Security& security) {
   for (const auto& [name, value] : security.properties) properties.emplace_back(name, value);
 }
 
-// Of 128 kB each. Fast DDS's default, written 0, is one for each of its threads, and a sender that
-// finds none free waits.
-void set_send_buffers(fdds::DomainParticipantQos& qos) {
-  auto& buffers = qos.allocation().send_buffers;
-  const bool from_profile = buffers.preallocated_number > 0 || buffers.dynamic;
-  if (from_profile) return;
-  buffers.preallocated_number = kSendBuffers;
-  buffers.dynamic = true;
-}
-
 fdds::DomainParticipantQos participant_qos(const Environment& environment,
                                            const Security& security) {
   fdds::DomainParticipantQos qos;
@@ -199,7 +188,6 @@ fdds::DomainParticipantQos participant_qos(const Environment& environment,
   // a participant exists and nobody finds it.
   qos.wire_protocol().builtin.mutation_tries =
       static_cast<uint32_t>(max_participant_id(environment.domain));
-  set_send_buffers(qos);
   set_super_client(qos);
   secure(qos, security);
   return qos;
