@@ -195,14 +195,9 @@ void ArbitrationNode::watch() {
   if (stands_without_clock()) return;
   const Source in_charge = arbiter_.decide(node_.now()).source;
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;
-  if (just_stopped || node_.steady_now() >= repeat_at()) decide(in_charge);
+  if (just_stopped || node_.steady_now() - published_ >= kRepeat) decide(in_charge);
   say_why();
-  // While nothing drives, there is nothing to watch until the stop is repeated.
-  if (in_charge == Source::kNone) watchdog_.skip_until(repeat_at());
 }
-
-// Half a tick early, because published_ is a little later than its tick.
-double ArbitrationNode::repeat_at() const { return published_ + kRepeat - 0.5 * kWatchdog; }
 
 // Reason and remedy: those of the first cause, if other nodes' troubles lead to one.
 Causes::Cause ArbitrationNode::explain() {

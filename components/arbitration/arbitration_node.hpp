@@ -38,7 +38,7 @@ struct ArbitrationNodeParams {
 /// safety_filter/status, /diagnostics → cmd_vel_arbitrated, arbitration/status, /diagnostics.
 ///
 /// Passes a command on when it arrives, repeats the command in force in between, and publishes zero
-/// as soon as the source in charge is silent. Status and diagnostics report within 25 ms why the
+/// as soon as the source in charge is silent. Status and diagnostics report within 13 ms why the
 /// robot stands, including causes in teleop, planner, safety filter or a node upstream of them:
 /// when nodes wait for each other's topics, the first cause is reported. Services: ~/set_policy,
 /// ~/release_emergency_stop.
@@ -68,7 +68,6 @@ class ArbitrationNode {
   void decide(Source arrived);
   [[nodiscard]] bool stands_without_clock();
   void watch();
-  [[nodiscard]] double repeat_at() const;
   [[nodiscard]] Causes::Cause explain();
   void say_why();
   void log_why(bool is_own);

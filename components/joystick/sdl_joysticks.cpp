@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joysticks by SDL 2; libtandem-sdl.so. It is loaded when there may be a joystick, because SDL
-// brings four megabytes of libraries for windows and sound.
+// brings five megabytes of libraries for windows and sound.
 #include <SDL2/SDL.h>
 
 #include <algorithm>

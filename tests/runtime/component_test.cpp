@@ -124,6 +124,7 @@ TEST(Extension, IsNamedWithTheRemedyIfItCannotBeUsed) {
     EXPECT_NE(text.find(fault), std::string::npos) << text;
     EXPECT_NE(text.find("install Tandem again"), std::string::npos) << text;
   }
+  EXPECT_EQ(complaint_about("broken").find("is in none of"), std::string::npos);
   std::filesystem::remove(broken);
 }
 

@@ -98,7 +98,7 @@ DdsNode::DdsNode(NodeOptions node_options)
   participant_->graph().add_node(name);
   guard_report_ = std::make_unique<GuardReport>(*this);
   guard_poller_->poll = [this](double steady_now) {
-    participant_->publish_ends();
+    if (!stopped()) participant_->publish_ends();
     return guard_report_->poll(steady_now);
   };
   add(guard_poller_);

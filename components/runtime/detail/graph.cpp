@@ -2,6 +2,7 @@
 #include "tandem/runtime/detail/graph.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -115,8 +116,9 @@ void Graph::remove(const NodeName& node, const rtps::GUID_t& endpoint) {
 }
 
 void Graph::publish_ends() {
-  const std::lock_guard lock{mutex_};
-  if (has_ended_) announce();
+  if (!has_ended_) return;
+  const std::unique_lock lock{mutex_, std::try_to_lock};  // else the next call does it
+  if (lock && has_ended_) announce();
 }
 
 Graph::Endpoints& Graph::endpoints_of(const NodeName& node) {
@@ -131,7 +133,11 @@ Graph::Batch::Batch(Graph& graph) : graph_{graph} {
 
 Graph::Batch::~Batch() {
   const std::lock_guard lock{graph_.mutex_};
-  if (--graph_.batches_ == 0 && std::exchange(graph_.changed_, false)) graph_.write();
+  if (--graph_.batches_ > 0 || !std::exchange(graph_.changed_, false)) return;
+  if (std::uncaught_exceptions() > exceptions_)
+    graph_.has_ended_ = true;  // what failed to start may end the process
+  else
+    graph_.write();
 }
 
 void Graph::announce() {

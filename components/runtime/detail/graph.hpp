@@ -2,6 +2,8 @@
 // Publishes ros_discovery_info, which shows nodes to ROS 2 tools. Private to runtime/.
 #pragma once
 
+#include <atomic>
+#include <exception>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -19,11 +21,11 @@ namespace tandem::runtime {
 /// name.
 [[nodiscard]] std::optional<std::string> shown_name(const std::string& hidden);
 
-/// Publishes which endpoints each node of this process has, after each change or batch of changes.
-/// Ends of nodes and endpoints are published with the next other change or by publish_ends(), which
-/// nobody calls in a process that is ending. A ROS 2 tool that reads a sample after the
-/// participant's end would list its nodes for good, because rmw_dds_common takes the participant up
-/// again (GraphCache::update_participant_entities).
+/// Publishes which endpoints each node of this process has, after each addition or batch of
+/// changes. Ends of nodes and endpoints are published with the next addition, or by publish_ends(),
+/// which nodes that spin call. A process that is ending publishes none: a ROS 2 tool that reads a
+/// sample after the participant's end lists its nodes for good, because rmw_dds_common takes the
+/// participant up again (GraphCache::update_participant_entities).
 class TANDEM_EXPORT_FOR_TESTS Graph {
  public:
   /// kOwn: the process's nodes. kHidden: the same nodes under hidden names ("_name_2"), so that
@@ -42,6 +44,7 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
 
    private:
     Graph& graph_;
+    int exceptions_ = std::uncaught_exceptions();  // when it began
   };
 
   /// Throws std::runtime_error if the process already has a node of that name.
@@ -50,7 +53,7 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
   void add_reader(const NodeName& node, const rtps::GUID_t& reader);
   void add_writer(const NodeName& node, const rtps::GUID_t& writer);
   void remove(const NodeName& node, const rtps::GUID_t& endpoint);
-  /// Publishes the ends since the last sample, if there are any.
+  /// Publishes the ends since the last sample, if there are any. Does not wait for other threads.
   void publish_ends();
 
  private:
@@ -69,8 +72,8 @@ class TANDEM_EXPORT_FOR_TESTS Graph {
   std::mutex mutex_;
   std::map<std::string, Endpoints> nodes_;  // key: full name
   int batches_ = 0;
-  bool changed_ = false;    // during the current batches
-  bool has_ended_ = false;  // a node or endpoint, since the last sample
+  bool changed_ = false;                 // during the current batches
+  std::atomic<bool> has_ended_ = false;  // a node or endpoint, since the last sample
 };
 
 }  // namespace tandem::runtime

@@ -328,18 +328,16 @@ Participant::Participant(const Environment& environment, const Security& securit
 
 Participant& Participant::second() {
   const std::lock_guard lock{mutex_};
-  if (!second_) second_.reset(new Participant{environment_, security_, false});
+  if (!second_) {
+    second_.reset(new Participant{environment_, security_, false});
+    known_second_ = second_.get();
+  }
   return *second_;
 }
 
 void Participant::publish_ends() {
   graph_->publish_ends();
-  Participant* second = nullptr;
-  {
-    const std::lock_guard lock{mutex_};  // DDS must not be called with it held
-    second = second_.get();
-  }
-  if (second != nullptr) second->graph_->publish_ends();
+  if (Participant* second = known_second_) second->graph_->publish_ends();
 }
 
 std::shared_ptr<ClockSource> Participant::clock(const Endpoint& endpoint) {

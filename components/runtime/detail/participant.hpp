@@ -2,6 +2,7 @@
 // Provides the DomainParticipant that all nodes of the process share. Private to runtime/.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -56,7 +57,8 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   [[nodiscard]] fdds::Publisher& publisher() { return *publisher_; }
   [[nodiscard]] fdds::Subscriber& subscriber() { return *subscriber_; }
   [[nodiscard]] Graph& graph() { return *graph_; }
-  /// Publishes which nodes and endpoints have ended. Each node calls it once a second.
+  /// Publishes which nodes and endpoints have ended. A node that spins calls it once a second; it
+  /// does not wait for other threads.
   void publish_ends();
   [[nodiscard]] Discovery& discovery() { return discovery_; }
   /// The process's reader of a clock topic with that QoS; exists as long as anybody follows it.
@@ -100,6 +102,7 @@ class TANDEM_EXPORT_FOR_TESTS Participant {
   std::map<std::string, TopicUse> topics_;
   std::unique_ptr<Graph> graph_;
   std::unique_ptr<Participant> second_;
+  std::atomic<Participant*> known_second_ = nullptr;  // is read without mutex_
   std::mutex clocks_mutex_;  // guards clocks_, whose readers use mutex_ when they are made
   std::vector<std::weak_ptr<ClockSource>> clocks_;
 };

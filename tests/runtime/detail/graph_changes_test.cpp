@@ -32,9 +32,9 @@ class EverySample {
  public:
   using Sizes = std::vector<std::size_t>;
 
-  explicit EverySample(rt::Participant& participant)
+  EverySample(rt::Participant& participant, rt::Durability durability)
       : reader_{participant,
-                {"ros_discovery_info", codec_.dds_name(), {.depth = 100}},
+                {"ros_discovery_info", codec_.dds_name(), {.durability = durability, .depth = 100}},
                 [this](const rt::Bytes& bytes, const auto&) { return note(bytes); },
                 {[](std::size_t) {}, [] {}}} {}
 
@@ -77,9 +77,6 @@ class GraphChanges : public testing::Test {
     const auto& prefix = participant_->dds().guid().guidPrefix.value;
     return std::equal(prefix, prefix + 12, gid.data().begin());
   }
-  Samples of_others() {
-    return samples_.of([&](const auto& gid) { return !is_own(gid); });
-  }
   // Once there are `count`.
   Samples own(std::size_t count) {
     Samples own;
@@ -94,7 +91,7 @@ class GraphChanges : public testing::Test {
 
   rt::Node node_{rt::NodeOptions{.name = "seen", .serves_tools = false}};
   std::shared_ptr<rt::Participant> participant_ = rt::Participant::shared();
-  EverySample samples_{*participant_};
+  EverySample samples_{*participant_, rt::Durability::kVolatile};  // none of before
 };
 
 TEST_F(GraphChanges, ReportsABatchInOneSample) {
@@ -119,6 +116,9 @@ TEST_F(GraphChanges, ReportsTheEndOfAnEndpointWithTheNextChange) {
 // A tool that reads a sample of a participant that is gone lists its nodes for good.
 class EndOfAProcess : public GraphChanges {
  protected:
+  Samples of_others() {
+    return theirs_.of([&](const auto& gid) { return !is_own(gid); });
+  }
   void expect_no_sample_of_the_end(const std::string& mode, std::size_t nodes,
                                    const std::function<void(ChildProcess&)>& end) {
     ChildProcess peer{"peer", {mode}};
@@ -128,7 +128,7 @@ class EndOfAProcess : public GraphChanges {
     };
     ASSERT_TRUE(spin_until(has_started, kTimeout, node_));
     end(peer);
-    const auto is_gone = [&] { return samples_.writers() == 1; };  // of this process
+    const auto is_gone = [&] { return theirs_.writers() == 1; };  // of this process
     ASSERT_TRUE(spin_until(is_gone, kTimeout, node_));
     const auto samples = of_others();
     EXPECT_TRUE(std::is_sorted(samples.begin(), samples.end(), is_smaller))
@@ -136,6 +136,9 @@ class EndOfAProcess : public GraphChanges {
   }
 
  private:
+  // Also the newest sample of a process that is discovered after it has made its nodes.
+  EverySample theirs_{*participant_, rt::Durability::kTransientLocal};
+
   static bool is_smaller(const EverySample::Sizes& one, const EverySample::Sizes& other) {
     return std::reduce(one.begin(), one.end(), one.size()) <
            std::reduce(other.begin(), other.end(), other.size());
