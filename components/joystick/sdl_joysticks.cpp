@@ -15,31 +15,33 @@ std::string text(const char* name) { return name == nullptr ? "?" : name; }
 
 class SdlJoystick final : public JoystickDevice {
  public:
-  explicit SdlJoystick(int index) : owned_{SDL_JoystickOpen(index)}, joystick_{owned_.get()} {
+  explicit SdlJoystick(int index) : joystick_{SDL_JoystickOpen(index)} {
     if (joystick_ == nullptr || !attached())
       throw std::runtime_error("joystick " + std::to_string(index) +
                                " cannot be opened: " + SDL_GetError());
   }
 
   [[nodiscard]] bool attached() const override {
-    return SDL_JoystickGetAttached(joystick_) == SDL_TRUE;
+    return SDL_JoystickGetAttached(joystick_.get()) == SDL_TRUE;
   }
-  [[nodiscard]] std::string name() const override { return text(SDL_JoystickName(joystick_)); }
+  [[nodiscard]] std::string name() const override {
+    return text(SDL_JoystickName(joystick_.get()));
+  }
 
   void rumble(float intensity, double duration) const override {
     const float share = intensity > 0.0F ? std::min(intensity, 1.0F) : 0.0F;  // NaN: none
     const auto strength = static_cast<Uint16>(65535.0F * share);
-    SDL_JoystickRumble(joystick_, strength, strength, static_cast<Uint32>(1000.0 * duration));
+    SDL_JoystickRumble(joystick_.get(), strength, strength, static_cast<Uint32>(1000.0 * duration));
   }
 
   [[nodiscard]] RawJoystick read() const override {
     RawJoystick raw;
-    for (int i = 0; i < SDL_JoystickNumAxes(joystick_); ++i)
-      raw.axes.push_back(SDL_JoystickGetAxis(joystick_, i));
-    for (int i = 0; i < SDL_JoystickNumButtons(joystick_); ++i)
-      raw.buttons.push_back(SDL_JoystickGetButton(joystick_, i) != 0);
-    for (int i = 0; i < SDL_JoystickNumHats(joystick_); ++i) {
-      const auto hat = SDL_JoystickGetHat(joystick_, i);
+    for (int i = 0; i < SDL_JoystickNumAxes(joystick_.get()); ++i)
+      raw.axes.push_back(SDL_JoystickGetAxis(joystick_.get(), i));
+    for (int i = 0; i < SDL_JoystickNumButtons(joystick_.get()); ++i)
+      raw.buttons.push_back(SDL_JoystickGetButton(joystick_.get(), i) != 0);
+    for (int i = 0; i < SDL_JoystickNumHats(joystick_.get()); ++i) {
+      const auto hat = SDL_JoystickGetHat(joystick_.get(), i);
       raw.hats.push_back({(hat & SDL_HAT_LEFT) != 0, (hat & SDL_HAT_RIGHT) != 0,
                           (hat & SDL_HAT_UP) != 0, (hat & SDL_HAT_DOWN) != 0});
     }
@@ -50,8 +52,7 @@ class SdlJoystick final : public JoystickDevice {
   struct Close {
     void operator()(SDL_Joystick* joystick) const { SDL_JoystickClose(joystick); }
   };
-  std::unique_ptr<SDL_Joystick, Close> owned_;
-  SDL_Joystick* joystick_;
+  std::unique_ptr<SDL_Joystick, Close> joystick_;
 };
 
 // SDL counts its users. It must not handle Ctrl-C, and must report events although no window has

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What standing robots send each other. Fast DDS repeats HEARTBEATs of a writer for good when a
+// What a standing robot loads and sends. Fast DDS repeats HEARTBEATs of a writer for good when a
 // reader does not answer, which looks like nothing in a log and takes half of a small computer.
 #include <gtest/gtest.h>
 #include <sched.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "support/child_process.hpp"
@@ -50,19 +52,45 @@ std::vector<std::string> robot(const std::string& ns) {
   return arguments;
 }
 
-TEST(AtRest, TwoRobotsAndAnObserverSendEachOtherAlmostNothing) {
-  if (unshare(CLONE_NEWNET) != 0 || std::system("ip link set lo up") != 0)
-    GTEST_SKIP() << "NOT TESTED: no network namespace here";
-  const ChildProcess first{"../tandem", robot("/a")}, second{"../tandem", robot("/b")};
-  rt::Node observer{"observer"};
+class AtRest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (unshare(CLONE_NEWNET) != 0 || std::system("ip link set lo up") != 0)
+      GTEST_SKIP() << "NOT TESTED: no network namespace here";
+  }
+};
+
+// Waits until the observer knows all nodes of so many robots.
+bool knows(rt::Node& observer, std::size_t robots) {
   const rt::DomainView view{observer};
-  const auto knows_both = [&] {
+  const auto knows_all = [&] {
     std::size_t nodes = 0;
     for (const auto& participant : view.look().participants)
       if (!participant.ours) nodes += participant.nodes.size();
-    return nodes == 2 * kNodes;
+    return nodes == robots * kNodes;
   };
-  ASSERT_TRUE(spin_until(knows_both, kLongTimeout, observer));
+  return spin_until(knows_all, kLongTimeout, observer);
+}
+
+TEST_F(AtRest, ARobotLoadsNoLibrariesOfOtherCommandsAndOfSticksThatAreNotThere) {
+  const ChildProcess robot_process{"../tandem", robot("/a")};
+  rt::Node observer{"observer"};
+  ASSERT_TRUE(knows(observer, 1));
+  std::ifstream file{"/proc/" + std::to_string(robot_process.pid()) + "/maps"};
+  const std::string maps{std::istreambuf_iterator<char>{file}, {}};
+  const auto loads = [&](const char* library) { return maps.find(library) != std::string::npos; };
+  EXPECT_TRUE(loads("libtandem_joystick"));
+  EXPECT_FALSE(loads("libtandem-commands"));
+  EXPECT_FALSE(loads("libcairo"));
+  std::error_code missing;
+  const bool may_have_stick = !std::filesystem::is_empty("/sys/class/input", missing);
+  EXPECT_FALSE(loads("libSDL2") && !may_have_stick);
+}
+
+TEST_F(AtRest, TwoRobotsAndAnObserverSendEachOtherAlmostNothing) {
+  const ChildProcess first{"../tandem", robot("/a")}, second{"../tandem", robot("/b")};
+  rt::Node observer{"observer"};
+  ASSERT_TRUE(knows(observer, 2));
   ASSERT_GT(datagrams(), 100) << "those of discovery are not counted";
   double rate = 0.0, least = 1e9;
   const auto is_quiet = [&] {

@@ -328,10 +328,8 @@ Participant::Participant(const Environment& environment, const Security& securit
 
 Participant& Participant::second() {
   const std::lock_guard lock{mutex_};
-  if (!second_) {
-    second_.reset(new Participant{environment_, security_, false});
-    known_second_ = second_.get();
-  }
+  if (!second_) second_.reset(new Participant{environment_, security_, false});
+  known_second_ = second_.get();
   return *second_;
 }
 
