@@ -98,9 +98,9 @@ void ServerRestarts::Server::add(std::uint64_t source) {
 
 bool ServerRestarts::Server::restarts(std::int64_t announced, std::uint64_t at, std::uint64_t from,
                                       double now) {
-  const bool is_known = number > 0, is_suspected = is_known && !has(from);
-  if (is_known && at < time && !is_suspected) return false;  // an old one that was delayed
-  const bool is_new = is_known && at != time && (announced <= number || is_suspected);
+  const bool is_suspected = !sources.empty() && !has(from);
+  if (at < time && !is_suspected) return false;  // an old one that was delayed
+  const bool is_new = at != time && (announced <= number || is_suspected);
   if (is_new && restarted && now - *restarted < kLeastLife) return false;
   if (is_new) restarted = now;
   number = announced;
