@@ -180,8 +180,9 @@ void DiffDriveSimNode::turn_scanner() {
     if (i == 0) is_heard_ = scan_.matched() > 0;
     const double taken = turn_began_ + per_beam * i;
     if (taken > t) return;
-    const Pose2 X_there = integrate(X_MB, twist, taken - t);
-    ranges_.push_back(is_heard_ ? noisy(scan_range_of(sim_, *params_, X_there, i)) : 0.0F);
+    ranges_.push_back(
+        is_heard_ ? noisy(scan_range_of(sim_, *params_, integrate(X_MB, twist, taken - t), i))
+                  : 0.0F);
     if (i + 1 < beams) continue;
     if (is_heard_) publish_scan();
     ranges_.clear();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/io/diagnostics.hpp"
 
-#include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "tandem/io/conversions.hpp"
@@ -24,10 +24,13 @@ void add_value(Status& status, const char* key, const std::string& text) {
   status.values().push_back(std::move(value));
 }
 
-bool gives(const Status& status, const std::string& topic) {
-  std::istringstream topics{value_of(status, "gives")};
-  for (std::string given; topics >> given;)
-    if (given == topic) return true;
+bool gives(const Status& status, std::string_view topic) {
+  const std::string given = value_of(status, "gives");
+  for (std::string_view rest = given; !rest.empty();) {
+    const std::size_t end = rest.find(' ');
+    if (rest.substr(0, end) == topic) return true;
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+  }
   return false;
 }
 

@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tandem/model/reasons.hpp"
 
+#include <array>
+
 namespace tandem {
 namespace {
 
 constexpr std::string_view kAny = "…";
+
+// The texts with their lengths, which nodes compare at the rate at which they publish.
+constexpr auto kTexts = [] {
+  std::array<std::string_view, kReasons.size()> all;
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = kReasons[i].text;
+  return all;
+}();
 
 // Whether `written` starts with `text` and then ends or continues with details.
 bool begins(std::string_view written, std::string_view text) {
@@ -22,16 +31,12 @@ bool fits(std::string_view written, std::string_view text) {
   return open_after ? written.starts_with(text) : begins(written, text);
 }
 
-std::size_t length(Reason reason) { return std::string_view{text_of(reason)}.size(); }
-
 // The longest reason that fits; kOther if none does.
 Reason find(std::string_view written) {
-  Reason best = Reason::kOther;
-  for (std::size_t i = 0; i < kReasons.size(); ++i) {
-    const auto reason = static_cast<Reason>(i);
-    if (length(reason) > length(best) && fits(written, text_of(reason))) best = reason;
-  }
-  return best;
+  auto best = static_cast<std::size_t>(Reason::kOther);
+  for (std::size_t i = 0; i < kTexts.size(); ++i)
+    if (kTexts[i].size() > kTexts[best].size() && fits(written, kTexts[i])) best = i;
+  return static_cast<Reason>(best);
 }
 
 }  // namespace
