@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kAny = "…";
 
-// The texts with their lengths, which nodes compare at the rate at which they publish.
+// With their lengths, because nodes look a reason up each time they publish.
 constexpr auto kTexts = [] {
   std::array<std::string_view, kReasons.size()> all;
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = kReasons[i].text;

@@ -22,10 +22,11 @@ namespace tandem::runtime {
 /// New participants and this one would never meet.
 ///
 /// A server announces itself every 3 s, under the number and with the time that the announcement
-/// had at first. Another time under the same number is that of a new server: Fast DDS is then
-/// handed the goodbye that the old one had no time to send. Until then, what the new server
-/// announces must not be acknowledged. It sends from another port than the old one, so its
-/// announcements are removed until the one of itself has come from there. Not thread-safe.
+/// had at first. Another time under the same number is that of a new server, and so is a first
+/// announcement of itself from another port than what arrived before it: Fast DDS is then handed
+/// the goodbye that the old one had no time to send. Until then, what the new server announces must
+/// not be acknowledged. It sends from another port than the old one, so its announcements are
+/// removed until the one of itself has come from there. Not thread-safe.
 class ServerRestarts {
  public:
   /// [s]; several announcements of itself may be lost. After that the source counts as a second

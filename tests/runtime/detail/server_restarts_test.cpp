@@ -116,9 +116,29 @@ TEST_P(Restarts, AreSuspectedBeforeTheServerHasAnnouncedItself) {
   EXPECT_FALSE(is_removed(heartbeat()));
   port_ = 2;
   EXPECT_TRUE(is_removed(heartbeat()));
-  // The old one's heartbeat may have told Fast DDS to wait for nothing that the new one announces.
+  // The old one's heartbeat may have told Fast DDS not to wait for what the new one announces.
   EXPECT_TRUE(restarts(announcement(kServer, kServer, kStart)));
   EXPECT_FALSE(is_removed(heartbeat()));
+}
+
+TEST_P(Restarts, AreShownOnceByAForgedHeartbeatThatCameFirst) {
+  EXPECT_FALSE(is_removed(heartbeat()));
+  port_ = 2;
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kStart)));
+  for (port_ = 1; port_ < 20; ++port_, now_ += ServerRestarts::kLeastLife) {
+    (void)is_removed(heartbeat());
+    EXPECT_FALSE(restarts(announcement(kServer, kServer, kStart)));
+  }
+}
+
+TEST_P(Restarts, AreRareAlsoAfterAForgedHeartbeat) {
+  EXPECT_FALSE(is_removed(heartbeat()));
+  port_ = 2;
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kStart)));
+  now_ += 0.9 * ServerRestarts::kLeastLife;
+  EXPECT_FALSE(restarts(announcement(kServer, kServer, kRestart)));
+  now_ += 0.2 * ServerRestarts::kLeastLife;
+  EXPECT_TRUE(restarts(announcement(kServer, kServer, kRestart)));
 }
 
 TEST_P(Restarts, AreNoLongerSuspectedAfterTheSameAnnouncement) {
