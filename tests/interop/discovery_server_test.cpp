@@ -95,7 +95,7 @@ class Listener {
 class DiscoveryServer : public testing::Test {
  protected:
   void SetUp() override {
-    if (!Server::is_installed()) GTEST_SKIP() << kProgram << " is not installed";
+    if (!Server::is_installed()) GTEST_SKIP() << "NOT TESTED: " << kProgram << " is not installed";
   }
 };
 
