@@ -109,7 +109,8 @@ Domain DomainView::look() const {
   domain.id = state_->core->domain();
   domain.malformed = static_cast<int>(state_->reader->malformed());
   std::map<std::string, DomainParticipantInfo> participants;
-  for (const auto& endpoint : state_->core->discovery().endpoints()) {
+  for (const auto& known : state_->core->discovery().endpoints()) {
+    const KnownEndpoint& endpoint = *known;
     const std::string id = hex(endpoint.guid.guidPrefix.value, kPrefix);
     auto& participant = participants[id];
     participant.id = id;

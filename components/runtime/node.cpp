@@ -59,10 +59,7 @@ bool Node::is_present(const PublisherId& publisher) const { return core_->is_pre
 std::string Node::resolve(const char* topic) const { return core_->resolve(topic); }
 
 std::size_t Node::count_publishers(const std::string& topic) const {
-  const std::string name = resolve(topic.c_str());
-  std::size_t count = 0;
-  for (const auto& info : topics()) count += info.name == name ? info.publishers.size() : 0;
-  return count;
+  return core_->count_publishers(resolve(topic.c_str()));
 }
 
 std::vector<TopicInfo> Node::topics() const { return core_->topics(); }

@@ -51,6 +51,8 @@ struct Policies {
   int durability = 0;   ///< 0 volatile, 1 transient local, 2 transient, 3 persistent
   double deadline = std::numeric_limits<double>::infinity();  ///< [s]
   int liveliness = 0;  ///< 0 automatic, 1 manual by participant, 2 manual by topic
+
+  bool operator==(const Policies&) const = default;
 };
 
 /// The policies that an endpoint with this QoS announces.

@@ -218,9 +218,16 @@ bool DdsNode::is_present(const PublisherId& publisher) const {
   return discovery().policies(to_guid(publisher)).has_value();
 }
 
+std::size_t DdsNode::count_publishers(const std::string& topic) const {
+  const auto known = discovery().endpoints_on(dds_topic_name(topic));
+  return static_cast<std::size_t>(std::count_if(
+      known.begin(), known.end(), [](const auto& endpoint) { return endpoint->writes; }));
+}
+
 std::vector<TopicInfo> DdsNode::topics() const {
   std::map<std::pair<std::string, std::string>, TopicInfo> topics;
-  for (const auto& endpoint : discovery().endpoints()) {
+  for (const auto& known : discovery().endpoints()) {
+    const KnownEndpoint& endpoint = *known;
     if (!endpoint.topic.starts_with("rt/")) continue;
     auto& info = topics[{endpoint.topic, endpoint.type}];
     info.name = ros_name(endpoint.topic);
@@ -237,7 +244,8 @@ std::vector<TopicInfo> DdsNode::topics() const {
 std::vector<ServiceInfo> DdsNode::services() const {
   std::map<std::string, std::string>
       services;  // name → type; further servers of a service add nothing
-  for (const auto& endpoint : discovery().endpoints()) {
+  for (const auto& known : discovery().endpoints()) {
+    const KnownEndpoint& endpoint = *known;
     const std::string type = ros_type(endpoint.type);
     if (endpoint.writes || !endpoint.topic.starts_with("rq/") || !type.ends_with(kRequest) ||
         !endpoint.topic.ends_with("Request"))

@@ -63,6 +63,7 @@ class DdsNode final : public NodeCore {
   void retire(std::shared_ptr<void> part) override;
 
   [[nodiscard]] bool is_present(const PublisherId& publisher) const override;
+  [[nodiscard]] std::size_t count_publishers(const std::string& topic) const override;
   [[nodiscard]] std::vector<TopicInfo> topics() const override;
   [[nodiscard]] std::vector<ServiceInfo> services() const override;
 

@@ -57,6 +57,14 @@ KnownEndpoint from_builtin(const Info& info, bool writes) {
   return endpoint;
 }
 
+template <class Map>
+KnownEndpoints values_of(const Map& map) {
+  KnownEndpoints values;
+  values.reserve(map.size());
+  for (const auto& [key, value] : map) values.push_back(value);
+  return values;
+}
+
 template <class Locators>
 std::vector<std::uint32_t> ports_of(const Locators& locators) {
   std::vector<std::uint32_t> ports;
@@ -88,23 +96,43 @@ bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
                     b.guidPrefix.value);
 }
 
+// A server that has been restarted announces everything again; that is no change.
 void Discovery::add(KnownEndpoint endpoint) {
+  const std::string topic = endpoint.topic;
   {
     const std::lock_guard lock{mutex_};
     const auto known = endpoints_.find(endpoint.guid);
-    if (known != endpoints_.end()) endpoint.since = known->second.since;
-    if (known == endpoints_.end() && endpoints_.size() >= kMaxEndpoints) return;
-    endpoints_[endpoint.guid] = std::move(endpoint);
+    if (known == endpoints_.end()) {
+      if (endpoints_.size() >= kMaxEndpoints) return;
+    } else {
+      endpoint.since = known->second->since;
+      if (endpoint == *known->second) return;
+      erase_from_topic(*known->second);
+    }
+    const auto added = std::make_shared<const KnownEndpoint>(std::move(endpoint));
+    endpoints_[added->guid] = added;
+    topics_[topic][added->guid] = added;
   }
-  tell_watchers();
+  note_change(topic);
 }
 
 void Discovery::remove(const rtps::GUID_t& guid) {
+  std::string topic;
   {
     const std::lock_guard lock{mutex_};
-    if (endpoints_.erase(guid) == 0) return;
+    const auto known = endpoints_.find(guid);
+    if (known == endpoints_.end()) return;
+    topic = known->second->topic;
+    erase_from_topic(*known->second);
+    endpoints_.erase(known);
   }
-  tell_watchers();
+  note_change(topic);
+}
+
+void Discovery::erase_from_topic(const KnownEndpoint& endpoint) {
+  const auto topic = topics_.find(endpoint.topic);
+  topic->second.erase(endpoint.guid);
+  if (topic->second.empty()) topics_.erase(topic);
 }
 
 void Discovery::add(const std::shared_ptr<DiscoveryWatcher>& watcher) {
@@ -112,32 +140,33 @@ void Discovery::add(const std::shared_ptr<DiscoveryWatcher>& watcher) {
   watchers_.push_back(watcher);
 }
 
-// Under a flood of announcements, a watcher is woken once until it looks again.
-void Discovery::tell_watchers() {
-  std::vector<std::shared_ptr<WakeUp>> to_wake;
+void Discovery::note_change(const std::string& topic) {
+  std::vector<std::shared_ptr<DiscoveryWatcher>> watchers;
   {
     const std::lock_guard lock{mutex_};
     std::erase_if(watchers_, [](const auto& watcher) { return watcher.expired(); });
     for (const auto& entry : watchers_)
-      if (const auto watcher = entry.lock(); watcher && !watcher->changed.exchange(true))
-        to_wake.push_back(watcher->wake_up);
+      if (auto watcher = entry.lock()) watchers.push_back(std::move(watcher));
   }
-  for (const auto& wake_up : to_wake) wake_up->notify();
+  for (const auto& watcher : watchers) watcher->note_change(topic);
 }
 
-std::vector<KnownEndpoint> Discovery::endpoints() const {
+KnownEndpoints Discovery::endpoints() const {
   const std::lock_guard lock{mutex_};
-  std::vector<KnownEndpoint> all;
-  all.reserve(endpoints_.size());
-  for (const auto& [guid, endpoint] : endpoints_) all.push_back(endpoint);
-  return all;
+  return values_of(endpoints_);
+}
+
+KnownEndpoints Discovery::endpoints_on(const std::string& topic) const {
+  const std::lock_guard lock{mutex_};
+  const auto known = topics_.find(topic);
+  return known == topics_.end() ? KnownEndpoints{} : values_of(known->second);
 }
 
 std::optional<Policies> Discovery::policies(const rtps::GUID_t& guid) const {
   const std::lock_guard lock{mutex_};
   const auto known = endpoints_.find(guid);
   if (known == endpoints_.end()) return std::nullopt;
-  return known->second.policies;
+  return known->second->policies;
 }
 
 std::vector<std::uint32_t> Discovery::ports(const rtps::GuidPrefix_t& participant) const {

@@ -2,19 +2,19 @@
 // Lists the domain's discovered publishers and subscriptions. Private to runtime/.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 
 #include "tandem/runtime/detail/dds.hpp"
-#include "tandem/runtime/detail/wake_up.hpp"
+#include "tandem/runtime/detail/discovery_watcher.hpp"
 #include "tandem/runtime/qos.hpp"
 #include "tandem/runtime/visibility.hpp"
 
@@ -28,7 +28,12 @@ struct KnownEndpoint {
   Policies policies;
   std::string user_data{};  ///< "typehash=…;"
   double since = 0.0;       ///< when it was first seen [s], steady clock
+
+  bool operator==(const KnownEndpoint&) const = default;
 };
+
+/// Sorted by GUID.
+using KnownEndpoints = std::vector<std::shared_ptr<const KnownEndpoint>>;
 
 /// The type hash ("RIHS01_…") in an endpoint's user data; empty if there is none.
 [[nodiscard]] TANDEM_EXPORT_FOR_TESTS std::string type_hash_in(const std::string& user_data);
@@ -37,25 +42,21 @@ struct KnownEndpoint {
 /// which hides the process.
 [[nodiscard]] bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b);
 
-/// Tells one thread that endpoints have come, changed or left.
-struct DiscoveryWatcher {
-  std::shared_ptr<WakeUp> wake_up;   ///< notified when `changed` becomes true
-  std::atomic<bool> changed = true;  ///< cleared by the thread before it looks
-};
-
 /// All discovered endpoints of the domain. Thread-safe.
-class Discovery final : public fdds::DomainParticipantListener {
+class TANDEM_EXPORT_FOR_TESTS Discovery final : public fdds::DomainParticipantListener {
  public:
   /// Adds an endpoint of this participant, which DDS does not report.
   void add(KnownEndpoint endpoint);
   void remove(const rtps::GUID_t& guid);
 
-  [[nodiscard]] std::vector<KnownEndpoint> endpoints() const;
+  [[nodiscard]] KnownEndpoints endpoints() const;
+  /// Those on a topic, given by its DDS name.
+  [[nodiscard]] KnownEndpoints endpoints_on(const std::string& topic) const;
   /// The QoS an endpoint offers or requests; nullopt if it is unknown or has left.
   [[nodiscard]] std::optional<Policies> policies(const rtps::GUID_t& guid) const;
   /// The UDP ports on which a discovered participant receives discovery; empty if it is unknown.
   [[nodiscard]] std::vector<std::uint32_t> ports(const rtps::GuidPrefix_t& participant) const;
-  /// Tells the watcher of every change for as long as it exists.
+  /// Notes every change with the watcher for as long as it exists.
   void add(const std::shared_ptr<DiscoveryWatcher>& watcher);
 
 #if TANDEM_FASTDDS_3
@@ -73,11 +74,15 @@ class Discovery final : public fdds::DomainParticipantListener {
 #endif
 
  private:
-  void tell_watchers();
+  using ByGuid = std::map<rtps::GUID_t, std::shared_ptr<const KnownEndpoint>>;
+
+  void note_change(const std::string& topic);
+  void erase_from_topic(const KnownEndpoint& endpoint);  // with the mutex locked
   void set_ports(const rtps::GuidPrefix_t& participant, std::vector<std::uint32_t> ports);
 
   mutable std::mutex mutex_;  // guards the members below
-  std::map<rtps::GUID_t, KnownEndpoint> endpoints_;
+  ByGuid endpoints_;
+  std::unordered_map<std::string, ByGuid> topics_;  // the same by topic
   std::map<rtps::GuidPrefix_t, std::vector<std::uint32_t>> ports_;
   std::vector<std::weak_ptr<DiscoveryWatcher>> watchers_;
 };

@@ -110,6 +110,13 @@ PublisherId LocalExchange::new_id() {
   return id;
 }
 
+std::size_t LocalExchange::count_publishers(const std::string& topic) const {
+  std::size_t count = 0;
+  for (const auto& [key, endpoints] : topics_)
+    if (key.first == topic) count += endpoints.writers.size();
+  return count;
+}
+
 std::vector<TopicInfo> LocalExchange::topics() const {
   std::vector<TopicInfo> all;
   for (const auto& [key, topic] : topics_) {

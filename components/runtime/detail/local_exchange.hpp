@@ -61,6 +61,7 @@ class LocalExchange {
   [[nodiscard]] PublisherId new_id();
   void forget(const PublisherId& id) { ids_.erase(id); }
   [[nodiscard]] bool is_present(const PublisherId& id) const { return ids_.contains(id); }
+  [[nodiscard]] std::size_t count_publishers(const std::string& topic) const;
   [[nodiscard]] std::vector<TopicInfo> topics() const;
   [[nodiscard]] std::vector<ServiceInfo> services() const;
 

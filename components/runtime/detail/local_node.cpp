@@ -162,6 +162,10 @@ bool LocalNode::is_present(const PublisherId& publisher) const {
   return exchange_.is_present(publisher);
 }
 
+std::size_t LocalNode::count_publishers(const std::string& topic) const {
+  return exchange_.count_publishers(topic);
+}
+
 std::vector<TopicInfo> LocalNode::topics() const { return exchange_.topics(); }
 
 std::vector<ServiceInfo> LocalNode::services() const { return exchange_.services(); }

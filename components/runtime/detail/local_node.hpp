@@ -51,6 +51,7 @@ class LocalNode final : public NodeCore, public std::enable_shared_from_this<Loc
   void retire(std::shared_ptr<void>) override {}
 
   [[nodiscard]] bool is_present(const PublisherId& publisher) const override;
+  [[nodiscard]] std::size_t count_publishers(const std::string& topic) const override;
   [[nodiscard]] std::vector<TopicInfo> topics() const override;
   [[nodiscard]] std::vector<ServiceInfo> services() const override;
 

@@ -79,6 +79,8 @@ class NodeCore {
   virtual void retire(std::shared_ptr<void> part) = 0;
 
   [[nodiscard]] virtual bool is_present(const PublisherId& publisher) const = 0;
+  /// As Node::count_publishers(), for a resolved name.
+  [[nodiscard]] virtual std::size_t count_publishers(const std::string& topic) const = 0;
   [[nodiscard]] virtual std::vector<TopicInfo> topics() const = 0;
   [[nodiscard]] virtual std::vector<ServiceInfo> services() const = 0;
 

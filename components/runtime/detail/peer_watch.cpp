@@ -35,10 +35,6 @@ std::string remedy(const std::vector<QosMismatch>& mismatches, const std::string
   return text;
 }
 
-bool fits_request(const KnownEndpoint& peer, const std::string& topic, const std::string& type) {
-  return peer.writes && peer.topic == topic && peer.type == type;
-}
-
 }  // namespace
 
 PeerWatch::PeerWatch(Discovery& discovery, Logger& log, double settling,
@@ -70,61 +66,93 @@ std::shared_ptr<void> PeerWatch::watch_publishers(const std::string& topic, cons
 }
 
 double PeerWatch::due() const {
-  if (settled_ && !own_changed_ && !others_->changed)
-    return std::numeric_limits<double>::infinity();
-  return polled_ + kLookPeriod;
+  const double next = polled_ + kLookPeriod;
+  if (own_changed_ || others_->has_changes()) return next;
+  double settles = std::numeric_limits<double>::infinity();
+  for (const auto& [topic, time] : settles_) settles = std::min(settles, time);
+  return std::max(next, settles);
 }
 
 void PeerWatch::poll(double now) {
   polled_ = now;
-  own_changed_ = false;
-  others_->changed = false;  // before looking: a later change is another one
-  const auto known = discovery_.endpoints();
-  notify_requests(known);
-  check(known, now);
-}
-
-void PeerWatch::notify_requests(const std::vector<KnownEndpoint>& known) {
-  for (std::size_t i = 0; i < requests_.size(); ++i)  // a callback may add another
-    if (const auto request = requests_[i].lock()) notify(*request, known);
+  for (const auto& topic : topics_to_look_at(now)) look_at(topic, now);
   std::erase_if(requests_, [](const auto& request) { return request.expired(); });
 }
 
-void PeerWatch::notify(Request& request, const std::vector<KnownEndpoint>& known) {
+std::set<std::string> PeerWatch::topics_to_look_at(double now) {
+  if (std::exchange(own_changed_, false)) {
+    auto topics = own_topics();
+    const auto is_left = [&](const auto& entry) { return !topics.contains(entry.first); };
+    std::erase_if(checked_, is_left);
+    std::erase_if(settles_, is_left);
+    others_->watch(topics);  // before looking, so that no change is missed
+    (void)others_->take();   // all of them are looked at
+    return topics;
+  }
+  auto topics = others_->take();
+  for (const auto& [topic, time] : settles_)
+    if (time <= now) topics.insert(topic);
+  return topics;
+}
+
+std::set<std::string> PeerWatch::own_topics() const {
+  std::set<std::string> topics;
+  for (const auto& own : own_) topics.insert(own.endpoint.topic);
+  for (const auto& entry : requests_)
+    if (const auto request = entry.lock()) topics.insert(request->topic);
+  return topics;
+}
+
+void PeerWatch::look_at(const std::string& topic, double now) {
+  const auto known = discovery_.endpoints_on(topic);
+  notify_requests(topic, known);
+  check(topic, known, now);
+}
+
+void PeerWatch::notify_requests(const std::string& topic, const KnownEndpoints& known) {
+  for (std::size_t i = 0; i < requests_.size(); ++i) {  // a callback may add another
+    const auto request = requests_[i].lock();
+    if (request && request->topic == topic) notify(*request, known);
+  }
+}
+
+void PeerWatch::notify(Request& request, const KnownEndpoints& known) {
   std::set<rtps::GUID_t> publishers;
   std::vector<Policies> offered;
   for (const auto& peer : known) {
-    if (!fits_request(peer, request.topic, request.type)) continue;
-    publishers.insert(peer.guid);
-    offered.push_back(peer.policies);
+    if (!peer->writes || peer->type != request.type) continue;
+    publishers.insert(peer->guid);
+    offered.push_back(peer->policies);
   }
   if (publishers == request.reported) return;
   request.reported = std::move(publishers);
   request.fn(offered);
 }
 
-void PeerWatch::check(const std::vector<KnownEndpoint>& known, double now) {
-  settled_ = true;
-  std::erase_if(checked_, [&](const rtps::GUID_t& guid) {
-    return std::none_of(known.begin(), known.end(), [&](const auto& e) { return e.guid == guid; });
-  });
+void PeerWatch::check(const std::string& topic, const KnownEndpoints& known, double now) {
+  std::set<rtps::GUID_t> checked;  // without those that have left
+  std::swap(checked, checked_[topic]);
+  for (const auto& peer : known)
+    if (checked.contains(peer->guid)) checked_[topic].insert(peer->guid);
+  settles_.erase(topic);
   for (const auto& peer : known) {
-    if (checked_.contains(peer.guid)) continue;
-    if (now - peer.since < settling_)
-      settled_ = false;
+    if (checked.contains(peer->guid)) continue;
+    const double settles = peer->since + settling_;
+    if (now < settles)
+      settles_[topic] = std::min(settles, settles_.try_emplace(topic, settles).first->second);
     else
-      check(peer, known);
+      check(*peer, known);
   }
 }
 
 // One compatible endpoint of the node is enough: /e_stop, for example, has two readers.
-void PeerWatch::check(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known) {
+void PeerWatch::check(const KnownEndpoint& peer, const KnownEndpoints& known) {
   std::vector<QosMismatch> worst;
   std::string mended;
   const Own* other_type = nullptr;
   for (const auto& own : own_) {
     if (own.endpoint.topic != peer.topic || own.writes == peer.writes) continue;
-    checked_.insert(peer.guid);
+    checked_[peer.topic].insert(peer.guid);
     if (own.endpoint.type != peer.type) {
       other_type = &own;
       continue;
@@ -148,14 +176,12 @@ void PeerWatch::check(const KnownEndpoint& peer, const std::vector<KnownEndpoint
 }
 
 // A process may have one endpoint per type on the same topic.
-bool PeerWatch::receives_other_type(const KnownEndpoint& peer,
-                                    const std::vector<KnownEndpoint>& known) const {
-  return std::any_of(known.begin(), known.end(), [&](const KnownEndpoint& beside) {
-    return same_process(beside.guid, peer.guid) && beside.writes == peer.writes &&
-           beside.topic == peer.topic && beside.type != peer.type &&
-           std::any_of(own_.begin(), own_.end(), [&](const Own& own) {
-             return own.endpoint.topic == beside.topic && own.endpoint.type == beside.type &&
-                    own.writes != beside.writes;
+bool PeerWatch::receives_other_type(const KnownEndpoint& peer, const KnownEndpoints& known) const {
+  return std::any_of(known.begin(), known.end(), [&](const auto& beside) {
+    return same_process(beside->guid, peer.guid) && beside->writes == peer.writes &&
+           beside->type != peer.type && std::any_of(own_.begin(), own_.end(), [&](const Own& own) {
+             return own.endpoint.topic == beside->topic && own.endpoint.type == beside->type &&
+                    own.writes != beside->writes;
            });
   });
 }

@@ -3,21 +3,24 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "tandem/runtime/detail/discovery.hpp"
+#include "tandem/runtime/detail/discovery_watcher.hpp"
 #include "tandem/runtime/detail/endpoint.hpp"
 #include "tandem/runtime/log.hpp"
 #include "tandem/runtime/pubsub.hpp"
+#include "tandem/runtime/visibility.hpp"
 
 namespace tandem::runtime {
 
 /// Logs, once per peer, which peers cannot communicate with a node and why, and runs callbacks that
 /// wait for a publisher of a type. Use on the node's thread only.
-class PeerWatch {
+class TANDEM_EXPORT_FOR_TESTS PeerWatch {
  public:
   /// `settling`: time [s] before a peer is reported; it may still open a compatible endpoint.
   /// Discovery notifies `wake_up`, of the node's thread, when due() changes.
@@ -48,22 +51,25 @@ class PeerWatch {
     std::set<rtps::GUID_t> reported;  // the publishers last passed to fn
   };
 
-  void notify_requests(const std::vector<KnownEndpoint>& known);
-  static void notify(Request& request, const std::vector<KnownEndpoint>& known);
-  void check(const std::vector<KnownEndpoint>& known, double now);
-  void check(const KnownEndpoint& peer, const std::vector<KnownEndpoint>& known);
+  [[nodiscard]] std::set<std::string> topics_to_look_at(double now);
+  [[nodiscard]] std::set<std::string> own_topics() const;
+  void look_at(const std::string& topic, double now);
+  void notify_requests(const std::string& topic, const KnownEndpoints& known);
+  static void notify(Request& request, const KnownEndpoints& known);
+  void check(const std::string& topic, const KnownEndpoints& known, double now);
+  void check(const KnownEndpoint& peer, const KnownEndpoints& known);
   [[nodiscard]] bool receives_other_type(const KnownEndpoint& peer,
-                                         const std::vector<KnownEndpoint>& known) const;
+                                         const KnownEndpoints& known) const;
 
   const Discovery& discovery_;
   Logger& log_;
   double settling_;  // [s]
   std::vector<Own> own_;
   std::vector<std::weak_ptr<Request>> requests_;
-  std::set<rtps::GUID_t> checked_;
-  std::shared_ptr<DiscoveryWatcher> others_;  // whether discovered endpoints have changed
+  std::map<std::string, std::set<rtps::GUID_t>> checked_;  // by topic
+  std::map<std::string, double> settles_;     // when to look at a topic with new peers again [s]
+  std::shared_ptr<DiscoveryWatcher> others_;  // on which topics discovered endpoints have changed
   bool own_changed_ = true;                   // own_ or requests_, since the last poll
-  bool settled_ = false;                      // no peer is too new to be reported
   double polled_;                             // [s] when last
 };
 
