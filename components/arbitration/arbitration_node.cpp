@@ -171,6 +171,7 @@ void ArbitrationNode::decide(Source arrived) {
   const bool in_charge = decision.source == arrived || decision.source == Source::kNone ||
                          (decision.source == Source::kBlend && arrived == Source::kUser);
   decision_ = decision;
+  if (decision.source != Source::kNone) watchdog_.resume();
   if (std::abs(decision.performance - performance_) > kTellPerformance) {
     performance_ = decision.performance;
     node_.log().info("performance {:.2f}, the planner's share {:.2f}", performance_,
@@ -197,6 +198,9 @@ void ArbitrationNode::watch() {
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;
   if (just_stopped || node_.steady_now() - published_ >= kRepeat) decide(in_charge);
   say_why();
+  // A robot that stands has nothing to stop; on_command() ends this.
+  if (decision_.source == Source::kNone)
+    watchdog_.skip_until(published_ + kRepeat - 0.5 * kWatchdog);
 }
 
 // Reason and remedy: those of the first cause, if other nodes' troubles lead to one.

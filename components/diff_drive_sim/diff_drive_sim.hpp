@@ -96,6 +96,8 @@ class DiffDriveSim {
 
   /// The true state.
   [[nodiscard]] const SimState& state() const { return state_; }
+  /// Whether nothing moves, neither the robot nor a person, until the next command.
+  [[nodiscard]] bool is_at_rest() const { return drive_.is_at_rest() && people_.all().empty(); }
   /// What odometry reports now, with its noise and delay.
   [[nodiscard]] OdometryReport odometry() const;
   /// Contacts since the last reset.

@@ -118,21 +118,30 @@ void DiffDriveSimNode::reset(const Pose2& X_MB) {
 }
 
 void DiffDriveSimNode::tick() {
-  ++ticks_;
+  ticks_ += 1 + left_out_;
   sim_.advance_to(static_cast<double>(ticks_) * params_->step);
   publish_clock();
-  if (due(params_->odom_rate)) {
+  if (is_odometry_due(ticks_)) {
     publish_odometry();
-    publish_people();
-    publish_collision();
+    if (ground_truth_.matched() > 0) publish_ground_truth();
+    if (people_.matched() > 0) publish_people();
+    if (collision_.matched() > 0) publish_collision();
   }
   turn_scanner();
+  leave_out_next();
 }
 
-// Whether a period of `rate` ended in the last tick.
-bool DiffDriveSimNode::due(double rate) const {
-  const double beats_per_tick = rate * params_->step;
-  const auto t = static_cast<double>(ticks_);
+// While nothing moves, the tick that publishes nothing but the time runs together with the next.
+void DiffDriveSimNode::leave_out_next() {
+  left_out_ = 0;
+  if (is_heard_ || !sim_.is_at_rest() || is_odometry_due(ticks_ + 1)) return;
+  left_out_ = timer_.skip_until(node_.steady_now() + params_->step / params_->speed_factor);
+}
+
+// Whether a period of odometry ends in this tick.
+bool DiffDriveSimNode::is_odometry_due(long tick) const {
+  const double beats_per_tick = params_->odom_rate * params_->step;
+  const auto t = static_cast<double>(tick);
   return std::floor(t * beats_per_tick + 1e-9) > std::floor((t - 1.0) * beats_per_tick + 1e-9);
 }
 
@@ -155,7 +164,10 @@ void DiffDriveSimNode::publish_odometry() {
   tf.transforms().push_back(to_transform(report.X_WB, odom_header, frames.base));
   tf_.publish(tf);
   odom_.publish(to_msg(Odometry{report.X_WB, report.twist}, odom_header, frames.base));
+}
 
+void DiffDriveSimNode::publish_ground_truth() {
+  const auto& frames = params_->frames;
   const SimState& truth = sim_.state();
   ground_truth_.publish(to_msg(Odometry{truth.X_MB, truth.twist},
                                header(stamp_at(truth.t), frames.map), frames.base));

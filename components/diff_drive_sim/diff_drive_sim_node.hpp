@@ -60,7 +60,8 @@ struct DiffDriveSimNodeParams {
           "the path that they walk back and forth");
     field("seed", seed, Range{0, 2147483647},
           "seed of slip and of the noise of odometry and ranges");
-    field("step", step, Range{0.001, 0.1}, "[s] simulated time between two /clock messages");
+    field("step", step, Range{0.001, 0.1},
+          "[s] simulated time between two /clock messages; up to twice that while nothing moves");
     field("speed_factor", speed_factor, Range{0.01, 100.0}, "[1] simulated time per real time");
     field("odom_rate", odom_rate, Range{1.0, 1000.0}, "[Hz] rate of odom, tf and ground truth");
     field("scan_rate", scan_rate, Range{0.1, 100.0}, "[Hz] scan rate");
@@ -130,9 +131,11 @@ class DiffDriveSimNode {
   void on_command(const Twist2& twist);
   void reset(const Pose2& X_MB);
   void tick();
-  [[nodiscard]] bool due(double rate) const;
+  void leave_out_next();
+  [[nodiscard]] bool is_odometry_due(long tick) const;
   void publish_clock();
   void publish_odometry();
+  void publish_ground_truth();
   void publish_frames();
   void turn_scanner();
   [[nodiscard]] float noisy(float range);
@@ -147,6 +150,7 @@ class DiffDriveSimNode {
   DiffDriveSim sim_;
   SingleSource source_;
   long ticks_ = 0;
+  int left_out_ = 0;           // ticks before the next call of tick()
   std::vector<float> ranges_;  // ranges of the current turn so far
   double turn_began_ = 0.0;    // [s]
   std::mt19937 scan_random_;

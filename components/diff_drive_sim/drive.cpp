@@ -41,6 +41,13 @@ void Drive::step(double t, double dt) {
                       robot_.wheel_separation);
 }
 
+bool Drive::is_at_rest() const {
+  constexpr double kRest = 1e-6;  // [m/s], below which an exponential has all but ended
+  const auto is_stop = [](const auto& command) { return command.value == Twist2{}; };
+  return std::abs(speeds_.left) < kRest && std::abs(speeds_.right) < kRest && is_stop(in_force_) &&
+         std::all_of(queue_.begin(), queue_.end(), is_stop);
+}
+
 Twist2 Drive::twist_over_ground() const {
   return to_body({slip_.left * speeds_.left, slip_.right * speeds_.right}, robot_.wheel_separation);
 }

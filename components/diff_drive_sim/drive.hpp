@@ -60,6 +60,8 @@ class Drive {
   /// Stops the wheels at once, as on contact with a wall.
   void stall() { speeds_ = {}; }
 
+  /// Whether the wheels rest, and no command that the drive has taken will move them.
+  [[nodiscard]] bool is_at_rest() const;
   /// Rim speeds, as the encoders measure them.
   [[nodiscard]] const WheelSpeeds& speeds() const { return speeds_; }
   /// Twist of the body over the ground: rim speeds after slip.

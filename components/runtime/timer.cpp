@@ -32,11 +32,19 @@ bool Beat::due(double now) {
   return true;
 }
 
-void Beat::skip_until(double time) {
+int Beat::skip_until(double time) {
   const double first = std::ceil((time - start_) / period_);
-  if (!(first > ticks_)) return;
-  skipped_ += first - ticks_;
+  if (!(first > ticks_)) return 0;
+  const double more = first - ticks_;
+  skipped_ += more;
   ticks_ = first;
+  return static_cast<int>(more);
+}
+
+void Beat::resume(double now) {
+  if (skipped_ == 0.0) return;
+  ticks_ = std::clamp(std::floor((now - start_) / period_) + 1.0, ticks_ - skipped_, ticks_);
+  skipped_ = 0.0;
 }
 
 Timer::Timer(std::shared_ptr<NodeCore> node, std::shared_ptr<TimerState> state)
@@ -52,8 +60,10 @@ Timer& Timer::operator=(Timer&& other) noexcept {
   return *this;
 }
 
-void Timer::skip_until(double time) {
-  if (node_) node_->skip_until(*state_, time);
+int Timer::skip_until(double time) { return node_ ? node_->skip_until(*state_, time) : 0; }
+
+void Timer::resume() {
+  if (node_) node_->resume(*state_);
 }
 
 void Timer::close() {

@@ -3,8 +3,10 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <random>
 #include <semaphore>
 #include <thread>
 #include <vector>
@@ -66,6 +68,46 @@ TEST(Beat, SeesAClockResetAfterLeavingOutTicksForLong) {
   EXPECT_TRUE(beat.due(50.1));
 }
 
+TEST(Beat, TakesBackTheTicksThatItLeavesOut) {
+  rt::Beat beat{0.0, 0.1};
+  EXPECT_EQ(beat.skip_until(0.45), 4);
+  EXPECT_EQ(beat.skip_until(0.45), 0) << "those are left out already";
+  beat.resume(0.25);
+  EXPECT_NEAR(beat.next(), 0.3, 1e-9);
+  beat.resume(0.25);  // none is left out
+  EXPECT_NEAR(beat.next(), 0.3, 1e-9);
+  EXPECT_TRUE(beat.due(0.31));
+  EXPECT_EQ(beat.skip_until(0.55), 2);
+  beat.resume(0.32);
+  EXPECT_NEAR(beat.next(), 0.4, 1e-9);
+}
+
+// A beat that is asked only when it is not idle ticks as one that is always asked.
+TEST(Beat, IsIdleWhereAskingItChangesNothing) {
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> step{-0.02, 0.12};
+  rt::Beat asked{0.0, 0.1}, spared{0.0, 0.1};
+  double now = 0.0;
+  int idle = 0, ticks = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    now += i % 1000 == 999 ? -5.0 : step(random);
+    if (i % 17 == 0) {
+      ASSERT_EQ(asked.skip_until(now + 0.3), spared.skip_until(now + 0.3));
+    }
+    const bool is_due = asked.due(now);
+    if (spared.is_idle(now)) {
+      ++idle;
+      ASSERT_FALSE(is_due);
+    } else {
+      ASSERT_EQ(spared.due(now), is_due);
+    }
+    ticks += is_due ? 1 : 0;
+    ASSERT_DOUBLE_EQ(asked.next(), spared.next());
+  }
+  EXPECT_GT(idle, 1000);
+  EXPECT_GT(ticks, 1000);
+}
+
 TEST(Beat, RefusesAPeriodThatIsNotPositive) {
   EXPECT_THROW(rt::Beat(0.0, 0.0), std::invalid_argument);
   EXPECT_THROW(rt::Beat(0.0, -1.0), std::invalid_argument);
@@ -89,6 +131,24 @@ TEST(Timer, LeavesOutTicksThatNobodyNeeds) {
   timer.skip_until(start + 0.1);
   ASSERT_TRUE(spin_until([&] { return ticks.size() == 2; }, kTimeout, node));
   EXPECT_GE(ticks[0], 0.1);
+}
+
+// In the same pass, unless the thread is interrupted between two of them.
+TEST(Timer, ASlowOneRunsWhenAFastOneHasWokenTheThread) {
+  constexpr double kFast = 0.03;  // [s]
+  rt::Node node{"slow"};
+  double fast_ran = 0.0;
+  std::vector<double> gaps;  // [s] from the fast one to the slow one
+  const auto fast = node.create_wall_timer(kFast, [&] { fast_ran = rt::steady_seconds(); });
+  const double until = rt::steady_seconds() + kFast / 2;  // so that they are not in step
+  ASSERT_FALSE(spin_until([] { return false; }, until - rt::steady_seconds(), node));
+  const auto slow = node.create_wall_timer(
+      rt::Beat::kSlow, [&] { gaps.push_back(rt::steady_seconds() - fast_ran); });
+  const double end = rt::steady_seconds() + kTimeout;
+  while (gaps.size() < 4 && rt::steady_seconds() < end)
+    node.spin_some(kTimeout);  // spin_until() would wake the node
+  ASSERT_EQ(gaps.size(), 4U);
+  EXPECT_LT(*std::min_element(gaps.begin(), gaps.end()), kFast / 10);
 }
 
 TEST(Timer, StopsWhenItsHandleGoes) {

@@ -172,6 +172,55 @@ TEST_F(SimOverDds, ShowsItsClockItsFramesAndWhatItsScannerSees) {
   EXPECT_NEAR(scan.ranges()[0], 5.0 + kStart, 0.06);         // behind: the wall
 }
 
+class RestingSim : public OneComponent {
+ protected:
+  RestingSim() {
+    clock_in_ = node_.create_subscription(topics::clock, [this](const auto& msg) {
+      const double time = rt::to_seconds(msg.clock());
+      step_ = time - time_;
+      equal_steps_ = is_near(step_, last_step_) ? equal_steps_ + 1 : 0;
+      last_step_ = step_;
+      time_ = time;
+    });
+    beat_ = node_.create_wall_timer(0.02, [this] { command_.publish(to_msg(push_)); });
+  }
+
+  // Waits for several such steps of the clock in a row.
+  [[nodiscard]] bool has_steps_of(double seconds) {
+    return wait_until([&] { return is_near(step_, seconds) && equal_steps_ >= 10; });
+  }
+
+  rt::RunningComponent sim_ = load(
+      "diff_drive_sim", {{"map", source_path("maps/forest.bt")}, {"start", "[-4.0, -4.0, 0.0]"}});
+  rt::Publisher<geometry_msgs::msg::Twist> command_ = node_.create_publisher(topics::cmd_vel);
+  rt::Subscription clock_in_;
+  rt::Timer beat_;
+  Twist2 push_;
+  double time_ = 0.0, step_ = 0.0, last_step_ = 0.0;  // [s]
+  int equal_steps_ = 0;
+};
+
+TEST_F(RestingSim, ShowsEverySecondStepOfTheTime) {
+  ASSERT_TRUE(has_steps_of(0.02));
+  push_ = {0.0, 0.5};
+  ASSERT_TRUE(has_steps_of(0.01));
+  push_ = {};
+  EXPECT_TRUE(has_steps_of(0.02));
+}
+
+// It is late only if the machine is busy.
+TEST_F(RestingSim, KeepsUpWithRealTime) {
+  ASSERT_TRUE(has_steps_of(0.02));
+  double from = time_, since = rt::steady_seconds();
+  EXPECT_TRUE(wait_until([&] {
+    const double passed = rt::steady_seconds() - since;
+    if (passed < 0.5) return false;
+    const double simulated = time_ - from;
+    from = time_, since += passed;
+    return is_near(std::round(10.0 * simulated / passed), 10.0);
+  }));
+}
+
 // Of a robot at rest, two scans differ by noise alone, whose deviation is √2 times that of one.
 TEST_F(OneComponent, RangesHaveTheNoiseOfTheParameter) {
   const auto sim = load("diff_drive_sim", {{"map", source_path("maps/forest.bt")},

@@ -2,6 +2,7 @@
 #include "tandem/runtime/detail/dds_node.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <mutex>
 
 #include "tandem/runtime/detail/graph.hpp"
@@ -101,6 +102,7 @@ DdsNode::DdsNode(NodeOptions node_options)
     if (!stopped()) participant_->publish_ends();
     return guard_report_->poll(steady_now);
   };
+  guard_poller_->slack = Beat::kSlack;
   add(guard_poller_);
 }
 
@@ -283,10 +285,12 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
   if (deliver_sample)
     reader->receive_directly(participant_->direct_topic(endpoint.topic, endpoint.type),
                              std::move(deliver_sample));
-  reader->on_arrival([wake_up = wake_up_, &reader = *reader] {
+  reader->on_arrival([any_arrived = any_arrived_, wake_up = wake_up_, &reader = *reader] {
+    any_arrived->store(true);
     if (reader.patience() <= 0.0) wake_up->notify();
   });
   readers_.push_back(reader);
+  more_left_ = true;  // what came before on_arrival()
   return reader;
 }
 
@@ -311,6 +315,14 @@ void DdsNode::close_reader(Reader& reader) {
   reader.participant().graph().remove(name, reader.guid());
   forget(reader.guid());
   erase(readers_, reader);
+  update_patience();
+}
+
+void DdsNode::update_patience() {
+  patience_ = std::numeric_limits<double>::infinity();
+  for (const auto& reader : readers_)
+    if (const double patience = reader->patience(); patience > 0.0)
+      patience_ = std::min(patience_, patience);
 }
 
 // The graph and the watch for mismatches list the process's reader as each node's own.
@@ -345,6 +357,8 @@ bool DdsNode::read_clock() {
   set_clock(time, arrival, jumped_back);
   return jumped_back;
 }
+
+void DdsNode::resume(TimerState& timer) { timer.beat.resume(timer.wall ? steady_now() : now()); }
 
 void DdsNode::remove(TimerState& timer) {
   timer.closed = true;

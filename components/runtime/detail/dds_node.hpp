@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,6 +22,7 @@ namespace tandem::runtime {
 struct Poller {
   std::function<double(double now)> poll;  ///< runs what is due; returns when to poll next [s]
   double next = 0.0;
+  double slack = 0.0;  ///< how much later [s] poll may be called if nothing else wakes the node
   bool closed = false;
 };
 
@@ -59,7 +61,8 @@ class DdsNode final : public NodeCore {
                                                        PublishersChanged fn) override;
   void add(std::shared_ptr<TimerState> timer) override { timers_.push_back(std::move(timer)); }
   void remove(TimerState& timer) override;
-  void skip_until(TimerState& timer, double time) override { timer.beat.skip_until(time); }
+  int skip_until(TimerState& timer, double time) override { return timer.beat.skip_until(time); }
+  void resume(TimerState& timer) override;
   void retire(std::shared_ptr<void> part) override;
 
   [[nodiscard]] bool is_present(const PublisherId& publisher) const override;
@@ -89,6 +92,9 @@ class DdsNode final : public NodeCore {
   void add(std::shared_ptr<Poller> poller) { pollers_.push_back(std::move(poller)); }
   void remove(Poller& poller);
 
+  /// Call after a reader's patience has changed.
+  void update_patience();
+
   [[nodiscard]] PeerWatch& peers() { return peers_; }
   [[nodiscard]] const Discovery& discovery() const { return participant_->discovery(); }
   /// The domain's id.
@@ -97,6 +103,11 @@ class DdsNode final : public NodeCore {
   [[nodiscard]] bool is_own(const rtps::GUID_t& guid) const { return participant_->is_own(guid); }
 
  private:
+  // When a timer or poller is due, and when it must run if nothing else wakes the node earlier [s].
+  struct Next {
+    double due = 0.0, latest = 0.0;
+  };
+
   std::shared_ptr<PublisherPort> open_publisher(const Endpoint& endpoint, TypeRef type,
                                                 std::shared_ptr<Codec> codec);
   void open_clock(const std::string& topic, const QoS& qos) override;
@@ -106,7 +117,8 @@ class DdsNode final : public NodeCore {
   void forget(const rtps::GUID_t& guid);
   bool dispatch(double max_wait);  // true if a message was taken or a timer ran
   bool run_due();                  // the same without waiting
-  [[nodiscard]] double time_to_next(double max_wait) const;
+  [[nodiscard]] std::vector<std::shared_ptr<Reader>> readers_to_drain();
+  [[nodiscard]] Next time_to_next(double max_wait) const;  // from now on
   bool run(const std::vector<std::shared_ptr<Reader>>& readers);
   bool run_done();
   bool run_timers();
@@ -117,14 +129,17 @@ class DdsNode final : public NodeCore {
   PeerWatch peers_;
   std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
   std::vector<std::shared_ptr<Reader>> readers_;
-  std::unique_ptr<ClockFollower> clock_follower_;  // under use_sim_time
+  std::shared_ptr<std::atomic<bool>> any_arrived_ = std::make_shared<std::atomic<bool>>();
+  bool more_left_ = false;  // in a reader, which was new or had more than a batch
+  double patience_ = std::numeric_limits<double>::infinity();  // the readers' least [s]
+  std::unique_ptr<ClockFollower> clock_follower_;              // under use_sim_time
   std::vector<std::shared_ptr<TimerState>> timers_;
   std::vector<std::shared_ptr<Poller>> pollers_;
   std::vector<std::weak_ptr<ThreadWorker>> workers_;
   std::vector<std::shared_ptr<void>> retired_;
   bool dispatching_ = false;
-  double awake_ = 0.0;     // when the node was last awake [s], steady clock
-  double next_due_ = 0.0;  // of a timer or poller [s], steady clock; for run_if_due()
+  double awake_ = 0.0;  // when the node was last awake [s], steady clock
+  Next next_;           // on the steady clock; for run_if_due()
   std::unique_ptr<GuardReport> guard_report_;
 };
 

@@ -47,15 +47,17 @@ void DdsNode::join(const std::shared_ptr<WakeUp>& group) {
 
 double DdsNode::run_if_due() {
   if (stopped()) return kForever;
-  if (wake_up_->take() || steady_seconds() >= next_due_) {
+  if (wake_up_->take() || steady_seconds() >= next_.due) {
     run_due();
-    next_due_ = steady_seconds() + time_to_next(kForever);
+    next_ = time_to_next(kForever);
+    const double now_steady = steady_seconds();
+    next_.due += now_steady, next_.latest += now_steady;
   }
-  return next_due_;
+  return next_.latest;
 }
 
 bool DdsNode::dispatch(double max_wait) {
-  wake_up_->wait(time_to_next(max_wait));
+  wake_up_->wait(time_to_next(max_wait).latest);
   return run_due();
 }
 
@@ -64,12 +66,15 @@ bool DdsNode::run_due() {
   awake_ = steady_seconds();
   // The clock is read after the readers are selected, so that a message which came after a jump
   // back is delivered after the jump is reported; messages and timers then see one time.
-  auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
+  auto due = readers_to_drain();
   // What has waited comes first: the callbacks of what woke the node may need it.
   std::stable_partition(due.begin(), due.end(),
                         [](const auto& reader) { return reader->patience() > 0.0; });
   const bool jumped_back = read_clock();
+  more_left_ = !due.empty();  // also if a callback throws
   const bool received = run(due);
+  more_left_ =
+      std::any_of(due.begin(), due.end(), [](const auto& reader) { return reader->waiting(); });
   const bool worked = run_done();
   const bool fired = run_timers();
   run_pollers();
@@ -78,24 +83,32 @@ bool DdsNode::run_due() {
   return jumped_back || received || worked || fired;
 }
 
-double DdsNode::time_to_next(double max_wait) const {
+// A node has a dozen readers or more, and often only a timer is due.
+std::vector<std::shared_ptr<Reader>> DdsNode::readers_to_drain() {
+  if (!any_arrived_->exchange(false) && !more_left_) return {};
+  return select(readers_, [](const Reader& reader) { return reader.is_due(); });
+}
+
+DdsNode::Next DdsNode::time_to_next(double max_wait) const {
+  if (more_left_) return {0.0, 0.0};
   const double now_steady = steady_seconds();
-  double wait = max_wait, due = kForever;  // `due`: on /clock
-  for (const auto& reader : readers_) {
-    if (reader->waiting()) return 0.0;
-    if (const double patience = reader->patience(); patience > 0.0)
-      wait = std::min(wait, awake_ + patience - now_steady);
-  }
+  Next next{max_wait, max_wait};
+  const auto note = [&](double time, double slack = 0.0) {
+    next.due = std::min(next.due, time - now_steady);
+    next.latest = std::min(next.latest, time + slack - now_steady);
+  };
+  note(awake_ + patience_);
+  double due = kForever;  // on /clock
   for (const auto& timer : timers_) {
     if (timer->wall || !use_sim_time)
-      wait = std::min(wait, timer->beat.next() - now_steady);
+      note(timer->beat.next(), timer->beat.slack());
     else
       due = std::min(due, timer->beat.next());
   }
-  for (const auto& poller : pollers_) wait = std::min(wait, poller->next - now_steady);
-  wait = std::min(wait, peers_.due() - now_steady);
-  if (clock_follower_ && clock_follower_->is_due(due)) return 0.0;
-  return std::max(0.0, wait);
+  for (const auto& poller : pollers_) note(poller->next, poller->slack);
+  note(peers_.due());
+  if (clock_follower_ && clock_follower_->is_due(due)) return {0.0, 0.0};
+  return {std::max(0.0, next.due), std::max(0.0, next.latest)};
 }
 
 bool DdsNode::run(const std::vector<std::shared_ptr<Reader>>& readers) {
@@ -121,11 +134,16 @@ bool DdsNode::run_done() {
 }
 
 bool DdsNode::run_timers() {
-  const auto all = [](const TimerState&) { return true; };
+  const auto clock = [this](const TimerState& timer) {
+    return timer.wall ? steady_seconds() : now();
+  };
+  const auto may_be_due = [&](const TimerState& timer) {
+    return !timer.beat.is_idle(clock(timer));
+  };
   bool fired = false;
-  for (const auto& timer : select(timers_, all)) {
+  for (const auto& timer : select(timers_, may_be_due)) {
     if (stopped() || timer->closed) continue;
-    if (!timer->beat.due(timer->wall ? steady_seconds() : now())) continue;
+    if (!timer->beat.due(clock(*timer))) continue;
     timer->fn();
     fired = true;
   }

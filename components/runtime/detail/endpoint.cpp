@@ -322,9 +322,11 @@ bool Writer::Matches::has_others_than(const rtps::GUID_t& writer) const {
          });
 }
 
+// In doubt the larger number, because a publisher without readers may make no messages.
 int Writer::Matches::count() const {
   const std::lock_guard lock{mutex_};
-  return static_cast<int>(readers_.size());
+  const std::int64_t known = std::ssize(readers_);
+  return static_cast<int>(is_doubtful_ ? std::max(known, count_of_dds_) : known);
 }
 
 }  // namespace tandem::runtime

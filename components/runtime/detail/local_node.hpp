@@ -46,7 +46,8 @@ class LocalNode final : public NodeCore, public std::enable_shared_from_this<Loc
                                                        PublishersChanged fn) override;
   void add(std::shared_ptr<TimerState> timer) override;
   void remove(TimerState& timer) override;
-  void skip_until(TimerState&, double) override {}  // waking costs nothing here
+  int skip_until(TimerState&, double) override { return 0; }  // waking costs nothing here
+  void resume(TimerState&) override {}
   // An event keeps what it calls alive.
   void retire(std::shared_ptr<void>) override {}
 

@@ -73,8 +73,9 @@ class NodeCore {
                                                                PublishersChanged fn) = 0;
   virtual void add(std::shared_ptr<TimerState> timer) = 0;
   virtual void remove(TimerState& timer) = 0;
-  /// See Timer::skip_until(). A bus may ignore it.
-  virtual void skip_until(TimerState& timer, double time) = 0;
+  /// See Timer::skip_until() and Timer::resume(). A bus may ignore them.
+  virtual int skip_until(TimerState& timer, double time) = 0;
+  virtual void resume(TimerState& timer) = 0;
   /// Keeps `part` alive until the running callbacks return: a callback may close its own caller.
   virtual void retire(std::shared_ptr<void> part) = 0;
 

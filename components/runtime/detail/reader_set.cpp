@@ -69,11 +69,13 @@ void ReaderSet::open(const QoS& qos) {
   route_->requested.push_back(policies_of(qos));
   readers_.push_back(node_.open_reader(endpoint, std::move(deliver), std::move(deliver_sample)));
   readers_.back()->set_patience(route_->patience);
+  node_.update_patience();
 }
 
 void ReaderSet::may_wait(double seconds) {
   route_->patience = std::max(0.0, seconds);
   for (const auto& reader : readers_) reader->set_patience(route_->patience);
+  node_.update_patience();
 }
 
 void ReaderSet::accept_every_publisher(std::function<QoS(const QoS&)> tuned) {

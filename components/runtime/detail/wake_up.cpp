@@ -50,7 +50,7 @@ void WakeUp::wake() {
 
 void WakeUp::wait(double max_wait) {
   std::unique_lock lock{mutex_};
-  const auto is_notified = [this] { return notified_; };
+  const auto is_notified = [this] { return notified_.load(); };
   if (std::isinf(max_wait))
     changed_.wait(lock, is_notified);
   else if (max_wait > 0.0)
@@ -63,9 +63,6 @@ void WakeUp::join(std::shared_ptr<WakeUp> group) {
   group_ = std::move(group);
 }
 
-bool WakeUp::take() {
-  const std::lock_guard lock{mutex_};
-  return std::exchange(notified_, false);
-}
+bool WakeUp::take() { return notified_ && notified_.exchange(false); }
 
 }  // namespace tandem::runtime

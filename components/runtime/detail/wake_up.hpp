@@ -2,6 +2,7 @@
 // Wakes the thread of a node. Private to runtime/.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -42,7 +43,7 @@ class TANDEM_EXPORT_FOR_TESTS WakeUp : public std::enable_shared_from_this<WakeU
   std::mutex mutex_;
   std::shared_ptr<WakeUp> group_;
   std::condition_variable changed_;
-  bool notified_ = false;
+  std::atomic<bool> notified_ = false;
   bool woken_ = false;  // the thread has been woken for it, so that nobody else needs to
 };
 
