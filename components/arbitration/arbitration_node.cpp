@@ -198,7 +198,7 @@ void ArbitrationNode::watch() {
   const bool just_stopped = in_charge == Source::kNone && decision_.source != Source::kNone;
   if (just_stopped || node_.steady_now() - published_ >= kRepeat) decide(in_charge);
   say_why();
-  // A robot that stands has nothing to stop; on_command() ends this.
+  // A robot that stands has nothing to stop. decide() takes this back when a source drives.
   if (decision_.source == Source::kNone)
     watchdog_.skip_until(published_ + kRepeat - 0.5 * kWatchdog);
 }

@@ -41,8 +41,7 @@ struct ArbitrationNodeParams {
 /// as soon as the source in charge is silent. Status and diagnostics report within 13 ms why the
 /// robot stops, and within 25 ms why it stands, including causes in teleop, planner, safety filter
 /// or a node upstream of them: when nodes wait for each other's topics, the first cause is
-/// reported. Services: ~/set_policy,
-/// ~/release_emergency_stop.
+/// reported. Services: ~/set_policy, ~/release_emergency_stop.
 class ArbitrationNode {
  public:
   using Params = ArbitrationNodeParams;

@@ -13,7 +13,8 @@
 namespace tandem {
 namespace {
 
-constexpr double kPatience = 0.1;  // [s] of commands, which count from the next tick
+constexpr double kPatience = 0.1;    // [s] of commands, which are taken at the next tick
+constexpr double kLongestGap = 0.1;  // [s] between two /clock messages that leaving out may cause
 
 Pose2 start_of(const DiffDriveSimNodeParams& params) {
   if (params.start.size() != 3)
@@ -131,11 +132,15 @@ void DiffDriveSimNode::tick() {
   leave_out_next();
 }
 
-// While nothing moves, the tick that publishes nothing but the time runs together with the next.
+// While nothing moves, the tick that publishes nothing but the time runs together with the next. A
+// command that comes meanwhile counts from the last time shown, which its sender knows. Of a late
+// tick, skip_until() leaves out more than one: those are missed, as always.
 void DiffDriveSimNode::leave_out_next() {
+  const double period = params_->step / params_->speed_factor;
   left_out_ = 0;
   if (is_heard_ || !sim_.is_at_rest() || is_odometry_due(ticks_ + 1)) return;
-  left_out_ = timer_.skip_until(node_.steady_now() + params_->step / params_->speed_factor);
+  if (2.0 * period > kLongestGap) return;
+  left_out_ = std::min(1, timer_.skip_until(node_.steady_now() + period));
 }
 
 // Whether a period of odometry ends in this tick.

@@ -187,7 +187,7 @@ class RestingSim : public OneComponent {
 
   // Waits for several such steps of the clock in a row.
   [[nodiscard]] bool has_steps_of(double seconds) {
-    return wait_until([&] { return is_near(step_, seconds) && equal_steps_ >= 10; });
+    return wait_until([&] { return is_near(step_, seconds) && equal_steps_ >= 5; });
   }
 
   rt::RunningComponent sim_ = load(
@@ -208,7 +208,7 @@ TEST_F(RestingSim, ShowsEverySecondStepOfTheTime) {
   EXPECT_TRUE(has_steps_of(0.02));
 }
 
-// It is late only if the machine is busy.
+// If the machine is busy, it is late.
 TEST_F(RestingSim, KeepsUpWithRealTime) {
   ASSERT_TRUE(has_steps_of(0.02));
   double from = time_, since = rt::steady_seconds();
@@ -217,7 +217,7 @@ TEST_F(RestingSim, KeepsUpWithRealTime) {
     if (passed < 0.5) return false;
     const double simulated = time_ - from;
     from = time_, since += passed;
-    return is_near(std::round(10.0 * simulated / passed), 10.0);
+    return std::abs(simulated / passed - 1.0) < 0.25;
   }));
 }
 

@@ -290,7 +290,7 @@ std::shared_ptr<Reader> DdsNode::open_reader(const Endpoint& endpoint, Reader::D
     if (reader.patience() <= 0.0) wake_up->notify();
   });
   readers_.push_back(reader);
-  more_left_ = true;  // what came before on_arrival()
+  more_left_ = true;  // for what came before on_arrival()
   return reader;
 }
 

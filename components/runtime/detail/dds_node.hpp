@@ -130,7 +130,7 @@ class DdsNode final : public NodeCore {
   std::shared_ptr<Poller> guard_poller_ = std::make_shared<Poller>();
   std::vector<std::shared_ptr<Reader>> readers_;
   std::shared_ptr<std::atomic<bool>> any_arrived_ = std::make_shared<std::atomic<bool>>();
-  bool more_left_ = false;  // in a reader, which was new or had more than a batch
+  bool more_left_ = false;  // whether a reader may hold more: it is new, or had more than a batch
   double patience_ = std::numeric_limits<double>::infinity();  // the readers' least [s]
   std::unique_ptr<ClockFollower> clock_follower_;              // under use_sim_time
   std::vector<std::shared_ptr<TimerState>> timers_;

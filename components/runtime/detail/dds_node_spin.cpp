@@ -71,10 +71,10 @@ bool DdsNode::run_due() {
   std::stable_partition(due.begin(), due.end(),
                         [](const auto& reader) { return reader->patience() > 0.0; });
   const bool jumped_back = read_clock();
-  more_left_ = !due.empty();  // also if a callback throws
   const bool received = run(due);
-  more_left_ =
-      std::any_of(due.begin(), due.end(), [](const auto& reader) { return reader->waiting(); });
+  if (more_left_)
+    more_left_ = std::any_of(readers_.begin(), readers_.end(),
+                             [](const auto& reader) { return reader->waiting(); });
   const bool worked = run_done();
   const bool fired = run_timers();
   run_pollers();
@@ -83,10 +83,14 @@ bool DdsNode::run_due() {
   return jumped_back || received || worked || fired;
 }
 
-// A node has a dozen readers or more, and often only a timer is due.
+// A node has a dozen readers or more, and often only a timer is due: they are looked at only if
+// something has arrived. Something is left in those selected until they have been drained, also if
+// a callback throws.
 std::vector<std::shared_ptr<Reader>> DdsNode::readers_to_drain() {
   if (!any_arrived_->exchange(false) && !more_left_) return {};
-  return select(readers_, [](const Reader& reader) { return reader.is_due(); });
+  auto due = select(readers_, [](const Reader& reader) { return reader.is_due(); });
+  more_left_ = !due.empty();
+  return due;
 }
 
 DdsNode::Next DdsNode::time_to_next(double max_wait) const {

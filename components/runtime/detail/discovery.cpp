@@ -99,6 +99,7 @@ bool same_process(const rtps::GUID_t& a, const rtps::GUID_t& b) {
 // A server that has been restarted announces everything again; that is no change.
 void Discovery::add(KnownEndpoint endpoint) {
   const std::string topic = endpoint.topic;
+  std::string left;  // a topic on which it was announced before
   {
     const std::lock_guard lock{mutex_};
     const auto known = endpoints_.find(endpoint.guid);
@@ -107,6 +108,7 @@ void Discovery::add(KnownEndpoint endpoint) {
     } else {
       endpoint.since = known->second->since;
       if (endpoint == *known->second) return;
+      left = known->second->topic;
       erase_from_topic(*known->second);
     }
     const auto added = std::make_shared<const KnownEndpoint>(std::move(endpoint));
@@ -114,6 +116,7 @@ void Discovery::add(KnownEndpoint endpoint) {
     topics_[topic][added->guid] = added;
   }
   note_change(topic);
+  if (!left.empty() && left != topic) note_change(left);
 }
 
 void Discovery::remove(const rtps::GUID_t& guid) {

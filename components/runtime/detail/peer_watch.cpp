@@ -83,8 +83,11 @@ std::set<std::string> PeerWatch::topics_to_look_at(double now) {
   if (std::exchange(own_changed_, false)) {
     auto topics = own_topics();
     const auto is_left = [&](const auto& entry) { return !topics.contains(entry.first); };
-    std::erase_if(checked_, is_left);
     std::erase_if(settles_, is_left);
+    // What has been said of a peer is not said again if this node comes back to its topic.
+    std::erase_if(checked_, [&](const auto& entry) {
+      return is_left(entry) && discovery_.endpoints_on(entry.first).empty();
+    });
     others_->watch(topics);  // before looking, so that no change is missed
     (void)others_->take();   // all of them are looked at
     return topics;

@@ -34,7 +34,8 @@ class TANDEM_EXPORT_FOR_TESTS PeerWatch {
                                                        const std::string& type,
                                                        PublishersChanged fn);
 
-  /// When to call poll() [s], steady clock; infinity if nothing has changed.
+  /// When to call poll() [s], steady clock; infinity if nothing has changed and no peer is too new
+  /// to be reported.
   [[nodiscard]] double due() const;
   /// Runs the checks and callbacks due at `now` [s].
   void poll(double now);

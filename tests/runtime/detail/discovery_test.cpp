@@ -53,8 +53,13 @@ TEST(Discovery, ListsTheEndpointsOfATopic) {
 // Only a faulty or hostile program announces such a thing.
 TEST(Discovery, MovesAnEndpointThatIsAnnouncedOnAnotherTopic) {
   Discovery discovery;
+  const auto watcher = std::make_shared<DiscoveryWatcher>(std::make_shared<WakeUp>());
+  watcher->watch({"a"});
+  discovery.add(watcher);
   discovery.add(publisher(1, "a"));
+  EXPECT_EQ(watcher->take(), Topics{"a"});
   discovery.add(publisher(1, "b"));
+  EXPECT_EQ(watcher->take(), Topics{"a"}) << "it has left";
   EXPECT_TRUE(discovery.endpoints_on("a").empty());
   EXPECT_EQ(topics_of(discovery.endpoints_on("b")), std::vector<std::string>{"b"});
   EXPECT_EQ(topics_of(discovery.endpoints()), std::vector<std::string>{"b"});
