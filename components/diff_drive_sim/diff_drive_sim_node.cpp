@@ -133,8 +133,8 @@ void DiffDriveSimNode::tick() {
 }
 
 // While nothing moves, the tick that publishes nothing but the time runs together with the next. A
-// command that comes meanwhile counts from the last time shown, which its sender knows. Of a late
-// tick, skip_until() leaves out more than one: those are missed, as always.
+// command that comes meanwhile counts from the last time published, as its sender knows no later
+// one. After a late tick, skip_until() leaves out more than one; they are missed, as without it.
 void DiffDriveSimNode::leave_out_next() {
   const double period = params_->step / params_->speed_factor;
   left_out_ = 0;

@@ -133,19 +133,18 @@ void PeerWatch::notify(Request& request, const KnownEndpoints& known) {
 }
 
 void PeerWatch::check(const std::string& topic, const KnownEndpoints& known, double now) {
-  std::set<rtps::GUID_t> checked;  // without those that have left
-  std::swap(checked, checked_[topic]);
-  for (const auto& peer : known)
-    if (checked.contains(peer->guid)) checked_[topic].insert(peer->guid);
-  settles_.erase(topic);
+  const auto checked = std::exchange(checked_[topic], {});  // those that have left are forgotten
+  double next = std::numeric_limits<double>::infinity();
   for (const auto& peer : known) {
-    if (checked.contains(peer->guid)) continue;
     const double settles = peer->since + settling_;
-    if (now < settles)
-      settles_[topic] = std::min(settles, settles_.try_emplace(topic, settles).first->second);
+    if (checked.contains(peer->guid))
+      checked_[topic].insert(peer->guid);
+    else if (now < settles)
+      next = std::min(next, settles);
     else
       check(*peer, known);
   }
+  settles_[topic] = next;
 }
 
 // One compatible endpoint of the node is enough: /e_stop, for example, has two readers.
